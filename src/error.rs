@@ -32,7 +32,7 @@ pub enum Error {
         /// Largest allowed value.
         limit: f64,
     },
-    /// An advance has reached its limit of work. The state stands at `time` and is valid. Another
+    /// An advance has reached its limit of work. The state is that at `time` and is valid. Another
     /// advance continues from there and has a new limit.
     #[error(
         "the advance ended at t = {time} s, where it reached the limit of work in one call: the last {span} s took {events} events. \

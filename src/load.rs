@@ -1,8 +1,8 @@
 //! Loads from samples: a force history on one body, and the simulator under it.
 //!
 //! A record of samples (time, force) becomes a polynomial of degree one or three between
-//! neighbouring samples. The simulator propagates such polynomials exactly (docs/theory.md (8)), so
-//! that the motion is exact for the interpolant: only the force between the samples is uncertain.
+//! neighbouring samples. The simulator propagates such polynomials exactly (docs/theory.md (8)),
+//! so the motion is exact for the interpolant: only the force between samples is uncertain.
 //!
 //! ```
 //! use vibro_impact::load::{Body, Interpolation, Load};
@@ -53,9 +53,9 @@ pub enum Interpolation {
     #[default]
     Linear,
     /// A cubic with the slopes of Fritsch and Butland at the samples (the scheme known as PCHIP):
-    /// smooth, and monotone wherever the samples are. It stays within the range of its two samples,
-    /// unlike a spline, which overshoots at a step. A sample changes the force only in the two
-    /// intervals on either side of it.
+    /// smooth, and monotone wherever the samples are. It stays within the range of its two
+    /// samples, unlike a spline, which overshoots at a step. A sample changes the force only in
+    /// the two intervals on either side of it.
     Cubic,
 }
 
@@ -70,14 +70,14 @@ pub struct Load {
 }
 
 impl Load {
-    /// Load from samples (time in s, force in N). Times are those of the simulator.
+    /// Load from samples (time in s, force in N). The times are simulator times.
     ///
-    /// Outside the samples the force is zero, as nothing was measured there: a record that does not
-    /// begin and end at zero begins and ends with a jump.
+    /// Outside the samples the force is zero, as nothing was measured there: a record that does
+    /// not begin and end at zero begins and ends with a jump.
     ///
     /// # Errors
-    /// [`Error::Sample`] with the index, counted from 0, of the first sample that is not finite, is
-    /// not later than the one before it, or is followed by a slope too steep for a double;
+    /// [`Error::Sample`] with the index, counted from 0, of the first sample that is not finite,
+    /// is not later than the one before it, or is followed by a slope too steep for a double;
     /// [`Error::Samples`] for fewer than two.
     pub fn new(body: Body, samples: &[(f64, f64)], interpolation: Interpolation) -> Result<Self> {
         if samples.len() < 2 {
@@ -164,14 +164,14 @@ pub fn next_sample(loads: &[Load], time: f64) -> Option<f64> {
 }
 
 impl Simulator {
-    /// Advances under loads, as [`advance_until`](Self::advance_until), and sets the loads again at
-    /// each of their samples. Several loads may act on one body. At the end, the loads just after
-    /// that time are in force. A further call with these loads continues the motion under them;
-    /// [`advance_to`](Self::advance_to) continues it under the last polynomials.
+    /// Advances under loads, as [`advance_until`](Self::advance_until), and sets the loads again
+    /// at each of their samples. Several loads may act on one body. At the end, the loads just
+    /// after that time are in force. A further call with these loads continues the motion under
+    /// them; [`advance_to`](Self::advance_to) continues it under the last polynomials.
     ///
     /// # Errors
-    /// As [`advance_until`](Self::advance_until) and [`set_loads`](Self::set_loads); the state then
-    /// stands at the time reached.
+    /// As [`advance_until`](Self::advance_until) and [`set_loads`](Self::set_loads); the state is
+    /// then that at the time reached.
     pub fn advance_under(
         &mut self,
         loads: &[Load],
@@ -179,7 +179,7 @@ impl Simulator {
         pause: Pause,
         mut observer: EventObserver<'_, '_>,
     ) -> Result<AdvanceOutcome> {
-        // No loads are set if the end is refused or differs from the present time only by rounding.
+        // No loads are set if the end is refused or is the present time up to rounding.
         if !(end.is_finite() && end >= self.time()) {
             return self.advance_until(end, pause, observer);
         }

@@ -1,6 +1,6 @@
-//! This project's checks of the text of a model description, for either version: rules that the XML
-//! schema cannot express, properties on which importers rely, and errors that hosts overlook, such
-//! as start values outside their range.
+//! This project's checks of the text of a model description, for either version: rules that the
+//! XML schema cannot express, properties on which importers rely, and errors that hosts overlook,
+//! such as start values outside their range.
 
 mod model;
 mod structure;
@@ -11,7 +11,7 @@ use fmi_doors::Version;
 use model::{Model, Variable, VariableType};
 use std::collections::BTreeSet;
 
-/// Everything wrong with a model description; empty when it is valid.
+/// All problems of a model description; empty if it is valid.
 ///
 /// # Errors
 /// [`crate::Error::Xml`] if the text is not XML.
@@ -19,7 +19,7 @@ pub fn problems(text: &str, version: Version) -> Result<Vec<String>> {
     Ok(problems_of(&Element::parse(text)?, version))
 }
 
-/// Everything wrong with a parsed model description; empty when it is valid.
+/// All problems of a parsed model description; empty if it is valid.
 pub fn problems_of(root: &Element, version: Version) -> Vec<String> {
     let mut found = Vec::new();
     required(root, version, &mut found);
@@ -56,7 +56,7 @@ const ATTRIBUTES: [(&str, &str); 6] = [
     ("DefaultExperiment", "startTime stopTime tolerance stepSize"),
     ("Alias", "name"),
 ];
-/// Required attributes of elements in FMI 2.0 alone.
+/// Required attributes of elements in FMI 2.0 only.
 const OF_FMI2: [(&str, &str); 6] = [
     ("fmiModelDescription", "guid"),
     (
@@ -220,7 +220,7 @@ fn names(model: &Model, found: &mut Vec<String>) {
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
     inner.unwrap_or(name).split('.').all(|part| {
-        // An array's element has its places in brackets after the name, separated by commas.
+        // An array's element has its indices in brackets after the name, separated by commas.
         let element = part.strip_suffix(']').and_then(|part| part.split_once('['));
         let index = |place: &str| !place.is_empty() && place.chars().all(|c| c.is_ascii_digit());
         let part = element.filter(|(_, places)| places.split(',').all(index)).map_or(part, |(name, _)| name);

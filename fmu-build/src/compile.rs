@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 pub use vibro_pack::{PLATFORM, PLATFORM_TUPLE, SHARED_LIBRARY};
 
 /// Every function of FMI 2.0 (2.1, 3.2, 4.2), each with the prefix `fmi2`. Hosts load all of them
-/// by name, including those of capabilities that are not claimed.
+/// by name, including functions of capabilities that are not claimed.
 pub const FUNCTIONS: &str = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
     EnterInitializationMode ExitInitializationMode Terminate Reset \
     GetReal GetInteger GetBoolean GetString SetReal SetInteger SetBoolean SetString \
@@ -41,19 +41,19 @@ pub fn exported() -> impl Iterator<Item = String> {
     of("fmi2", FUNCTIONS).chain(of("fmi3", FUNCTIONS3))
 }
 
-/// Folder of the workspace this packager was compiled from.
+/// Folder of the workspace that contains this packager's sources.
 pub fn workspace() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here)
 }
 
-/// Folder for everything built.
+/// Folder for all build results.
 pub fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
 }
 
-/// Path of a library that cargo compiled together with this packager, which depends on its crate.
-/// No compiler runs; the library may contain paths of this machine and needs its compiler's
+/// Path of a prebuilt library: cargo compiled it together with this packager, which depends on its
+/// crate. No compiler runs; the library may contain paths of this machine and needs its compiler's
 /// unwinder (libgcc_s).
 ///
 /// # Errors
@@ -63,7 +63,7 @@ pub fn at_hand(library: Product) -> Result<PathBuf> {
     let missing = |problem: String| Error::Cargo { command: "cargo build --bin fmu-build".into(), problem };
     let program = std::env::current_exe().map_err(|e| missing(format!("cannot name this program: {e}")))?;
     let name = format!("{}{}{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX, library.name());
-    // Test executables lie in the same folder, programs one folder above.
+    // Test executables are in the same folder, programs one folder above.
     let folder = program.parent().unwrap_or(Path::new(""));
     let places = [folder.join("deps").join(&name), folder.join(&name)];
     let found = places.iter().find(|path| path.is_file()).cloned();
@@ -109,7 +109,7 @@ exports:
 ";
 
 impl Product {
-    /// The package from which it is compiled.
+    /// The package that is compiled.
     pub fn package(self) -> &'static str {
         match self {
             Self::Vibro => "vibro-paper-component",
@@ -130,8 +130,8 @@ impl Product {
     /// Arguments that tell cargo what to compile.
     fn made_by(self) -> &'static [&'static str] {
         match self {
-            // `rustc` with a single crate type, since cargo leaves out link-time optimization if an
-            // rlib is made as well.
+            // `rustc` with a single crate type, since cargo leaves out link-time optimization if
+            // an rlib is made as well.
             Self::Vibro | Self::Machine => &["rustc", "--lib", "--crate-type", "cdylib"],
             Self::CommandLine => &["rustc", "--bin", PROGRAM],
         }
@@ -139,8 +139,8 @@ impl Product {
 }
 
 impl Default for Compiler {
-    /// The nested cargo has a target folder of its own, so that it never waits for the lock of a
-    /// cargo that runs this program.
+    /// The nested cargo has its own target folder, so that it never waits for the lock of a cargo
+    /// that runs this program.
     fn default() -> Self {
         Self { workspace: workspace().into(), target: target().join("fmu"), product: Product::Vibro }
     }
@@ -205,12 +205,12 @@ impl Compiler {
     }
 
     /// Compiler flags: paths of this machine are remapped, so that builds in two folders are
-    /// bit-identical. They replace the user's own flags, which must not change what is shipped.
+    /// bit-identical. They replace the user's own flags, which must not affect distributed files.
     fn flags(&self) -> String {
         let mut flags = vec![remap(&self.workspace, "/vibro-impact")];
         flags.extend(cargo_home().map(|home| remap(&home, "/cargo")));
-        // Last: of several matching prefixes the last one applies, and the workspace may lie inside
-        // cargo's home.
+        // Last: of several matching prefixes the last one applies, and the workspace may lie
+        // inside cargo's home.
         flags.push(remap(&self.target, "/target"));
         flags.join("\u{1f}")
     }
@@ -226,7 +226,7 @@ impl Compiler {
     }
 
     /// A folder for the linker with stubs of Apple's frameworks. For time stamps of tables, chrono
-    /// calls a framework for the time zone. Zig has stubs only of the system's libraries, and
+    /// calls a framework for the time zone. Zig only has stubs of the system's libraries, and
     /// Apple's own kit is for Macs.
     fn frameworks(&self) -> Result<PathBuf> {
         let folder = self.target.join("frameworks");
@@ -237,9 +237,9 @@ impl Compiler {
         Ok(folder)
     }
 
-    /// A folder for the linker in which the name of GCC's shared run-time library refers to the
-    /// static library. Unwinding then needs no library that a host's machine may lack. `None` if
-    /// GCC's libraries are not used.
+    /// A folder for the linker that maps the name of GCC's shared run-time library to the static
+    /// library. Unwinding then needs no library that a host's machine may lack. `None` if GCC's
+    /// libraries are not used.
     fn static_unwinder(&self) -> Result<Option<PathBuf>> {
         if !cfg!(all(target_os = "linux", target_env = "gnu")) {
             return Ok(None);
@@ -261,7 +261,7 @@ pub(crate) fn remap(from: &Path, to: &str) -> String {
     format!("--remap-path-prefix={}={to}", from.to_string_lossy())
 }
 
-/// Where cargo keeps the sources of other crates.
+/// Folder in which cargo keeps the sources of other crates.
 pub(crate) fn cargo_home() -> Option<PathBuf> {
     let given = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     given.or_else(|| Some(std::env::home_dir()?.join(".cargo")))
@@ -270,14 +270,14 @@ pub(crate) fn cargo_home() -> Option<PathBuf> {
 /// 1980-01-01 in seconds since 1970, the time of all entries of archives.
 pub(crate) const EPOCH: &str = "315532800";
 
-/// The file of a product that a cargo makes.
+/// The file of a product made by a cargo.
 fn made(cargo: &mut Command, product: Product) -> Result<PathBuf> {
     let messages = output(cargo)?;
     let file = messages.lines().find_map(|message| file_of(message, product));
     file.ok_or_else(|| Error::Cargo { command: line(cargo), problem: "made no file to hand on".into() })
 }
 
-/// Command for the cargo that runs this program, else the one on PATH, in the workspace.
+/// Command for the cargo that runs this program, otherwise the cargo on PATH, in the workspace.
 pub(crate) fn cargo() -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(workspace());

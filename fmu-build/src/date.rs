@@ -4,9 +4,9 @@
 use crate::compile::workspace;
 use std::process::{Command, Stdio};
 
-/// `generationDateAndTime` (xs:dateTime, UTC): the time of `SOURCE_DATE_EPOCH` (seconds since 1970,
-/// as defined by reproducible-builds.org), else the time of the last commit if the workspace is a
-/// git repository. `None` without both; the attribute is then left out.
+/// `generationDateAndTime` (xs:dateTime, UTC): the time of `SOURCE_DATE_EPOCH` (seconds since
+/// 1970, as defined by reproducible-builds.org), otherwise the time of the last commit if the
+/// workspace is a git repository. `None` without both; the attribute is then left out.
 pub fn of_sources() -> Option<String> {
     let given = std::env::var("SOURCE_DATE_EPOCH").ok();
     given.or_else(last_commit).and_then(|seconds| Some(utc(seconds.trim().parse().ok()?)))
@@ -39,7 +39,7 @@ fn utc(seconds: u64) -> String {
 mod tests {
     use super::utc;
 
-    /// By `date --utc --date=@…`.
+    /// Values of `date --utc --date=@…`.
     #[test]
     fn golden_values_of_dates() {
         for (seconds, expected) in [

@@ -3,18 +3,18 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-/// What can go wrong while packing or running; every message says what was wrong and what to do.
+/// Error while packing or running; every message states the problem and the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be read or written.
     #[error("{action} {}: {source}", path.display())]
     File {
-        /// What was tried, e.g. `writing`.
+        /// The failed action, e.g. `writing`.
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         source: std::io::Error,
     },
     /// Cargo could not be run or failed.
@@ -22,7 +22,7 @@ pub enum Error {
     Cargo {
         /// The command line.
         command: String,
-        /// What happened, and what to do.
+        /// The problem, and the remedy.
         problem: String,
     },
     /// The model description could not be written or read.
@@ -44,13 +44,13 @@ pub enum Error {
         call: &'static str,
         /// Name of the status.
         status: &'static str,
-        /// What the FMU logged.
+        /// Log of the FMU.
         log: String,
     },
     /// No variable has that name.
     #[error("the FMU has no variable {0}")]
     Variable(String),
-    /// The simulator refused.
+    /// The simulator refused the run.
     #[error("native run: {0}")]
     Native(#[from] vibro_impact::Error),
     /// The archives do not hold the same library.
@@ -89,20 +89,20 @@ pub enum Error {
     /// A release cannot be made from the present files.
     #[error("no release:\n  {}", .0.join("\n  "))]
     Release(Vec<String>),
-    /// A command-line option has a value that is not allowed.
+    /// A command-line option has an invalid value.
     #[error("{name} = {value}: allowed is {allowed}")]
     Option {
         /// The option.
         name: &'static str,
         /// Its value.
         value: String,
-        /// What is allowed.
+        /// The valid values.
         allowed: Cow<'static, str>,
     },
 }
 
 impl Error {
-    /// For `map_err` on file operations.
+    /// Wraps an error of a file operation, for `map_err`.
     pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::File { action, path: path.to_owned(), source }
     }

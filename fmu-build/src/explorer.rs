@@ -12,14 +12,14 @@ pub const PATH: &str = "documentation/explorer.html";
 /// The live page, or the reason why it cannot be made and what to install.
 ///
 /// # Errors
-/// The reason in words.
+/// Text of the reason.
 pub fn page() -> Result<Vec<u8>, LeftOut> {
     let left_out = |reason: String| LeftOut { folder: PATH, reason, replaced: false };
     let file = target().join("explorer/explorer.html");
     let mut build = cargo();
     build.args(["run", "--package", "web-build", "--release", "--locked", "--quiet", "--target-dir"]);
-    // The nested cargo has a separate target folder, so that it never waits for the lock of a cargo
-    // that runs this program.
+    // The nested cargo has a separate target folder, so that it never waits for the lock of a
+    // cargo that runs this program.
     build
         .arg(target().join("explorer/tool"))
         .args(["--config", "profile.release.lto=false", "--", "--out"])

@@ -41,7 +41,7 @@ type Instantiate = unsafe extern "C" fn(
 ) -> Component;
 type Plain = unsafe extern "C" fn(Component) -> c_int;
 
-/// The functions this host calls, copied out of the library, which [`Binary`] keeps loaded.
+/// The functions that this host calls, copied from the library, which [`Binary`] keeps loaded.
 #[derive(Clone, Copy)]
 struct Functions {
     instantiate: Instantiate,
@@ -66,10 +66,10 @@ unsafe fn open(path: &Path) -> std::result::Result<Library, libloading::Error> {
     #[cfg(unix)]
     {
         use libloading::os::unix::{self, RTLD_LOCAL, RTLD_NOW};
-        // SAFETY: as the caller vouches.
+        // SAFETY: as the caller ensures.
         unsafe { unix::Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Library::from)
     }
-    // SAFETY: as the caller vouches; Windows resolves all symbols.
+    // SAFETY: as the caller ensures; Windows resolves all symbols.
     #[cfg(not(unix))]
     unsafe {
         Library::new(path)
@@ -135,8 +135,8 @@ impl Binary {
         });
         let guid = CString::new(guid).unwrap_or_default();
         const CO_SIMULATION: c_int = 1;
-        // SAFETY: all pointers are valid for the call; callbacks and log live in boxes as long as
-        // the instance.
+        // SAFETY: all pointers are valid for the call; callbacks and log live in boxes while the
+        // instance lives.
         let component = unsafe {
             let (resources, name) = (c"".as_ptr(), c"fmu-build".as_ptr());
             (self.functions.instantiate)(
@@ -166,7 +166,7 @@ unsafe extern "C" fn logger(
     category: *const c_char,
     message: *const c_char,
 ) {
-    // SAFETY: the environment is the log we gave to fmi2Instantiate, which outlives the instance;
+    // SAFETY: the environment is the log passed to fmi2Instantiate, which outlives the instance;
     // the others are C strings (FMI 2.0, 2.1.5).
     unsafe { Log::take(log, category, message) }
 }

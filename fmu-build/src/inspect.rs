@@ -1,4 +1,4 @@
-//! Exports and dependencies of a shared library for any platform, read without loading the library.
+//! Exports and dependencies of a shared library for any platform, without loading it.
 
 use object::read::elf::{Dyn, FileHeader, SectionHeader};
 use object::read::macho::{FatArch, MachOFatFile32};
@@ -115,7 +115,7 @@ pub fn is_system(library: &str) -> bool {
         || library == "/usr/lib/libSystem.B.dylib"
 }
 
-/// The oldest supported glibc, which is that of CentOS 7.
+/// The oldest supported glibc, from CentOS 7.
 pub const GLIBC: [u32; 2] = [2, 17];
 
 /// A needed version of glibc that is later than [`GLIBC`], if any.

@@ -1,6 +1,6 @@
 //! The kit: the library that serves all described machines, and its licences. Making a kit needs a
-//! compiler and takes minutes. The kit is cached under `target/` and reused as long as its sources
-//! and compiler are unchanged.
+//! compiler and takes minutes. The kit is cached under `target/` and reused while its sources and
+//! compiler are unchanged.
 
 use crate::archive;
 use crate::compile::{Product, target, workspace};
@@ -51,8 +51,8 @@ pub fn all() -> Result<(Kit, Vec<LeftOut>)> {
     Shelf::of("all").kit(|| platforms::all_of(Product::Machine, &[]))
 }
 
-/// Kit for the platforms with the given FMI 3.0 tuples; for all platforms if no tuple is given. The
-/// kit is not cached.
+/// Kit for the platforms with the given FMI 3.0 tuples; for all platforms if no tuple is given.
+/// The kit is not cached.
 ///
 /// # Errors
 /// As [`own`].
@@ -83,7 +83,7 @@ impl Shelf {
         Self { file, workspace: workspace().to_owned(), compiler: compiler() }
     }
 
-    /// The cached kit if its inputs are unchanged, else the one that `make` returns.
+    /// The cached kit if its inputs are unchanged, otherwise the kit that `make` returns.
     fn kit(&self, make: impl FnOnce() -> Result<(Binaries, Vec<LeftOut>)>) -> Result<(Kit, Vec<LeftOut>)> {
         if let Some(kit) = self.kept() {
             return Ok((kit, Vec::new()));
@@ -138,7 +138,7 @@ fn kept_as(kit: &Kit, origin: String) -> archive::Content {
     content
 }
 
-/// Adds every file below a folder, in an order that is equal on every machine.
+/// Adds every file below a folder, in the same order on every machine.
 fn add_files(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     let mut entries: Vec<_> = fs::read_dir(folder)?.collect::<io::Result<_>>()?;
     entries.sort_by_key(fs::DirEntry::file_name);

@@ -1,4 +1,4 @@
-//! Licences of everything that is linked into the packaged binary.
+//! Licences of all code that is linked into the packaged binary.
 
 use crate::archive::Content;
 use crate::compile::{Product, cargo, output, workspace};
@@ -37,8 +37,8 @@ const TOOLCHAIN: [(&str, &[&str]); 3] = [
 pub use vibro_pack::LICENCE_LIST as LIST;
 
 /// The texts of an archive by their paths in its folder of licences: our licence, the licences of
-/// every crate that is linked into the binaries or, if it is packed, into the live page, and a list
-/// of them.
+/// every crate that is linked into the binaries or, if it is packed, into the live page, and a
+/// list of them.
 ///
 /// # Errors
 /// [`Error::Cargo`] if cargo cannot list the dependencies; [`Error::File`] if a text cannot be
@@ -71,15 +71,15 @@ pub fn texts_of(product: Product, live: bool) -> Result<Content> {
     Ok(content)
 }
 
-/// Files of licences that every wheel has in addition to our licence: the list of linked code, with
-/// all texts.
+/// Files of licences that every wheel has in addition to our licence: the list of linked code,
+/// with all texts.
 pub const OF_WHEEL: [&str; 1] = ["LICENSE-THIRD-PARTY.txt"];
 
-/// The page of the standard library's licences beside them.
+/// The page of the standard library's licences, next to the other files.
 const STANDARD_LIBRARY: &str = "LICENSE-RUST-STANDARD-LIBRARY.html";
 
-/// The texts of the Python package's wheels, in files whose names `license-files` in its
-/// `pyproject.toml` covers. Equal texts occur only once.
+/// The texts of the Python package's wheels, in files covered by `license-files` in its
+/// `pyproject.toml`. Equal texts occur only once.
 ///
 /// # Errors
 /// As [`texts`].
@@ -104,7 +104,7 @@ pub fn of_wheel() -> Result<Content> {
     Ok(content)
 }
 
-/// The list of what is linked, and the texts by `name-version/file`.
+/// The list of linked code, and the texts by `name-version/file`.
 fn third_party(into: &str, names: &BTreeSet<(String, String)>) -> Result<(String, Content)> {
     let mut content = Content::new();
     let mut list = format!("Linked into the {into}, beside its own code (MIT OR Apache-2.0):\n");
@@ -125,7 +125,7 @@ fn third_party(into: &str, names: &BTreeSet<(String, String)>) -> Result<(String
     Ok((list + "\n", content))
 }
 
-/// The texts of the standard library, if the toolchain has them, as rustup's toolchains do.
+/// The texts of the standard library, if the toolchain has them, like rustup's toolchains.
 fn standard_library() -> Result<Content> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let asked = Command::new(rustc).args(["--print", "sysroot"]).stderr(Stdio::null()).output();
@@ -146,8 +146,8 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or("unknown")
 }
 
-/// Cargo's metadata of the packages of these names and versions, sorted by name; packages of this
-/// workspace are left out.
+/// Cargo's metadata of packages by name and version, sorted by name, without packages of this
+/// workspace.
 fn packages(names: &BTreeSet<(String, String)>) -> Result<Vec<Value>> {
     let mut metadata = cargo();
     metadata.args(["metadata", "--format-version", "1", "--locked"]);
@@ -167,8 +167,8 @@ fn packages(names: &BTreeSet<(String, String)>) -> Result<Vec<Value>> {
     Ok(packages)
 }
 
-/// Names and versions in the normal dependency tree of one of our packages on all packed platforms,
-/// without build dependencies and procedural macros.
+/// Names and versions in the normal dependency tree of one of our packages on all packed
+/// platforms, without build dependencies and procedural macros.
 fn tree(package: &str) -> Result<BTreeSet<(String, String)>> {
     let targets: Vec<&str> = PLATFORMS.iter().flat_map(|p| p.targets).copied().collect();
     tree_for(package, &targets)
@@ -189,8 +189,8 @@ fn tree_for(package: &str, targets: &[&str]) -> Result<BTreeSet<(String, String)
     Ok(output(&mut tree)?.lines().filter_map(entry).collect())
 }
 
-/// Folders of the workspace's packages that a library is compiled from, relative to the workspace;
-/// empty for the root package.
+/// Folders of the workspace's packages in a product, relative to the workspace; empty for the root
+/// package.
 ///
 /// # Errors
 /// [`Error::Cargo`].

@@ -23,7 +23,7 @@ pub fn placed(out: Option<&Path>, name: &str) -> PathBuf {
     }
 }
 
-/// Whether the current folder is in the repository that this program was compiled in.
+/// Whether the current folder is in the repository in which this program was compiled.
 pub fn is_here() -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     let here = std::env::current_dir().ok().and_then(|here| real(&here));
@@ -55,9 +55,9 @@ pub fn committed() -> Result<Content> {
     Ok(files)
 }
 
-/// Descriptions of the usual archives, generated from the table of variables. They have no date;
-/// the date of the sources is put into the archive. Descriptions of the other editions are checked
-/// when they are generated (`tests/description.rs`) and are not committed.
+/// Descriptions of the usual archives, generated from the table of variables. They do not have a
+/// date; the date of the sources is put into the archive. Descriptions of the other editions are
+/// checked when they are generated (`tests/description.rs`) and are not committed.
 ///
 /// # Errors
 /// As [`Version::description`].
@@ -71,7 +71,7 @@ pub fn described() -> Result<Content> {
     files.into_iter().map(text).collect()
 }
 
-/// Content of the archive of a version, with binaries that were compiled before, and with the live
+/// Content of the archive of a version, with binaries that are already compiled, and with the live
 /// page if there is one.
 ///
 /// # Errors
@@ -91,8 +91,8 @@ pub fn content(version: Version, binaries: &Binaries, live: Option<&[u8]>) -> Re
     };
     under(reference::FOLDER, reference::files()?);
     if version != Version::Fmi2 {
-        // The file has fmiVersion 3.0, which the FMI Library reports as a fatal error in an archive
-        // of FMI 2.0.
+        // The file has fmiVersion 3.0, which the FMI Library reports as a fatal error in an
+        // archive of FMI 2.0.
         under("terminalsAndIcons", terminals::files()?);
     }
     match version {
@@ -125,16 +125,15 @@ const NEEDS: &str = "The library needs the C library of the system and its mathe
 it was built for all platforms, else that of the machine that built it; on Windows the universal C run time (part of Windows 10 \
 and later); on macOS libSystem.\n";
 
-/// Writes the usual archives for this machine: that of FMI 2.0 to `output`, and that of FMI 3.0
-/// beside it.
+/// Writes the usual archives for this machine: FMI 2.0 to `output`, and FMI 3.0 next to it.
 ///
 /// # Errors
-/// Everything that [`platforms::at_hand`] and [`write()`] return.
+/// All errors of [`platforms::at_hand`] and [`write()`].
 pub fn build(output: &Path) -> Result<()> {
     write(output, &Version::USUAL, &platforms::at_hand()?, None)
 }
 
-/// Writes archives with binaries that were compiled before.
+/// Writes archives with binaries that are already compiled.
 ///
 /// # Errors
 /// The errors of [`content`]; [`Error::File`](crate::Error::File) if a file cannot be written.
@@ -145,7 +144,7 @@ pub fn write(output: &Path, versions: &[Version], binaries: &Binaries, live: Opt
     Ok(())
 }
 
-/// Compiles the library for every platform that can be built here and writes the archives; returns
+/// Compiles the library for every platform that can be built here and writes the archives. Returns
 /// the platforms that cannot be built.
 ///
 /// # Errors

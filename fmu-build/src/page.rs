@@ -41,7 +41,7 @@ fn inline(file: &str, stem: &str, name: &str) -> String {
     picture.replacen("<svg", &format!("<svg role=\"img\" aria-label=\"{name}\""), 1)
 }
 
-/// The table's rows by section; inside a section in the order of the table.
+/// The table's rows by section, within a section in the order of the table.
 fn variables() -> String {
     let mut rows = String::new();
     for section in SECTIONS {
@@ -96,7 +96,7 @@ fn edition(edition: Edition) -> &'static str {
     }
 }
 
-/// Allowed values of a settable variable; bounds or items of an output.
+/// Valid values of a settable variable; bounds or items of an output.
 fn range(v: &Variable) -> String {
     if v.start().is_some() {
         return escape(v.allowed());

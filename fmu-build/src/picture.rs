@@ -9,7 +9,7 @@ use vibro_impact::State;
 const TRANSIENT: u32 = 12;
 /// Periods of the second time history, and of the phase portraits.
 const STEADY: u32 = 3;
-/// Name and colour of box, block and secondary oscillator; the colours differ in lightness too.
+/// Name and colour of box, block and secondary oscillator; the colours also differ in lightness.
 const BODIES: [(&str, Colour); 3] = [("box x₁", BOX), ("block x₂", BLOCK), ("secondary x₃", SECONDARY)];
 
 /// The picture of a run.

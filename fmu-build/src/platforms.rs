@@ -33,7 +33,7 @@ const fn platform(
 
 const GLIBC: Option<&str> = Some("2.17");
 
-/// All platforms of a release; those that cannot be built on this machine are left out.
+/// All platforms of a release; platforms that cannot be built on this machine are left out.
 pub const PLATFORMS: [Platform; 7] = [
     platform(PACKED_PLATFORMS[0], &["x86_64-unknown-linux-gnu"], GLIBC),
     platform(PACKED_PLATFORMS[1], &["x86_64-pc-windows-gnu"], None),
@@ -68,7 +68,7 @@ impl Display for LeftOut {
     }
 }
 
-/// Advice: tools needed beside the Rust toolchain.
+/// Advice: tools needed in addition to the Rust toolchain.
 pub const TOOLS: &str = "install cargo-zigbuild, zig and, for wheels, maturin (`pip install -r fmu-build/requirements.txt` in a virtual environment) \
      and put them on the PATH";
 
@@ -92,7 +92,7 @@ pub fn at_hand_of(library: Product) -> Result<Binaries> {
     Ok(Binaries::own(read(&compile::at_hand(library)?)?))
 }
 
-/// The product for this platform alone, built by its own compiler for distribution.
+/// The product for this platform only, built by its own compiler for distribution.
 ///
 /// # Errors
 /// [`Error::Cargo`], [`Error::File`].
@@ -100,8 +100,8 @@ pub fn own(product: Product) -> Result<Binaries> {
     Ok(Binaries::own(read(&Compiler::from(product).library()?)?))
 }
 
-/// Binaries of the 3-DOF library for the platforms that can be built here, and a list of those that
-/// cannot. `only` selects platforms by their FMI 3.0 tuples; empty selects all. This machine's own
+/// Binaries of the 3-DOF library for the platforms that can be built here, and a list of the
+/// others. `only` selects platforms by their FMI 3.0 tuples; empty selects all. This machine's own
 /// platform is always included.
 ///
 /// # Errors
@@ -110,7 +110,7 @@ pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     all_of(Product::Vibro, only)
 }
 
-/// Binaries of a product for the platforms that can be built here, and a list of those that cannot;
+/// Binaries of a product for the platforms that can be built here, and a list of the others;
 /// `only` as in [`all`].
 ///
 /// # Errors
@@ -146,7 +146,7 @@ impl Platform {
         version.binary(self.place)
     }
 
-    /// Compiles its binary; the error says what to install.
+    /// Compiles its binary; the error states what to install.
     fn build(&self, product: Product) -> std::result::Result<Vec<u8>, String> {
         if !runs("cargo-zigbuild", &["--version"]) {
             return Err(TOOLS.into());

@@ -14,7 +14,7 @@ const SHOWN: &str = "FMU";
 
 /// The recipes as HTML, each with a heading of the third level.
 pub fn recipes() -> String {
-    // What stands before the first recipe is about the command line.
+    // The text before the first recipe is about the command line.
     let section = PAGE.split_once(RECIPES).map_or("", |(_, section)| section);
     let start = section.find("\n### ").map_or(0, |i| i + 1);
     // Paths are relative to the archive, not to the folder of the build.

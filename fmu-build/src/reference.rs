@@ -1,5 +1,5 @@
 //! Reference results in the archives, by the layered standard FMI-LS-REF 1.0.0-alpha.1
-//! (modelica/fmi-ls-ref): results of the default experiment and of its impacts, that experiment as
+//! (modelica/fmi-ls-ref): results of the default experiment and of its impacts, this experiment as
 //! a smoke test, sets of parameters with start values, and a saved state of the settled motion.
 
 use crate::archive::Content;
@@ -24,7 +24,7 @@ static DEFAULT: &str = include_str!("../../modelDescription/reference/default.cs
 static IMPACTS: &str = include_str!("../../modelDescription/reference/impacts.csv");
 
 /// Displacements and velocities of the default motion after 1000 drive periods, m and m/s, to nine
-/// places: start values on the settled motion at drive phase zero.
+/// decimals: start values on the settled motion at drive phase zero.
 pub const SETTLED: [f64; 6] =
     [-0.213938687, -0.150042033, 0.942518231, -0.317291698, -0.865976145, 0.163384581];
 
@@ -70,7 +70,7 @@ struct Set {
 }
 
 impl Set {
-    /// As parameter set of SSP 1.0.
+    /// The set as parameter set of SSP 1.0.
     fn ssv(&self) -> String {
         let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         // Writing to a String cannot fail.
@@ -104,7 +104,7 @@ fn set(name: String, description: String, groups: &Groups) -> Result<Set> {
     Ok(Set { name, description, values: parameters(&p).into_iter().chain(start).collect() })
 }
 
-/// The sets: one for each figure that shows motions, by the values of `vibro paper reproduce`.
+/// The sets: one for each figure with motions, with the values of `vibro paper reproduce`.
 fn sets() -> Result<Vec<Set>> {
     let basic = Groups::basic();
     let force = |f10: f64| Groups { f10, ..basic };
@@ -128,7 +128,7 @@ fn sets() -> Result<Vec<Set>> {
     }
     for epsilon in [0.05, 0.02, 0.01, 0.005] {
         let text = format!("A motion with the mass ratio epsilon = {epsilon} (figure 17)");
-        // With the coupling's order of the weakly coupled machine.
+        // With a coupling of the same order as in the weakly coupled machine.
         let groups = Groups { epsilon, beta2: epsilon * basic.alpha23, mu13: 1.0 / epsilon, ..basic };
         sets.push(set(format!("figure-17-epsilon-{epsilon}"), text, &groups)?);
     }
@@ -175,8 +175,8 @@ fn own_smoke_test() -> String {
     smoke_test(Experiment { step_size, ..experiment }, "1e-8 m")
 }
 
-/// A serialized instance that was initialized with [`SETTLED`]. None of its digits depends on the
-/// rounding of a processor.
+/// A serialized instance that was initialized with [`SETTLED`]. No digit depends on the rounding
+/// of a processor.
 fn settled_state() -> Vec<u8> {
     let mut instance = Instance::new(Interface::CoSimulation);
     let references = structure::STATES.map(reference);
@@ -192,7 +192,7 @@ fn settled_state() -> Vec<u8> {
     made.unwrap_or_default()
 }
 
-/// Recomputes the results by the native library: path in the workspace → content.
+/// Recomputes the results with the native library: path in the workspace → content.
 ///
 /// # Errors
 /// [`Error::Native`](crate::Error::Native): only in case of a defect in this crate.
@@ -211,7 +211,7 @@ fn simulator() -> Result<Simulator> {
 /// Steps of the default experiment per row of its result.
 const REPORTED: u32 = 4;
 
-/// Displacements at every fourth step of the default experiment, to nine decimals, to which
+/// Displacements at every fourth step of the default experiment, to nine decimals, on which
 /// different processors agree.
 fn default_result() -> Result<String> {
     let Experiment { start_time, stop_time, step_size, .. } = default_experiment();
@@ -251,7 +251,7 @@ fn impact_result() -> Result<String> {
 mod tests {
     use super::*;
 
-    /// The motion contracts, so that what is left of the transient after 1000 periods is rounding.
+    /// The motion contracts, so the transient after 1000 periods is only rounding.
     #[test]
     fn second_method_of_the_settled_state() {
         const PLACES: f64 = 1e-9;
@@ -264,8 +264,8 @@ mod tests {
         assert!(!settled_state().is_empty());
     }
 
-    /// As the figures are made: 400 periods from the start values of the set, and then motion with
-    /// impacts, at both stops and modulated where the figure says so.
+    /// Like the figures: 400 periods from the start values of the set, and then motion with
+    /// impacts, at both stops and modulated if the figure states it.
     #[test]
     fn second_method_sets_reproduce_the_motions_they_name() {
         for set in sets().unwrap().iter().filter(|set| set.name != "settled") {

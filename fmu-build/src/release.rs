@@ -1,5 +1,5 @@
-//! One command assembles a release: archives, wheels, pages, sums, notes, in one folder that can be
-//! handed on as it is.
+//! One command assembles a release: archives, wheels, pages, sums, notes, in one folder that can
+//! be distributed unchanged.
 //!
 //! ```text
 //! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line
@@ -50,12 +50,12 @@ struct Assembly<'a> {
     left_out: Vec<String>,
 }
 
-/// Assembles a release and replaces a folder by it; returns the files of the release and the parts
+/// Assembles a release and replaces a folder by it. Returns the files of the release and the parts
 /// that were left out. `platforms` selects platforms by FMI 3.0 tuples; an empty list selects all.
 ///
 /// # Errors
-/// [`Error::Release`] if the sources disagree, if the built files disagree, or if a tag is released
-/// and a part is missing. On these errors the folder is unchanged.
+/// [`Error::Release`] if the sources disagree, if the built files disagree, or if a tag is
+/// released and a part is missing. On these errors the folder is unchanged.
 pub fn assemble(
     workspace: &Path,
     intent: &Intent,
@@ -126,7 +126,7 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The example machines with their kit, and the command line for each platform; returns the
+    /// The example machines with their kit, and the command line for each platform. Returns the
     /// kit that makes archives of other machines.
     fn machines(&mut self) -> Result<Kit> {
         let (kit, left_out) = kit::of(self.only)?;
@@ -171,7 +171,7 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Installs this machine's wheel in a clean environment and runs it beside the native library.
+    /// Installs this machine's wheel in a clean environment and runs it and the native library.
     fn try_own_wheel(&mut self) -> Result<()> {
         let version = &self.agreed.version;
         let own = WHEELS.iter().find(|p| p.is_own()).map(|p| p.file(version));
@@ -227,7 +227,7 @@ fn copy(folder: &Path, into: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Makes an empty folder, deleting what was there.
+/// Makes an empty folder, deleting its earlier content.
 fn clear(folder: &Path) -> Result<()> {
     if folder.exists() {
         fs::remove_dir_all(folder).map_err(Error::file("removing", folder))?;

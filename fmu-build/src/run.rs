@@ -38,20 +38,20 @@ pub struct Sample {
 pub struct ImpactSample {
     /// Time, s.
     pub time: f64,
-    /// Just before.
+    /// State just before.
     pub before: State,
-    /// Just after.
+    /// State just after.
     pub after: State,
 }
 
 /// Result of a run.
 #[derive(Clone, Debug)]
 pub struct ComparedRun {
-    /// Parameters of the run: those of the FMU's start values.
+    /// Parameters of the run, from the FMU's start values.
     pub parameters: Parameters,
     /// Drive periods.
     pub periods: u32,
-    /// The motion at every communication point, the start included.
+    /// The motion at every communication point, including the start.
     pub samples: Vec<Sample>,
     /// Every impact, from a native run that pauses before each.
     pub impacts: Vec<ImpactSample>,
@@ -61,7 +61,7 @@ pub struct ComparedRun {
     pub whole: Duration,
 }
 
-/// Runs the FMU of FMI 2.0 in `archive`, the FMU of FMI 3.0 beside it and the native library for
+/// Runs the FMU of FMI 2.0 in `archive`, the FMU of FMI 3.0 next to it and the native library for
 /// `periods` drive periods from the start values, and compares the three.
 ///
 /// # Errors
@@ -123,7 +123,7 @@ pub fn run(archive: &Path, periods: u32) -> Result<ComparedRun> {
     Ok(ComparedRun { parameters, periods, samples, impacts, stepping, whole })
 }
 
-/// Checks that the outputs of a packaged binary equal those of the native run, bit for bit.
+/// Checks that the outputs of a packaged binary equal the native run's, bit for bit.
 fn same_sample(version: Version, native: &Simulator, values: [f64; 6], impacts: [i32; 2]) -> Result<()> {
     let (State { x, v }, record, time) = (native.state(), native.impacts(), native.time());
     for ((name, packaged), native) in NAMES.into_iter().zip(values).zip([x, v].concat()) {
@@ -188,8 +188,8 @@ fn extreme_between((t0, x0, v0): (f64, f64, f64), (t1, x1, v1): (f64, f64, f64))
     // p(u) = x0 + a u + c u² + d u³; p'(u) = a + 2 c u + 3 d u² changes its sign once.
     let (c, d) = (3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise);
     let root = (c * c - 3.0 * a * d).max(0.0).sqrt();
-    // The root of p' at which the slope changes from the sign of a to the opposite one, in the form
-    // without cancellation for small d.
+    // The root of p' at which the slope changes from the sign of a to the opposite one, in the
+    // form without cancellation for small d.
     let u = a / (root.copysign(a) - c);
     (0.0..=1.0).contains(&u).then_some(x0 + u * (a + u * (c + u * d)))
 }
@@ -220,10 +220,10 @@ impl ComparedRun {
         pieces
     }
 
-    /// Half the range of each displacement over the last periods, impacts included, m. Between two
-    /// samples a displacement is approximated by the cubic with their values and velocities, and
-    /// the range includes the cubic's extremes. With 200 samples a period the error is below 1e-8
-    /// of the amplitude.
+    /// Half the range of each displacement over the last periods, including impacts, m. Between
+    /// two samples a displacement is approximated by the cubic with their values and velocities,
+    /// and the range includes the cubic's extremes. The error is below 1e-8 of the amplitude with
+    /// 200 samples per period.
     pub fn amplitudes(&self, periods: u32) -> [f64; 3] {
         let begin = self.tail(periods).first().map_or(0.0, |s| s.time);
         let pieces = self.path(begin, f64::INFINITY);
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn closed_form_extremes_of_a_sine_between_samples() {
-        // The cubic's error is h⁴/384 of the amplitude: 2.6e-9 with 200 samples a period.
+        // The cubic's error is h⁴/384 of the amplitude: 2.6e-9 with 200 samples per period.
         const CUBIC: f64 = 3e-9;
         let h = std::f64::consts::TAU / f64::from(STEPS_PER_PERIOD);
         for shift in [0.0, 0.1, 0.5, 0.93] {

@@ -1,4 +1,4 @@
-//! The table that the packager prints of a run.
+//! The table of a run that the packager prints.
 
 use crate::run::{ComparedRun, STEPS_PER_PERIOD};
 use std::fmt::{self, Display, Formatter};
@@ -10,7 +10,7 @@ pub const TAIL: u32 = 50;
 /// Amplitudes in m, and whether the motion is stable and possible.
 type Prediction = Option<([f64; 3], bool)>;
 
-/// Prints amplitudes and impacts of a run beside closed forms.
+/// Prints amplitudes and impacts of a run together with closed forms.
 pub struct RunTable<'a>(pub &'a ComparedRun);
 
 impl Display for RunTable<'_> {
@@ -48,7 +48,7 @@ fn row(f: &mut Formatter<'_>, name: &str, [x1, x2, x3]: [f64; 3]) -> fmt::Result
     writeln!(f, "    {name:<28} {x1:<9.5} {x2:<9.5} {x3:.5}")
 }
 
-/// Amplitudes by closed forms. If no such motion exists, the row says so.
+/// Amplitudes from closed forms. If no such motion exists, the row states it.
 fn predictions(run: &ComparedRun) -> [(&'static str, Prediction); 2] {
     let p = &run.parameters;
     let exact = exact_orbit::solve(p).ok().and_then(|roots| roots.upper);

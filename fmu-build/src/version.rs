@@ -1,5 +1,5 @@
 //! The archives: one of FMI 2.0, one of FMI 3.0 and, on request, two of FMI 3.0 with arrays and a
-//! clock, which several importers cannot read. All hold one library.
+//! clock, which several importers cannot read. All hold the same library.
 
 use crate::check;
 use crate::error::{Error, Result};
@@ -11,7 +11,7 @@ use vibro_paper_component::fmi3::description::{self, ARRAYS, CLOCKED, Edition, M
 
 pub use vibro_pack::MODEL_DESCRIPTION;
 
-/// Which archive.
+/// Version of an archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
     /// FMI 2.0.
@@ -27,7 +27,7 @@ pub enum Version {
 impl Version {
     /// Archives that are always made.
     pub const USUAL: [Self; 2] = [Self::Fmi2, Self::Fmi3];
-    /// All.
+    /// All archives.
     pub const ALL: [Self; 4] = [Self::Fmi2, Self::Fmi3, Self::Arrays, Self::Clocked];
 
     /// Edition of the variable table in an archive of FMI 3.0; `None` for FMI 2.0.
@@ -49,7 +49,7 @@ impl Version {
         }
     }
 
-    /// The version in words.
+    /// Description of the version.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fmi2 => "FMI 2.0",
@@ -59,7 +59,7 @@ impl Version {
         }
     }
 
-    /// Path of this archive beside that of FMI 2.0.
+    /// Path of this archive next to the archive of FMI 2.0.
     pub fn beside(self, fmi2: &Path) -> PathBuf {
         let stem = fmi2.file_stem().unwrap_or_default().to_string_lossy();
         fmi2.with_file_name(format!("{stem}{}.fmu", self.suffix()))

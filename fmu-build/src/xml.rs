@@ -5,14 +5,14 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use std::collections::BTreeMap;
 
-/// An element. Text between elements is left out: descriptions have none.
+/// An element. Text between elements is left out: descriptions do not have any.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Element {
     /// Its name.
     pub name: String,
     /// Its attributes by their names.
     pub attributes: BTreeMap<String, String>,
-    /// The elements in it, in their order.
+    /// Its child elements, in their order.
     pub children: Vec<Element>,
 }
 
@@ -59,12 +59,12 @@ impl Element {
         self.attributes.get(name).map(String::as_str)
     }
 
-    /// The elements of that name in it.
+    /// Its child elements with a name.
     pub fn all<'a>(&'a self, name: &str) -> impl Iterator<Item = &'a Self> {
         self.children.iter().filter(move |child| child.name == name)
     }
 
-    /// The children of the first child of that name; empty if there is no such child.
+    /// The children of the first child with a name; empty if there is no such child.
     pub fn within(&self, name: &str) -> &[Self] {
         self.children.iter().find(|child| child.name == name).map_or(&[], |list| &list.children)
     }

@@ -50,7 +50,7 @@ impl Groups {
     }
 
     /// Default data set (docs/theory.md, end of section 4). ε, κ and f̂10 are the paper's; the
-    /// others are a reconstruction, since the copy of the paper at hand lacks the displayed
+    /// others are a reconstruction, since the available copy of the paper lacks the displayed
     /// numbers.
     pub fn basic() -> Self {
         Self::weak(0.1, 0.75, 1.5, 0.4, 1.0, 0.6, 0.0, 0.6)
@@ -95,7 +95,7 @@ pub struct Group {
     pub symbol: &'static str,
     /// Description, a noun phrase.
     pub description: &'static str,
-    /// Allowed values of this group; [`check_together`] checks bounds that depend on another group.
+    /// Allowed values of this group; [`check_together`] checks bounds that depend on others.
     pub range: Range,
     /// Range that pictures show by default.
     pub shown: (f64, f64),

@@ -1,5 +1,5 @@
-//! Ways to advance: to a time, to an impact, with an observer, to an event and through it. The next
-//! event can also be found on a copy.
+//! Ways to advance: to a time, to an impact, with an observer, to an event and through it. The
+//! next event can also be found on a copy.
 
 use super::step::EventObserver;
 use super::{AdvanceOutcome, DueEvent, Event, Pause, Simulator, check_time};
@@ -40,10 +40,10 @@ impl Simulator {
     /// counts as the present.
     ///
     /// # Errors
-    /// [`Error::Step`] if the end is before the present or not finite, and [`Error::PrecisionLost`]
-    /// if it is so late that a double no longer resolves the motion; nothing has changed then.
-    /// [`Error::WorkLimit`] if the motion hardly progresses; the state then stands at the time that
-    /// the error names.
+    /// [`Error::Step`] if the end is before the present or not finite, and
+    /// [`Error::PrecisionLost`] if it is so late that a double no longer resolves the motion;
+    /// nothing has changed then. [`Error::WorkLimit`] if the motion hardly progresses; the state
+    /// is then that at the time the error names.
     pub fn advance_until(
         &mut self,
         end: impl Into<DoubleDouble>,
@@ -62,8 +62,8 @@ impl Simulator {
         self.run(end, pause, observer)
     }
 
-    /// Checks the end of an advance. True if it is before the present only by rounding, so that the
-    /// state does not change.
+    /// Checks the end of an advance. True if it is before the present only by rounding, so that
+    /// the state does not change.
     pub(super) fn check_end(&self, end: DoubleDouble) -> Result<bool> {
         let span = end.minus(self.hybrid.time).value();
         let rounded = span < 0.0 && span >= -f64::EPSILON * self.time().abs();
@@ -100,8 +100,8 @@ impl Simulator {
     /// Next event up to `horizon` (s), found on a copy: this simulator does not change. An event
     /// that is due is the next one.
     ///
-    /// The event's time is rounded to a double, and an advance to that time may end just before the
-    /// event. To reach it, advance to a later end with [`Pause::BeforeEvent`] or
+    /// The event's time is rounded to a double, and an advance to that time may end just before
+    /// the event. To reach it, advance to a later end with [`Pause::BeforeEvent`] or
     /// [`Pause::AfterImpact`].
     ///
     /// # Errors

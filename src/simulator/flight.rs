@@ -29,7 +29,7 @@ pub(super) struct LocatedImpact {
 }
 
 impl Simulator {
-    /// A sub-step of free flight: 16 samples of w and the `bound` on |w''| tell in which intervals
+    /// A sub-step of free flight: 16 samples of w and the `bound` on |w''| show in which intervals
     /// the block may reach a stop; only these are searched. Moves to the first impact and returns
     /// its stop, or passes over the sub-step.
     #[inline(always)]
@@ -120,8 +120,8 @@ impl Simulator {
             return false;
         }
         self.work.expansions += 1;
-        // If the series about the start reaches to the end, it is used, because it has the smallest
-        // rounding for the shortest steps.
+        // If the series about the start reaches to the end, it is used, because it has the
+        // smallest rounding for the shortest steps.
         let radius = 0.5 * self.interval();
         let centred = remaining > radius;
         let centre = if centred { product(simd, &self.flight.core.centre[0], z) } else { *z };

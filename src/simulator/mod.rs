@@ -1,9 +1,9 @@
 //! The event-driven simulator: exact flow between events, event location with proof, and the
 //! event's law at each event.
 //!
-//! A communication step is a reporting interval, not an integration step: ten steps of h and one of
-//! 10 h agree to round-off. Advancing does not allocate, with one exception: a table that is shared
-//! with another simulator is copied when it is first filled.
+//! A communication step is a reporting interval, not an integration step: ten steps of h and one
+//! of 10 h agree to round-off. Advancing does not allocate, with one exception: a table that is
+//! shared with another simulator is copied when it is first filled.
 //!
 //! Four kernels advance a motion by a sub-step. For each kernel the list gives its use, its proof
 //! that no event is missed, and what its bits depend on.
@@ -17,8 +17,8 @@
 //! - `general_substep` (`general.rs`), for rest, loads, fast blocks, and all sub-steps that the
 //!   first two kernels do not take. Proof: samples of w or the contact force, and a bound;
 //!   dominance on series. Bits: equal on all instruction sets.
-//! - `batch/`, for many flights side by side without loads and energy accounts. Proof: samples of w
-//!   and a bound on w''; dominance in vectors. Bits: independent of the other motions, but not
+//! - `batch/`, for many flights side by side without loads and energy accounts. Proof: samples of
+//!   w and a bound on w''; dominance in vectors. Bits: independent of the other motions, but not
 //!   those of the kernels above.
 //!
 //! The first three end in `finish_substep` (`step.rs`), which applies the event's law
@@ -80,7 +80,7 @@ struct HybridState {
     doubtful: bool,
     /// Start of the flight from a stop, while w still rounds to that stop.
     departure: Option<Departure>,
-    /// Event at which the motion stands. Its law is not yet applied.
+    /// Event that the motion has reached. Its law is not yet applied.
     due: Option<DueEvent>,
     phase: DrivePhase,
     loads: Forces,
@@ -138,8 +138,8 @@ impl Simulator {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if a parameter, the state or the time is out of range;
-    /// [`Error::Penetration`] if the block is outside the stops; [`Error::PrecisionLost`] if double
-    /// precision does not resolve the motion.
+    /// [`Error::Penetration`] if the block is outside the stops; [`Error::PrecisionLost`] if
+    /// double precision does not resolve the motion.
     pub fn new(parameters: &Parameters, state: &State, time: f64) -> Result<Self> {
         let model = Model::new(parameters)?;
         let hybrid = HybridState::new(parameters, &model, state, time)?;
@@ -216,9 +216,9 @@ impl Simulator {
     }
 
     /// Sets the parameters from now on. A change of drive frequency keeps the drive's phase
-    /// continuous, a change of drive phase shifts it. Energy that the change itself adds to springs
-    /// and masses counts as input. Loads in force stay, even if [`set_loads`](Self::set_loads)
-    /// would refuse them for the new machine.
+    /// continuous, a change of drive phase shifts it. Energy that the change itself adds to
+    /// springs and masses counts as input. Loads in force stay, even if
+    /// [`set_loads`](Self::set_loads) would refuse them for the new machine.
     ///
     /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop,
     /// and its law uses the new values. After every change the contact is determined again, and so

@@ -1,5 +1,5 @@
-//! An advance takes sub-steps one after another, each to its end or to its first event, and applies
-//! the law of that event. The work of an advance is limited.
+//! An advance takes sub-steps one after another, each to its end or to its first event, and
+//! applies the law of that event. The work of an advance is limited.
 
 use super::general::{MAX_REACH, SHORT};
 use super::{AdvanceOutcome, Contact, DueEvent, Event, ModeTables, Pause, Simulator};
@@ -197,8 +197,8 @@ impl Simulator {
         self.drive_phase().sin_cos()
     }
 
-    /// Ends a sub-step: applies the law of the event at stop `passage`, if there is one, and checks
-    /// the work done.
+    /// Ends a sub-step: applies the law of the event at stop `passage`, if there is one, and
+    /// checks the work done.
     #[inline(always)]
     pub(super) fn finish_substep<const LOADS: usize>(
         &mut self,
@@ -229,7 +229,7 @@ impl Simulator {
     /// Computes the allowed count of sub-steps for the time reached.
     ///
     /// # Errors
-    /// [`Error::WorkLimit`] if it is exceeded; the state then stands at the time reached.
+    /// [`Error::WorkLimit`] if it is exceeded; the state is then that at the time reached.
     #[cold]
     pub(super) fn check_work(&mut self, advance: &mut AdvanceState) -> Result<()> {
         let span = self.hybrid.time.minus(advance.begin).value();
@@ -250,8 +250,8 @@ impl Simulator {
 
     /// Stores the state at which an advance ends. Just before an impact, or just after the block
     /// has passed close to a stop, the rounding of w can leave the block past the stop. The block
-    /// is then put on the stop, so that a motion may begin there. An impact that is imminent is the
-    /// first event of the next advance.
+    /// is then put on the stop, so that a motion may begin there. An impact that is imminent is
+    /// the first event of the next advance.
     #[inline(always)]
     fn keep_state(&mut self, z: &Augmented) {
         self.hybrid.y.copy_from_slice(&z[..6]);
@@ -322,8 +322,8 @@ impl Simulator {
     }
 
     /// Whether the block in flight meets no stop in the first interval, given that the sample at
-    /// the interval's end is within `limit`. This holds if the block also starts within `limit`. It
-    /// holds as well if the block leaves a stop so fast that its acceleration, at most `bound`,
+    /// the interval's end is within `limit`. This holds if the block also starts within `limit`.
+    /// It holds as well if the block leaves a stop so fast that its acceleration, at most `bound`,
     /// cannot turn it back in the interval.
     #[inline(always)]
     pub(super) fn clears_first_interval(&self, z: &Augmented, bound: f64, limit: f64) -> bool {

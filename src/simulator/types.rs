@@ -113,8 +113,8 @@ pub enum AdvanceOutcome {
     EventDue,
 }
 
-/// Event at which a motion stands. Its law is not yet applied. Capture into rest is not a separate
-/// event: the impact law decides on it.
+/// Event that a motion has reached. Its law is not yet applied. Capture into rest is not a
+/// separate event: the impact law decides on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DueEvent {
     /// The block touches stop `side` from inside.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// An error; every message names what was given and what is allowed.
+/// An error; every message states the given input and the valid choices.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -12,41 +12,41 @@ pub enum Error {
     /// A machine's file, or a new value of its parameters, is refused.
     #[error(transparent)]
     Refusal(#[from] vibro_machine::Refusal),
-    /// A described machine cannot be built or its motion cannot go on.
+    /// A described machine cannot be built or its motion cannot continue.
     #[error(transparent)]
     Assembly(#[from] vibro_machine::Error),
-    /// A parameter file or a folder of parts cannot be understood.
+    /// A parameter file or a folder of parts is not valid.
     #[error("{}: {problem}", path.display())]
     Config {
         /// The file or folder.
         path: PathBuf,
-        /// What is wrong, and where.
+        /// The problem, and where it is.
         problem: String,
     },
-    /// Input that does not fit the study that was asked for.
+    /// Input that does not fit the requested study.
     #[error("{what}: {problem}")]
     Refused {
-        /// What was given.
+        /// The input.
         what: String,
         /// Why it does not fit, and what does.
         problem: String,
     },
-    /// Nothing that was asked for could be computed.
+    /// Nothing that was requested could be computed.
     #[error("{what}: {problem}")]
     Failed {
         /// The study.
         what: String,
-        /// The reason of the first failure.
+        /// Reason of the first failure.
         problem: String,
     },
     /// Reading or writing a file failed.
     #[error("{doing} {}: {source}", path.display())]
     File {
-        /// What was being done, e.g. `writing`.
+        /// The failed action, e.g. `writing`.
         doing: &'static str,
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// Reason given by the system.
         source: std::io::Error,
     },
     /// A picture could not be made.
@@ -55,9 +55,9 @@ pub enum Error {
     /// A table could not be made.
     #[error("making {what}: {problem}")]
     Output {
-        /// What was being made.
+        /// The failed output.
         what: &'static str,
-        /// The library's reason.
+        /// Reason given by the library.
         problem: String,
     },
 }
@@ -72,7 +72,7 @@ impl From<vibro_impact::Error> for Error {
 }
 
 impl Error {
-    /// Whether the user's input is at fault, and not the computer or the motion.
+    /// Whether the error is in the user's input, not in the computer or the motion.
     pub fn is_usage(&self) -> bool {
         !matches!(
             self,
@@ -97,13 +97,13 @@ impl Error {
         vibro_studies::Error::Form { text: text.into(), expected }.into()
     }
 
-    /// For `map_err` on operations on a file.
+    /// Wraps an error of a file operation, for `map_err`.
     pub fn file(doing: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_path_buf();
         move |source| Self::File { doing, path, source }
     }
 
-    /// For `map_err` on the libraries that make tables.
+    /// Wraps an error of a library that makes tables, for `map_err`.
     pub fn output<E: std::fmt::Display>(what: &'static str) -> impl Fn(E) -> Self {
         move |e| Self::Output { what, problem: e.to_string() }
     }

@@ -11,7 +11,7 @@ pub struct Example {
     pub name: &'static str,
     /// Its file.
     pub text: &'static str,
-    /// Records and matrices that the file names, with their names.
+    /// Records and matrices that the file needs, with their names.
     beside: &'static [(&'static str, &'static str)],
 }
 
@@ -25,7 +25,7 @@ macro_rules! examples {
     };
 }
 
-/// All of them, in the gallery's order.
+/// All examples, in the gallery's order.
 pub static EXAMPLES: &[Example] = examples! {
     "damper_with_buffer",
     "gear_backlash",
@@ -72,7 +72,7 @@ impl Example {
     /// The machine with a name of this version or of version 0.3.
     ///
     /// # Errors
-    /// [`Error::Refused`] for another name, with all of them.
+    /// [`Error::Refused`] for an unknown name, with all known names.
     pub fn find(name: &str) -> Result<&'static Self> {
         let new = OLD_NAMES.iter().find(|(old, _)| *old == name).map_or(name, |(_, new)| new);
         EXAMPLES.iter().find(|example| example.name == new).ok_or_else(|| {
@@ -90,10 +90,10 @@ impl Example {
         text.find(". ").map_or(text.as_str(), |end| &text[..=end]).to_owned()
     }
 
-    /// Writes its file, and what it names beside it. Nothing is overwritten.
+    /// Writes the example's file and the files that it needs. Nothing is overwritten.
     ///
     /// # Errors
-    /// [`Error::Refused`] where a file is there already; [`Error::File`].
+    /// [`Error::Refused`] if a file already exists; [`Error::File`].
     pub fn write(&self, path: &Path) -> Result<Vec<PathBuf>> {
         let beside = self.beside.iter().map(|(name, text)| (path.with_file_name(name), *text));
         let files: Vec<(PathBuf, &str)> =

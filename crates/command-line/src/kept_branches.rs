@@ -1,12 +1,12 @@
-//! Parts of a study behind a first one, and the paths of branches among them, so that the branches
-//! over a diagram outlive an interruption as the diagram's parts do.
+//! Parts of a study after a first index, and paths of branches among them, so that the branches
+//! over a diagram survive an interruption as the diagram's parts do.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use vibro_orbits::KeptPaths;
 use vibro_studies::parts::PartStore;
 
-/// The parts of a store from a first index on, counted from there.
+/// The parts of a store from a first index on, numbered from there.
 #[derive(Clone, Copy)]
 pub struct Behind<'a> {
     /// The store of the whole study.
@@ -33,7 +33,7 @@ impl PartStore for Behind<'_> {
     }
 }
 
-/// Paths of branches as parts: eight bytes with the path's number, and its own bytes.
+/// Paths of branches as parts: eight bytes with the path's number, then its bytes.
 pub struct PathsInParts<'a> {
     parts: Behind<'a>,
     there: HashMap<u64, Vec<u8>>,
@@ -41,7 +41,7 @@ pub struct PathsInParts<'a> {
 }
 
 impl<'a> PathsInParts<'a> {
-    /// The paths that are stored as the parts from 0 to the first one that is missing.
+    /// Reads the paths stored as parts, from 0 to the first missing one.
     pub fn new(parts: Behind<'a>) -> Self {
         let stored: Vec<Vec<u8>> = (0..).map_while(|index| parts.load(index)).collect();
         let path = |bytes: &Vec<u8>| {
@@ -60,7 +60,7 @@ impl KeptPaths for PathsInParts<'_> {
 
     fn keep(&self, key: u64, bytes: &[u8]) {
         let index = self.next.fetch_add(1, Ordering::Relaxed);
-        // A path that is not kept is followed anew.
+        // A path that cannot be stored is followed again.
         let _ = self.parts.save(index, &[&key.to_le_bytes()[..], bytes].concat());
     }
 }

@@ -3,12 +3,12 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`studies`] | from a parameter set to tables and a figure, one function a study |
+//! | [`studies`] | from a parameter set to tables and a figure, one function per study |
 //! | [`long_study`] | long studies as plain data, computed in parts |
-//! | [`machine`] | machines of the user's own, from their files |
+//! | [`machine`] | the user's own machines, from their files |
 //! | [`table`] | tables as CSV |
-//! | [`manifest`] | what a result or a folder of parts was computed from |
-//! | [`report`] | all studies at once, and the paper's statements beside what is found |
+//! | [`manifest`] | inputs from which a result or a folder of parts was computed |
+//! | [`report`] | all studies at once, and the paper's statements with the results |
 //! | [`parameter_file`] | parameter files |
 //! | [`design_file`] | designs of a sweep from a CSV file |
 //! | [`special_points`] | special points of branches from their table |

@@ -19,7 +19,7 @@ use vibro_numerics::digest::fnv1a;
 use vibro_studies::paper::{Name, ParameterSet, quantity_in};
 
 /// Load of the command line: `box=record.csv` or `block=-3.4N`. A text that can be read as a force
-/// is a force; a file with the name `5N` is written `./5N`.
+/// is a force; a file with the name `5N` must be written `./5N`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LoadArgument {
     /// From a file.
@@ -74,7 +74,7 @@ pub fn files(loads: &[LoadArgument]) -> impl Iterator<Item = &LoadFile> {
     loads.iter().filter_map(|load| if let LoadArgument::File(file) = load { Some(file) } else { None })
 }
 
-/// Adds the constant loads to those of a parameter set.
+/// Adds the constant loads to the loads of a parameter set.
 ///
 /// # Errors
 /// An error if a sum of loads is not finite.
@@ -93,7 +93,7 @@ impl LoadFile {
     ///
     /// # Errors
     /// [`Error::File`] if the file cannot be read; [`Error::Config`] with the file, the line and
-    /// what is allowed if a line is not valid.
+    /// the valid form if a line is not valid.
     pub fn read(&self, interpolation: Interpolation) -> Result<Load> {
         let text = read_text(&self.path)?;
         let problem = |problem| Error::Config { path: self.path.clone(), problem };
@@ -101,8 +101,8 @@ impl LoadFile {
     }
 
     /// Body and digest of the file's contents, for manifests. Results of different contents are
-    /// distinct; moving the file changes nothing. `None` for a file that cannot be read twice, such
-    /// as a pipe.
+    /// distinct; moving the file changes nothing. `None` for a file that cannot be read twice,
+    /// such as a pipe.
     pub fn contents_in_words(&self) -> Option<String> {
         let bytes = self.path.is_file().then(|| std::fs::read(&self.path).ok()).flatten()?;
         Some(format!("{}=file of {} bytes, digest {:016x}", self.body.name(), bytes.len(), fnv1a(&bytes)))

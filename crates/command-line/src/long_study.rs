@@ -2,7 +2,7 @@
 //! different studies are never mixed and several computers can share a study.
 //!
 //! A study is written to disk and may be read by another build. [`FORMAT`] is incremented with any
-//! change of how a study is written or divided, or of what a part holds; `part_folder` then refuses
+//! change of how a study is written or divided, or of a part's content; `part_folder` then refuses
 //! older parts by name. Tests with `second_method_shards_…` compare the bytes of a study in one
 //! run, in shards, and after an interruption.
 //!
@@ -30,9 +30,9 @@ use vibro_studies::paper::bifurcation::{self, Sweep};
 use vibro_studies::parts::Task;
 use vibro_studies::{Diagram, Machine};
 
-/// The form of the parts on disk: how a study is divided and what a part holds. It is incremented
-/// whenever one of them changes, so that parts of different forms are never combined. Manifests
-/// without a form have form 1.
+/// The form of the parts on disk: how a study is divided and the content of a part. It is
+/// incremented whenever either changes, so that parts of different forms are never combined.
+/// Manifests without a form have form 1.
 pub const FORMAT: u32 = 7;
 
 /// One long study.
@@ -45,7 +45,7 @@ pub struct LongStudy {
     /// The [form of its parts](FORMAT): parts of different forms are not mixed.
     #[serde(default = "unwritten_format")]
     pub format: u32,
-    /// What is computed, and of which machine.
+    /// The computation and its machine.
     pub work: StudyOfMachine,
 }
 
@@ -81,11 +81,11 @@ pub struct Work<M: StudiedMachine> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub enum StudyKind<M: StudiedMachine> {
-    /// Maxima over a parameter, classes and, if asked for, exponents, and what is found with them.
+    /// Maxima, classes and, if requested, exponents over a parameter, with derived studies.
     Diagram {
         /// The diagram.
         request: DiagramRequest<M>,
-        /// What is found with it.
+        /// Studies made from the diagram.
         over: M::OverDiagram,
     },
     /// Basins over two numbers of the starts.
@@ -101,17 +101,17 @@ type DiagramOf<M> = Diagram<<M as DiagramMachine>::Point>;
 
 /// Machine whose studies are computed in parts.
 pub trait StudiedMachine: ShownBasins + ShownDiagram + ShownPlane + Plain {
-    /// What is found with a diagram: branches of periodic orbits over it, spectra at some values.
+    /// Studies made from a diagram: branches of periodic orbits over it, spectra at some values.
     type OverDiagram: Plain + Default;
 
-    /// Endings of the names of the studies that are made with a diagram.
+    /// Name endings of the studies made from a diagram.
     fn names_over(request: &DiagramRequest<Self>, over: &Self::OverDiagram) -> Vec<&'static str>;
 
-    /// The studies made with a diagram. `parts` are behind the diagram's; `told` receives the
-    /// number of branches found, and of those with the starts still known.
+    /// The studies made from a diagram. `parts` are after the diagram's; `told` receives the
+    /// number of branches found, and this number plus the known remaining starts.
     ///
     /// # Errors
-    /// Parameters that orbits cannot be followed over; [`Error::Output`](crate::Error::Output).
+    /// Error if orbits cannot vary the parameter; [`Error::Output`](crate::Error::Output).
     fn over_diagram(
         &self,
         found: (&DiagramRequest<Self>, &DiagramOf<Self>),
@@ -144,7 +144,7 @@ impl StudyOfMachine {
     }
 }
 
-/// Calls of what receives the number of finished parts and the total known so far.
+/// Function that receives the number of finished parts and the total known so far.
 type Tell<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 impl<M: StudiedMachine> Work<M> {
@@ -247,7 +247,7 @@ impl LongStudy {
         std::iter::once(self.name.clone()).chain(further).collect()
     }
 
-    /// Number of parts; 0 if it is not known beforehand.
+    /// Number of parts; 0 if it is not known in advance.
     pub fn count(&self) -> usize {
         match &self.work {
             StudyOfMachine::Paper(work) => work.count(),
@@ -283,8 +283,8 @@ impl LongStudy {
         Ok(diagram(machine, sweep, task)?.map(|found| (sweep.clone(), found)))
     }
 
-    /// Computes the parts of the shard; if all parts are finished, makes the tables and pictures
-    /// too.
+    /// Computes the parts of the shard. If all parts are finished, also makes the tables and
+    /// pictures.
     ///
     /// # Errors
     /// As [`check`](Self::check), [`diagram`], [`basins`], [`isoperiodic::isoperiodic`],
@@ -293,8 +293,8 @@ impl LongStudy {
         self.run_telling(task, &|_, _| ())
     }
 
-    /// Does the work of [`run`](Self::run). Where the number of parts is not known beforehand, as
-    /// of branches, `tell` receives the number of finished parts and the total known so far.
+    /// Does the work of [`run`](Self::run). If the number of parts is not known in advance, as for
+    /// branches, `tell` receives the number of finished parts and the total known so far.
     ///
     /// # Errors
     /// As [`run`](Self::run).

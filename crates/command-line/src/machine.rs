@@ -70,7 +70,7 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     Ok(machine)
 }
 
-/// A refusal of changed numbers with the lines at which the file has the same problems.
+/// Adds the lines at which the file has the same problems to a refusal of changed numbers.
 fn placed(error: vibro_studies::Error, path: &Path) -> vibro_studies::Error {
     use vibro_studies::Error::Refusal;
     match (error, Machine::read(path)) {
@@ -98,7 +98,7 @@ pub fn note_of_unit(typed: &str, unit: &Unit) -> String {
     format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
 
-/// The ends of `count` equal parts of the time from `begin` to `end`, with `begin`, s.
+/// The ends of `count` equal parts of the time from `begin` to `end`, preceded by `begin`, s.
 ///
 /// # Errors
 /// [`Error::Refused`] if there are more than ten million instants, or `end` is not after `begin`.
@@ -156,7 +156,7 @@ pub struct MotionRecord {
     /// The machine.
     pub assembly: Arc<Assembly>,
     /// Names of the columns of `rows` after `time`: `.s`, `.v`, `.a` of each body, then `.e`,
-    /// `.rate`, `.f` of each element, then further ones that were asked for.
+    /// `.rate`, `.f` of each element, then further requested columns.
     pub columns: Vec<String>,
     /// Time and values.
     pub rows: Vec<Vec<f64>>,
@@ -177,15 +177,15 @@ pub struct MotionRecord {
 /// Reason why a record ended early. The record holds everything computed until then.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ended {
-    /// The motion cannot go on.
+    /// The motion cannot continue.
     Error(vibro_machine::Error),
     /// It was asked to stop.
     Stopped,
 }
 
 /// Follows a machine from a start to each of the instants, or until `asked` is set. `done` is
-/// called at each instant and event with the elapsed fraction of the time. If coordinates overflow,
-/// the record ends at the previous instant.
+/// called at each instant and event with the elapsed fraction of the time. If coordinates
+/// overflow, the record ends at the previous instant.
 ///
 /// # Errors
 /// [`Error::Assembly`] if the machine has no motion from the start.
@@ -213,7 +213,7 @@ pub fn record_with(
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
     let motion = start.motion_observed(assembly.clone(), &mut |event| {
-        // Samples are rows of no table.
+        // Tables do not list samples.
         events.extend(event.is_listed().then(|| event.clone()));
     })?;
     let motion = motion.with_interruption(asked.clone());
@@ -265,20 +265,20 @@ fn watched(d: &Description) -> Vec<Quantity> {
     bodies(What::S).chain(forces).chain(bodies(What::V)).collect()
 }
 
-/// Whether an element is a contact, that is, a stop, a friction or a freewheel.
+/// Whether an element is a contact, that is, a stop, a friction element or a freewheel.
 pub(crate) fn is_contact(element: Element) -> bool {
     matches!(element, Element::Stop(_) | Element::Friction(_) | Element::Freewheel(_))
 }
 
-/// Kind, element and value of an event, and how many stops took part: the columns of `events.csv`
-/// after the time.
+/// Kind, element and value of an event, and the number of stops that took part: the columns of
+/// `events.csv` after the time.
 pub fn event_in_words(assembly: &Assembly, kind: &EventKind) -> [String; 4] {
     let NamedEvent { kind, element, value, stops } = named(assembly, kind);
     [kind.into(), element, value.map_or(String::new(), exact), stops.map_or(String::new(), |n| n.to_string())]
 }
 
 impl MotionRecord {
-    /// Advances to an instant; returns the reason if the motion ended before it.
+    /// Advances to an instant. Returns the reason if the motion ended before it.
     fn advance(&mut self, time: f64, met: &mut dyn FnMut(f64)) -> Option<Ended> {
         let (before, told) = (self.motion.save(), self.events.len());
         let events = &mut self.events;
@@ -297,7 +297,7 @@ impl MotionRecord {
         }
     }
 
-    /// The extremes of a quantity that was watched.
+    /// The extremes of an observed quantity.
     fn extreme(&self, quantity: Quantity) -> Option<&Extreme> {
         self.followed.extremes.all.iter().find(|extreme| extreme.quantity == quantity)
     }
@@ -326,8 +326,8 @@ impl MotionRecord {
         csv.text()
     }
 
-    /// The text of `states.csv`: every number reads back to the same double. `chosen` are the
-    /// columns after the time, all where there is none.
+    /// The text of `states.csv`. Every number reads back to the same double. `chosen` are the
+    /// columns after the time; all columns if it is empty.
     ///
     /// # Errors
     /// [`Error::Output`].
@@ -345,7 +345,7 @@ impl MotionRecord {
         csv.text()
     }
 
-    /// The text of `events.csv`; `knots` tells whether it includes the knots of signals.
+    /// The text of `events.csv`; `knots` is whether it includes the knots of signals.
     ///
     /// # Errors
     /// [`Error::Output`].
@@ -359,7 +359,7 @@ impl MotionRecord {
         csv.text()
     }
 
-    /// Extents, contacts, events and energies, line by line; `knots` tells whether
+    /// Extents, contacts, events and energies, line by line; `knots` is whether
     /// [`events`](Self::events) includes the knots.
     pub fn account(&self, knots: bool) -> Vec<String> {
         summary::account(self, knots)

@@ -1,5 +1,5 @@
-//! Manifests: program, command and parameters from which a finished result, or a folder of finished
-//! parts, was computed. A manifest shows whether two results have the same parameters.
+//! Manifests: program, command and parameters from which a finished result, or a folder of
+//! finished parts, was computed. A manifest shows whether two results have the same parameters.
 
 use crate::long_study::{FORMAT, LongStudy};
 use crate::subject::Subject;
@@ -12,14 +12,14 @@ use vibro_numerics::digest::fnv1a;
 /// The program in every manifest.
 const PROGRAM: &str = "vibro";
 
-/// A command with its options, as it was given.
+/// A command with its options, as given.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Invocation {
     /// The command, e.g. `basin`.
     pub command: String,
-    /// Command line without the options on which results do not depend: folder, threads and shard.
+    /// Command line without the options that do not affect results: folder, threads and shard.
     pub command_line: String,
-    /// The options of the command on which its results depend, with their values or defaults.
+    /// The options of the command that affect its results, with their values or defaults.
     pub options: BTreeMap<String, String>,
 }
 
@@ -105,13 +105,13 @@ impl Manifest {
         toml::to_string(self).map_err(Error::output("a manifest"))
     }
 
-    /// Whether both describe one result: study, options and parameters are equal. Version and
+    /// Whether both describe the same result: study, options and parameters are equal. Version and
     /// command line may differ; for parts the version must be equal, since parts are combined.
     pub fn describes_same(&self, other: &Self) -> bool {
         self.long_study == other.long_study && self.differences(other).is_empty()
     }
 
-    /// Differences in words; `self` is on disk and `other` is asked for.
+    /// Descriptions of the differences; `self` is on disk and `other` is requested.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let (there, here) = (self.values(), other.values());
         let names: std::collections::BTreeSet<_> = there.keys().chain(here.keys()).collect();

@@ -101,7 +101,7 @@ fn misplaced(name: &str, what: &str) -> vibro_studies::Error {
     vibro_studies::Error::UnknownName { name: name.into(), advice: format!("in this table: it is {what}") }
 }
 
-/// Error for a text that is not TOML. In the commonest case, a number with a unit but without
+/// Error for a text that is not TOML. In the most common case, a number with a unit but without
 /// quotation marks, the error names the parameter; the parser's own error would take a unit that
 /// begins with `t` for the beginning of `true`.
 fn explained(text: &str, error: &toml::de::Error) -> Error {

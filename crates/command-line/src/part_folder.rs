@@ -1,10 +1,10 @@
 //! Finished parts of a long study in a folder on disk, so that an interrupted study continues and
 //! several machines can share one.
 //!
-//! The folder holds `manifest.toml`, which says what is computed, a file for each finished part,
-//! and `lock`, which the program at work holds. A file is written under a temporary name and then
-//! renamed, so that a part is either complete or absent. Parts of another study are kept unless the
-//! user asks to discard them; other files are never removed.
+//! The folder holds `manifest.toml` with a description of the computation, a file for each
+//! finished part, and `lock`, which the working program holds. A file is written under a temporary
+//! name and then renamed, so that a part is either complete or absent. Parts of another study are
+//! kept unless the user asks to discard them; other files are never removed.
 
 use crate::long_study::FORMAT;
 use crate::manifest::Manifest;
@@ -40,14 +40,15 @@ pub struct PartFolder {
 }
 
 impl PartFolder {
-    /// Opens or makes a folder of parts of the study that `manifest` describes, and locks it. Parts
-    /// of another study are refused, or removed if `discard` says so.
+    /// Opens or makes a folder of parts of the study that `manifest` describes, and locks it.
+    /// Parts of another study are refused, or removed if `discard` is true.
     ///
     /// # Errors
     /// [`Error::Config`] if another program works in the folder, if `discard` is false and the
-    /// folder holds parts of another study or of another [form](FORMAT), if the parts of `manifest`
-    /// have another form, or if the folder's manifest is damaged, or missing although there are
-    /// other files; [`Error::File`] and [`Error::Output`] if a file cannot be read or written.
+    /// folder holds parts of another study or of another [form](FORMAT), if the parts of
+    /// `manifest` have another form, or if the folder's manifest is damaged, or missing although
+    /// there are other files; [`Error::File`] and [`Error::Output`] if a file cannot be read or
+    /// written.
     pub fn open(folder: &Path, manifest: &Manifest, discard: bool) -> Result<Self> {
         // A study read from shards may have parts of another form.
         if let Some(format) = format_of(manifest).filter(|format| *format != FORMAT) {
@@ -75,8 +76,8 @@ impl PartFolder {
     /// Content of a folder with respect to the study that `manifest` describes.
     ///
     /// # Errors
-    /// [`Error::Config`] if the manifest is damaged or is not a manifest of parts, or if the folder
-    /// has files but no manifest; [`Error::File`] if the folder cannot be read.
+    /// [`Error::Config`] if the manifest is damaged or is not a manifest of parts, or if the
+    /// folder has files but no manifest; [`Error::File`] if the folder cannot be read.
     pub fn occupancy(folder: &Path, manifest: &Manifest) -> Result<Occupancy> {
         let path = folder.join(MANIFEST);
         if path.exists() {
@@ -100,8 +101,8 @@ impl PartFolder {
     /// Reads the manifest of a folder of parts.
     ///
     /// # Errors
-    /// [`Error::File`] if the manifest cannot be read; [`Error::Config`] if it is not a manifest of
-    /// parts.
+    /// [`Error::File`] if the manifest cannot be read; [`Error::Config`] if it is not a manifest
+    /// of parts.
     pub fn manifest(folder: &Path) -> Result<Manifest> {
         let path = folder.join(MANIFEST);
         let found = Manifest::read(&path)?;
@@ -217,8 +218,7 @@ fn lock(folder: &Path) -> Result<File> {
     }
 }
 
-/// `3 of 8 parts`; without the total if it is unknown (`count` is 0). What is kept beyond the total
-/// are branches.
+/// `3 of 8 parts`; `count` 0 is an unknown total. Parts beyond the total are branches.
 pub fn parts_in_words(kept: usize, count: usize, parts: &str) -> String {
     match (kept.checked_sub(count), count) {
         (_, 0) => format!("{kept} {parts}"),
@@ -227,7 +227,7 @@ pub fn parts_in_words(kept: usize, count: usize, parts: &str) -> String {
     }
 }
 
-/// Error for parts of another study; `there` is in the folder and `here` is asked for.
+/// Error for parts of another study; `there` is in the folder and `here` is requested.
 pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
     if let Some(format) = format_of(there).filter(|format| *format != FORMAT) {
         return other_format(folder, format);

@@ -1,4 +1,4 @@
-//! All figures at once, and a report of the paper's statements beside the results.
+//! All figures at once, and a report of the paper's statements with the results.
 
 mod analytical;
 mod document;

@@ -28,7 +28,7 @@ const LAST_DIGIT: f64 = 0.51;
 pub struct Selection {
     /// The table.
     pub path: PathBuf,
-    /// Which rows.
+    /// The chosen rows.
     rows: ChosenRows,
 }
 
@@ -50,11 +50,11 @@ pub trait PointOfTable: Sized {
     /// The parameter's value.
     fn value(&self) -> f64;
 
-    /// The point with its events in words.
+    /// Description of the point with its events.
     fn told(&self) -> String;
 
-    /// The point of a row from which a curve can start; `None` where no orbit that a motion leads
-    /// to lies beside it.
+    /// The point of a row from which a curve can start; `None` if no orbit that a motion leads to
+    /// is next to it.
     #[doc(hidden)]
     fn read(row: &PointRow, label: Label) -> Result<Option<Self>>;
 }
@@ -95,9 +95,9 @@ impl Selection {
     /// The chosen points of the table over a parameter. `number` reads a value of the parameter.
     ///
     /// # Errors
-    /// [`Error::Config`] if the file is not such a table, if the table does not have the row, if no
-    /// curve starts from the row, or if no row meets the choice. If rows have the chosen label but
-    /// not the chosen value, the error names the nearest row.
+    /// [`Error::Config`] if the file is not such a table, if the table does not have the row, if
+    /// no curve starts from the row, or if no row meets the choice. If rows have the chosen label
+    /// but not the chosen value, the error names the nearest row.
     pub fn points<P: PointOfTable>(
         &self,
         along: &str,

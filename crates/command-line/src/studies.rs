@@ -59,7 +59,7 @@ pub struct Study {
     pub figure: Option<Figure>,
     /// Lines printed below the first line and listed in the report.
     pub remarks: Vec<String>,
-    /// The study's own parameters, where they differ from the command's.
+    /// The study's own parameters, if they differ from the command's.
     pub set: Option<Box<ParameterSet>>,
     /// One-line description of the machine, for a study that varies what the subject's caption
     /// states.

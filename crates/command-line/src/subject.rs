@@ -1,5 +1,5 @@
-//! The machine of a study as manifests, tables and captions describe it: the 3-DOF machine by its
-//! parameter set, a described machine by its file.
+//! The machine of a study for manifests, tables and captions: the 3-DOF machine by its parameter
+//! set, a described machine by its file.
 
 use std::collections::BTreeMap;
 use vibro_impact::parameters::{FIELDS, LOADS};
@@ -13,8 +13,7 @@ pub trait Subject: Sync {
     /// Parameters in SI by name, and dimensionless groups by name.
     fn numbers(&self) -> (BTreeMap<String, f64>, BTreeMap<String, f64>);
 
-    /// Properties other than numbers on which results depend, by option name: structure and
-    /// section.
+    /// Properties other than numbers that affect results, by option name: structure and section.
     fn structure(&self) -> BTreeMap<String, String>;
 
     /// Parameters in one line.
@@ -51,7 +50,7 @@ impl Subject for ParameterSet {
     }
 }
 
-/// What of a machine has the periods of which the common one is taken.
+/// Name of the parts of a machine that have the common period.
 pub(crate) fn periodic_parts(d: &Description) -> &'static str {
     if d.signals().any(|s| s.signal.repeat.is_some()) { "signals" } else { "harmonics" }
 }

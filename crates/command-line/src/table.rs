@@ -100,8 +100,8 @@ pub fn column_in(column: &str, unit: &Unit) -> String {
     format!("{column} [{}]", unit.plain())
 }
 
-/// The table with an additional column at its end for each parameter that was written in another
-/// unit than SI. The column has the values in that unit, and its name contains the unit.
+/// The table with an additional column at its end for each parameter that was written in a unit
+/// other than SI. The column has the values in that unit, and its name contains the unit.
 ///
 /// # Errors
 /// [`Error::Output`] if the text is not a table.
@@ -144,11 +144,11 @@ pub fn exact(value: f64) -> String {
     format!("{value}")
 }
 
-/// The header and the rows of a table, without blanks around cells; `allowed` says what the file
-/// may be.
+/// The header and the rows of a table, without blanks around cells. `allowed` describes the valid
+/// files.
 ///
 /// # Errors
-/// [`Error::Config`] for a file that is no table.
+/// [`Error::Config`] for a file that is not a table.
 pub(crate) fn read(path: &Path, allowed: &str) -> Result<(csv::StringRecord, Vec<csv::StringRecord>)> {
     let unread =
         |e: csv::Error| Error::Config { path: path.into(), problem: format!("{e}; allowed is {allowed}") };

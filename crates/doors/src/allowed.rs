@@ -1,7 +1,7 @@
 //! The functions of one version of FMI, with the states in which each may be called, as one table.
 
-/// Declares the enumeration `Function` from a table: name, then the states of Model Exchange and of
-/// Co-Simulation as masks with bit `Stage as u16`.
+/// Declares the enumeration `Function` from a table: name, then the states of Model Exchange and
+/// of Co-Simulation as masks with bit `Stage as u16`.
 macro_rules! function_table {
     ($(#[$doc:meta])* $prefix:literal; $($name:ident: $exchange:expr, $cosimulation:expr;)*) => {
         $(#[$doc])*
@@ -17,12 +17,12 @@ macro_rules! function_table {
         const CO_SIMULATION: &[u16] = &[$($cosimulation,)*];
 
         impl Function {
-            /// Its C name.
+            /// Name of the function in C.
             pub fn name(self) -> &'static str {
                 NAMES[self as usize]
             }
 
-            /// Whether it may be called in `stage` of an instance of type `interface`.
+            /// Whether the function may be called in `stage` of an instance of type `interface`.
             pub fn allowed(self, interface: $crate::Interface, stage: Stage) -> bool {
                 let masks = match interface {
                     $crate::Interface::ModelExchange => MODEL_EXCHANGE,
@@ -35,7 +35,7 @@ macro_rules! function_table {
 }
 pub(crate) use function_table;
 
-/// Asserts that the rows of a table are those of a standard's table, transcribed a second time from
+/// Asserts that the rows of a table agree with a standard's table, transcribed a second time from
 /// its text: each function's name, then one mark per state for each of two interface types.
 #[cfg(test)]
 macro_rules! assert_is_the_standards {

@@ -1,4 +1,4 @@
-//! Life cycle and steps of a component, as the doors call them: the same for every [`Hybrid`].
+//! Life cycle and steps of a component for the doors: the same for every [`Hybrid`].
 
 use crate::events::{Handled, StepOutcome};
 use crate::hybrid::{AtEvent, Hybrid, steps};
@@ -6,10 +6,10 @@ use crate::life::{EventHandling, Experiment, Interface, Phase};
 use crate::log::Log;
 use crate::problem::Problem;
 
-/// Life cycle and steps of a component, the type of which an FMU is an instance. The doors decide
-/// which call is allowed in which state of which version.
+/// Life cycle and steps of a component, the type that an FMU instantiates. The doors decide which
+/// call is allowed in which state of which version.
 ///
-/// No type implements it: every [`Hybrid`] is a component.
+/// Every [`Hybrid`] is a component; no type implements this trait itself.
 pub trait Component: Hybrid {
     /// `fmi2SetupExperiment`, and the experiment arguments of `fmi3EnterInitializationMode`.
     ///
@@ -58,7 +58,7 @@ pub trait Component: Hybrid {
         self.life_mut().phase = Phase::Terminated;
     }
 
-    /// `fmi2EnterEventMode`, `fmi3EnterEventMode`: the host starts to handle events; possibly no
+    /// `fmi2EnterEventMode`, `fmi3EnterEventMode`: the host starts to handle events, even if no
     /// event is due.
     ///
     /// # Errors
@@ -73,7 +73,7 @@ pub trait Component: Hybrid {
     }
 
     /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: carries out everything that is due at
-    /// the present time in one call, and returns what has changed.
+    /// the present time in one call, and returns the changes.
     ///
     /// # Errors
     /// If a value that was set is not possible; nothing has changed then.
@@ -81,7 +81,7 @@ pub trait Component: Hybrid {
         self.carry_out(log)
     }
 
-    /// `fmi3EnterStepMode`, `fmi3EnterContinuousTimeMode`: the motion goes on.
+    /// `fmi3EnterStepMode`, `fmi3EnterContinuousTimeMode`: the motion continues.
     ///
     /// # Errors
     /// As [`Hybrid::go_on`].
@@ -92,11 +92,10 @@ pub trait Component: Hybrid {
     }
 
     /// `fmi3DoStep`: a step from the present time towards `point + size`, with the event handling
-    /// that was agreed with the host ([`EventHandling`]). The step begins at the component's time;
-    /// `point` may differ from it by rounding ([`Life::check_step`](crate::Life::check_step)).
-    ///
+    /// agreed with the host ([`EventHandling`]). The step begins at the component's time; `point`
+    /// may differ from it by rounding ([`Life::check_step`](crate::Life::check_step)).
     /// # Errors
-    /// If the step was not carried out; the component then stays where it was.
+    /// If the step was not carried out; the component is then unchanged.
     #[inline]
     fn step_as_agreed(
         &mut self,
@@ -130,7 +129,7 @@ pub trait Component: Hybrid {
         Ok(outcome)
     }
 
-    /// `fmi2EnterContinuousTimeMode`: the host's solver goes on from here.
+    /// `fmi2EnterContinuousTimeMode`: the host's solver continues from here.
     ///
     /// # Errors
     /// As [`Hybrid::go_on`].

@@ -18,18 +18,18 @@ use std::borrow::Cow;
 /// A text of a description.
 pub type Text = Cow<'static, str>;
 
-/// The complete model description. The text of one version leaves out what only the other version
-/// defines.
+/// The complete model description. The text of one version leaves out all that only the other
+/// version defines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// `modelName`.
     pub model_name: Text,
-    /// `modelIdentifier`: the name of the library's file. It has no other use.
+    /// `modelIdentifier`: the name of the library's file. It is not used for anything else.
     pub model_identifier: Text,
-    /// `guid`, `instantiationToken`: what
-    /// [`Instantiation::check_token`](crate::Instantiation::check_token) compares.
+    /// `guid`, `instantiationToken`: compared by
+    /// [`Instantiation::check_token`](crate::Instantiation::check_token).
     pub token: Text,
-    /// What the model is.
+    /// Description of the model.
     pub description: Text,
     /// Author of the model.
     pub author: Text,
@@ -46,11 +46,11 @@ pub struct Description {
     /// Whether the names of the variables have dots between their levels
     /// (`variableNamingConvention`).
     pub structured_names: bool,
-    /// The interface type Model Exchange, where it is offered.
+    /// The interface type Model Exchange, if offered.
     pub model_exchange: Option<ModelExchange>,
-    /// The interface type Co-Simulation, where it is offered.
+    /// The interface type Co-Simulation, if offered.
     pub co_simulation: Option<CoSimulation>,
-    /// What both interface types offer.
+    /// Capabilities of both interface types.
     pub capabilities: Capabilities,
     /// Every unit that a type or a variable names.
     pub units: Vec<Unit>,
@@ -83,8 +83,8 @@ impl Description {
     }
 }
 
-/// Capabilities of both interface types (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.2). `Default` has
-/// none, as the default methods of [`Model`](crate::Model) provide none.
+/// Capabilities of both interface types (FMI 2.0, 3.3.1 and 4.3.1; FMI 3.0.2, 2.4.2). `Default`
+/// has none, as the default methods of [`Model`](crate::Model) provide none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
     /// States can be saved and restored.
@@ -126,7 +126,7 @@ pub struct CoSimulation {
     pub provides_intermediate_update: bool,
     /// FMI 3.0: a step may end at an event.
     pub might_return_early_from_do_step: bool,
-    /// FMI 3.0: a step ends where the callback asks for it.
+    /// FMI 3.0: a step ends where the callback requests it.
     pub can_return_early_after_intermediate_update: bool,
     /// FMI 3.0: Event Mode.
     pub has_event_mode: bool,
@@ -167,8 +167,7 @@ pub struct Unit {
     pub name: Text,
     /// Exponents of kg, m, s, A, K, mol, cd and rad.
     pub exponents: [i32; 8],
-    /// Display units a person may choose from: names, and what a value is multiplied with to be
-    /// shown in them.
+    /// Display units for the user's choice, with the factor from this unit.
     pub display: Vec<(Text, f64)>,
 }
 
@@ -177,9 +176,9 @@ pub struct Unit {
 pub struct Type {
     /// Its name.
     pub name: Text,
-    /// What it is.
+    /// Description.
     pub description: Text,
-    /// Of Reals or of an enumeration.
+    /// Kind: Reals or an enumeration.
     pub kind: TypeKind,
 }
 
@@ -224,6 +223,6 @@ pub struct Item {
     pub name: Text,
     /// Its value.
     pub value: i32,
-    /// What it means.
+    /// Meaning.
     pub description: Text,
 }

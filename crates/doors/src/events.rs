@@ -20,16 +20,16 @@ pub struct StepOutcome {
     pub early: bool,
 }
 
-/// Where a piece of a step ends.
+/// Position at which a piece of a step ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Piece {
     /// Before the law of an event.
     Event,
-    /// At its end.
+    /// At the end of the step.
     End,
 }
 
-/// Words of the messages about an FMI 2.0 step that ends early.
+/// Texts for messages about an FMI 2.0 step that ends early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EarlyEnd {
     /// The event at which the step ends.

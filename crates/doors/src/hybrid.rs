@@ -12,17 +12,17 @@
 //! at once. The event handling agreed with the host decides what a step does at an event
 //! ([`AtEvent`]): it passes over the event, ends after it, ends before its law, or passes over it
 //! but shows the new values of the discrete outputs only when the host handles the event. The
-//! start, the undoing, the pieces and the end of a step are the same for every simulation and stand
-//! here. The parts that differ are [`Hybrid`].
+//! start, the undoing, the pieces and the end of a step are the same for every simulation and are
+//! implemented here. The parts that differ are [`Hybrid`].
 //!
 //! Two orders of calls are required. First, a step saves its beginning before it takes over the
 //! values that were set. Second, a whole step calls [`taken_over`](Hybrid::taken_over) after the
-//! run, since the run may fail. A step in pieces calls it at once, since the host may read values
-//! that follow; the state saved before the step undoes it.
+//! run, since the run may fail. A step in pieces calls it immediately, since the host may read
+//! dependent values; the state saved before the step undoes it.
 //!
-//! To change what a step does at an event: [`AtEvent`], the function `whole` of `steps.rs` and
-//! [`Pieces`]; every component follows. A new function of [`Hybrid`] gets a default that leaves the
-//! components as they are.
+//! To change the behaviour of a step at an event, edit [`AtEvent`], the function `whole` of
+//! `steps.rs` and [`Pieces`]; this changes every component. A new function of [`Hybrid`] gets a
+//! default that leaves the components unchanged.
 
 mod pieces;
 pub(crate) mod steps;
@@ -39,17 +39,17 @@ use std::fmt::Debug;
 /// A simulation with events, from which the layer makes a [`Component`](crate::Component).
 ///
 /// Required methods: [`start`](Self::start), [`take_over`](Self::take_over), [`run`](Self::run),
-/// [`undo`](Self::undo), [`apply_law`](Self::apply_law), [`carry_out`](Self::carry_out). The rest
-/// has defaults.
+/// [`undo`](Self::undo), [`apply_law`](Self::apply_law), [`carry_out`](Self::carry_out). The other
+/// methods have defaults.
 #[allow(unused_variables)] // of the defaults
 pub trait Hybrid: Model {
-    /// The values that change at events only, as a host sees them; `()` if there are none.
+    /// The values that change at events only, as shown to a host; `()` if there are none.
     type Shown: Clone + Debug;
-    /// Data by which a step is undone.
+    /// Data that undo a step.
     type Undo: Debug;
 
-    /// Largest distance of an event before a step's end at which the event counts as at the end, in
-    /// units in the last place of the end.
+    /// Largest distance of an event before a step's end at which the event counts as at the end,
+    /// in units in the last place of the end.
     const ROUNDING: f64 = 0.0;
 
     /// Discards values computed for the start, since the experiment has been set.
@@ -58,10 +58,10 @@ pub trait Hybrid: Model {
     /// The motion begins from the start values.
     ///
     /// # Errors
-    /// If the start values are not possible; nothing has changed then.
+    /// If the start values are not possible; then nothing has changed.
     fn start(&mut self, log: &mut dyn Log) -> Result<(), Self::Problem>;
 
-    /// Whether a step from `point` (s) over `size` (s) can be made at all.
+    /// Whether a step from `point` (s) over `size` (s) is possible at all.
     ///
     /// # Errors
     /// By default as [`Life::check_step`](crate::Life::check_step).
@@ -75,25 +75,24 @@ pub trait Hybrid: Model {
         self.life().handling.event_mode
     }
 
-    /// At the beginning of a step: saves the beginning and takes over the values that were set. The
-    /// flag is true if taking them over was an event.
+    /// Called at the beginning of a step: saves the beginning and takes over the values that were
+    /// set. The flag is whether taking them over was an event.
     ///
     /// # Errors
-    /// If a value that was set is not possible; nothing has changed then.
+    /// If a value that was set is not possible; then nothing has changed.
     fn take_over(&mut self, end: StepEnd, log: &mut dyn Log) -> Result<(Self::Undo, bool), Self::Problem>;
 
     /// Marks the values that were set as taken over.
     fn taken_over(&mut self) {}
 
-    /// Moves on to `end` or to an event before it, and applies the laws of the events that it goes
-    /// over.
+    /// Advances to `end` or to an event before it, and applies the laws of the events that it
+    /// passes.
     ///
     /// # Errors
-    /// If the motion cannot continue; [`undo`](Self::undo) is called then.
+    /// If the motion cannot continue; then [`undo`](Self::undo) is called.
     fn run(&mut self, end: StepEnd, until: Until, log: &mut dyn Log) -> Result<Met, Self::Problem>;
 
-    /// Goes back to the beginning of the step because of `problem`. Returns `problem`, or a problem
-    /// that says that going back failed.
+    /// Undoes the step because of `problem`. Returns `problem`, or the problem of undoing it.
     fn undo(&mut self, undo: Self::Undo, problem: Self::Problem) -> Self::Problem;
 
     /// Applies the law of the event that is due.
@@ -102,44 +101,45 @@ pub trait Hybrid: Model {
     /// If no motion exists after the event; the component then stays before the law.
     fn apply_law(&mut self, log: &mut dyn Log) -> Result<(), Self::Problem>;
 
-    /// Present values of what changes at events only.
+    /// Present values of the quantities that change at events only.
     fn shown(&self) -> Self::Shown;
 
-    /// Shows the given earlier values of what changes at events only, until the host handles
-    /// events; `None` shows the present values again.
+    /// Shows the given earlier values of the quantities that change at events only, until the host
+    /// handles events. `None` shows the present values again.
     fn latch(&mut self, shown: Option<Self::Shown>) {}
 
     /// Called at the end of a step, in which inputs may have followed polynomials.
     fn end_step(&mut self, ended: Ended) {}
 
-    /// Lets an input follow a polynomial from here on: value and time derivatives 1 to 3.
+    /// Lets an input follow a polynomial from now on: value and time derivatives 1 to 3.
     fn set_input(&mut self, reference: u32, polynomial: [f64; 4]) {}
 
-    /// Called when the host enters an event: from now on the present values of what changes at
-    /// events only are shown.
+    /// Called when the host enters an event. From now on the present values of the quantities that
+    /// change at events only are shown.
     fn begin_event(&mut self) {
         self.latch(None);
     }
 
-    /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: applies the law of an event that is due
-    /// at the present time, and takes over the values that were set, in one call.
+    /// `fmi2NewDiscreteStates`, `fmi3UpdateDiscreteStates`: applies the law of an event that is
+    /// due at the present time, and takes over the values that were set, in one call.
     ///
     /// # Errors
-    /// If a value that was set is not possible; nothing has changed then.
+    /// If a value that was set is not possible; then nothing has changed.
     fn carry_out(&mut self, log: &mut dyn Log) -> Result<Handled, Self::Problem>;
 
-    /// The motion continues from the event. FMI 2.0 gives no log.
+    /// The motion continues from the event. FMI 2.0 does not give a log.
     ///
     /// # Errors
-    /// If a value that was set at the event is not possible; the component then stays at the event.
+    /// If a value that was set at the event is not possible; the component then stays at the
+    /// event.
     fn go_on(&mut self, log: Option<&mut dyn Log>) -> Result<(), Self::Problem> {
         Ok(())
     }
 
-    /// The simulation ends; `failed` tells that an error has ended it.
+    /// The simulation ends; `failed` is whether an error has ended it.
     fn end(&mut self, failed: bool) {}
 
-    /// Goes to a time of the host's solver, s, which is finite.
+    /// Sets the time to a finite time of the host's solver, s.
     ///
     /// # Errors
     /// If the time is not possible; by default always.
@@ -147,7 +147,7 @@ pub trait Hybrid: Model {
         not_offered("Model Exchange")
     }
 
-    /// Accepts the present point of the host's solver; true if the solver has passed over an event.
+    /// Accepts the present point of the host's solver. Returns whether an event was passed.
     ///
     /// # Errors
     /// By default none.

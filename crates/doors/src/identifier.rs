@@ -1,7 +1,7 @@
 //! Identifiers computed from contents.
 
-/// A hash in the form of a globally unique identifier. The hash of a model description's text is
-/// the token by which a library recognizes its description.
+/// A hash in the form of a globally unique identifier. A library recognizes its model description
+/// by the hash of the description's text, the token.
 pub fn identifier(text: &str) -> String {
     let hash = fnv1a(text.as_bytes());
     format!(

@@ -11,10 +11,10 @@ use crate::messages::{Logger, Sink, with_category};
 use crate::problem::Refused;
 
 /// An instance of the component `C`, with the behaviour that FMI 2.0 and 3.0 share. The doors add
-/// which call is allowed in which state, and the behaviour in which the versions differ.
+/// the calls allowed in each state, and the differences between the versions.
 #[derive(Debug)]
 pub struct CommonInstance<C: Component> {
-    /// What it is an instance of.
+    /// The component.
     pub component: C,
     enabled: Categories,
     states: Handles<C::State>,
@@ -38,7 +38,7 @@ impl<C: Component> CommonInstance<C> {
         Ok(Self { component: C::instantiate(request)?, enabled, states: Handles::default() })
     }
 
-    /// Lets the component log what a user should know about how `function` has made it.
+    /// Lets the component log how `function` has made it, as far as a user should know.
     pub fn tell(&self, function: &'static str, sink: &mut dyn Sink) {
         self.component.tell_at_instantiation(&mut self.log(sink, function));
     }
@@ -60,7 +60,7 @@ impl<C: Component> CommonInstance<C> {
         self.component.nominals().as_ref().len()
     }
 
-    /// Which log categories are enabled.
+    /// The enabled log categories.
     pub fn enabled(&self) -> Categories {
         self.enabled
     }
@@ -71,12 +71,12 @@ impl<C: Component> CommonInstance<C> {
         Logger { sink, enabled: self.enabled, function }
     }
 
-    /// `fmi2SetDebugLogging` and `fmi3SetDebugLogging` (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1); no names
-    /// means all categories.
+    /// `fmi2SetDebugLogging` and `fmi3SetDebugLogging` (FMI 2.0, 2.1.5; FMI 3.0.2, 2.3.1). No
+    /// names mean all categories.
     ///
     /// # Errors
-    /// [`Fault::Text`] if a category is unknown; the error of reading a name. Nothing has changed
-    /// then.
+    /// [`Fault::Text`] if a category is unknown; the error of reading a name. Then nothing has
+    /// changed.
     pub fn set_debug_logging<S: AsRef<str>>(
         &mut self,
         on: bool,
@@ -92,11 +92,11 @@ impl<C: Component> CommonInstance<C> {
         Ok(())
     }
 
-    /// `fmi2GetFMUstate` and `fmi3GetFMUState` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7.4): saves into the
-    /// state of `handle`, or into a new state if `handle` is zero.
+    /// `fmi2GetFMUstate` and `fmi3GetFMUState` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7.4): saves into
+    /// the state of `handle`, or into a new state if `handle` is zero.
     ///
     /// # Errors
-    /// If the handle is neither zero nor one of this instance.
+    /// If the handle is neither zero nor a handle of this instance.
     pub fn save(&mut self, handle: usize) -> Result<usize, Refused<C::Problem>> {
         if handle == 0 {
             return Ok(self.states.keep(self.component.save()?, 0)?);
@@ -108,7 +108,7 @@ impl<C: Component> CommonInstance<C> {
     /// `fmi2SetFMUstate` and `fmi3SetFMUState`.
     ///
     /// # Errors
-    /// If the handle is not one of this instance, and as [`restore`](crate::Model::restore).
+    /// If the handle is not a handle of this instance, and as [`restore`](crate::Model::restore).
     pub fn restore(&mut self, handle: usize) -> Result<(), Refused<C::Problem>> {
         Ok(self.component.restore(self.states.get(handle)?)?)
     }
@@ -116,7 +116,7 @@ impl<C: Component> CommonInstance<C> {
     /// `fmi2FreeFMUstate` and `fmi3FreeFMUState`.
     ///
     /// # Errors
-    /// For a handle that is not this instance's.
+    /// For a handle of another instance.
     pub fn free(&mut self, handle: usize) -> Result<(), Fault> {
         self.states.free(handle)
     }
@@ -124,13 +124,13 @@ impl<C: Component> CommonInstance<C> {
     /// `fmi2SerializeFMUstate` and `fmi3SerializeFMUState`.
     ///
     /// # Errors
-    /// For a handle that is not this instance's.
+    /// For a handle of another instance.
     pub fn serialized(&self, handle: usize) -> Result<Vec<u8>, Refused<C::Problem>> {
         Ok(self.component.serialize(self.states.get(handle)?)?)
     }
 
-    /// `fmi2DeSerializeFMUstate` and `fmi3DeserializeFMUState`: reads into the state of `handle` if
-    /// this instance has it, otherwise into a new state.
+    /// `fmi2DeSerializeFMUstate` and `fmi3DeserializeFMUState`: reads into the state of `handle`
+    /// if this instance has it, otherwise into a new state.
     ///
     /// # Errors
     /// As [`deserialize`](crate::Model::deserialize).

@@ -21,9 +21,9 @@ pub enum Version {
 pub struct Instantiation<'a> {
     /// FMI version of the call.
     pub version: Version,
-    /// How the instance will be used.
+    /// Intended use of the instance.
     pub interface: Interface,
-    /// How the host handles events.
+    /// Event handling by the host.
     pub handling: EventHandling,
     /// Name of the instance: not blank.
     pub name: &'a str,
@@ -35,7 +35,7 @@ pub struct Instantiation<'a> {
 }
 
 impl Instantiation<'_> {
-    /// Refuses a token that differs from `own`. The error has the version's name of the argument.
+    /// Refuses a token that differs from `own`. The error has the version's name for the argument.
     ///
     /// # Errors
     /// [`Problem::Fault`].
@@ -74,11 +74,11 @@ impl Instantiation<'_> {
         Ok(PathBuf::from(path))
     }
 
-    /// Possible folders of the FMU's resources, the likeliest first: the folder that the host
-    /// gives, and the folder `resources` of the unpacked FMU that contains the library, for hosts
-    /// that give none or a wrong one.
+    /// Possible folders of the FMU's resources, the most likely first: the folder that the host
+    /// gives, then the folder `resources` of the unpacked FMU that contains the library, for hosts
+    /// that give no folder or a wrong one.
     pub fn resource_folders(&self) -> Vec<PathBuf> {
-        // The library lies in binaries/PLATFORM/.
+        // The library is in binaries/PLATFORM/.
         let beside = own_path().and_then(|path| Some(path.ancestors().nth(3)?.join("resources")));
         self.resource_folder().ok().into_iter().chain(beside).collect()
     }

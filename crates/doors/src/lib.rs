@@ -22,21 +22,21 @@
 //!
 //! # An FMU from your Rust type
 //!
-//! 1. A crate whose library is a `cdylib`, with this crate among its dependencies.
-//! 2. A type that implements [`Tabular`](tabular::Tabular): a table of variables and what moves
-//!    them, as below and in `examples/bouncing_ball/ball.rs`, which has events. What it offers
-//!    follows: both interface types, event mode, intermediate update, saved states, ranges, phases
-//!    and messages. Where a table is too little (arrays, derivatives, what is known at run time
-//!    only), a type implements [`Model`] and [`Hybrid`] itself; their defaults refuse the rest by
-//!    name, and the steps are written ([`hybrid`]).
+//! 1. A crate with a `cdylib` library that depends on this crate.
+//! 2. A type that implements [`Tabular`](tabular::Tabular): a table of variables and the functions
+//!    of their motion, as below and in `examples/bouncing_ball/ball.rs`, which has events. Both
+//!    interface types, event mode, intermediate update, saved states, ranges, phases and messages
+//!    follow from the table. If a table is not enough (arrays, derivatives, variables known only
+//!    at run time), a type implements [`Model`] and [`Hybrid`] directly. Their defaults refuse
+//!    what is missing by name, and the steps are provided ([`hybrid`]).
 //! 3. One line, [`export!`], makes all functions of FMI 2.0 and 3.0. It expands to `unsafe`
-//!    functions by the C names; the crate may deny `unsafe_code` elsewhere, but not forbid it.
+//!    functions with the C names; the crate may deny `unsafe_code` elsewhere, but not forbid it.
 //! 4. A program that writes `modelDescription.xml` for each version (`examples/describe.rs`), from
 //!    [`FromTable::description`](tabular::FromTable::description) or a
 //!    [`Description`](description::Description) of your own.
 //! 5. A zip archive of the description and the library, in `binaries/linux64/` (FMI 2.0) or
-//!    `binaries/x86_64-linux/` (FMI 3.0) and the like of other platforms, under the name that the
-//!    description has as `modelIdentifier`.
+//!    `binaries/x86_64-linux/` (FMI 3.0) or the folder of another platform. The library has the
+//!    name given as `modelIdentifier` in the description.
 //!
 //! ```
 //! use fmi_doors::tabular::{FromTable, Row, Tabular};
@@ -124,7 +124,7 @@ pub use values::{Base, Bases, Dependency, DependencyKind};
 
 /// Exports a [`Component`] by FMI 2.0 and 3.0: every function of both standards, as a public
 /// function with its C name. The macro is invoked once in the library that hosts load, in a module
-/// where the type is in scope. The library must be a `cdylib`.
+/// with the type in scope. The library must be a `cdylib`.
 #[macro_export]
 macro_rules! export {
     ($component:ty) => {

@@ -3,10 +3,10 @@
 use crate::problem::Problem;
 use serde::{Deserialize, Serialize};
 
-/// How a component is used.
+/// Use of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interface {
-    /// The host brings the solver.
+    /// The host provides the solver.
     ModelExchange,
     /// The component steps itself.
     CoSimulation,
@@ -25,7 +25,7 @@ impl Interface {
 /// Lifecycle phase of a component, independent of the FMI version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
-    /// Just made or reset.
+    /// Just created or reset.
     Instantiated,
     /// The start values are set and read.
     Initialization,
@@ -40,12 +40,12 @@ pub enum Phase {
     StoppedEarly,
     /// The simulation is over; outputs can still be read.
     Terminated,
-    /// A panic has left it in an unknown state.
+    /// A panic has left the component in an unknown state.
     Broken,
 }
 
 impl Phase {
-    /// Whether a motion exists in this phase; `None` if the phase alone does not tell.
+    /// Whether a motion exists in this phase; `None` if the phase alone does not decide.
     pub fn has_motion(self) -> Option<bool> {
         match self {
             Self::Instantiated | Self::Initialization => Some(false),
@@ -54,7 +54,7 @@ impl Phase {
         }
     }
 
-    /// In words, for messages.
+    /// Description for messages.
     pub fn words(self) -> &'static str {
         match self {
             Self::Instantiated => "before initialization",
@@ -74,12 +74,12 @@ impl Phase {
 pub struct Experiment {
     /// Start, s.
     pub start: f64,
-    /// Stop, s, where it is known.
+    /// Stop, s, if known.
     pub stop: Option<f64>,
 }
 
 impl Experiment {
-    /// An experiment from the host's arguments, after checks.
+    /// Checks the host's arguments and makes an experiment.
     ///
     /// # Errors
     /// [`Problem::Value`] if the tolerance is negative, the start is not finite, or the stop is
@@ -104,7 +104,7 @@ impl Experiment {
     }
 }
 
-/// How a host handles events; agreed when the component is made.
+/// Event handling by a host, agreed when the component is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventHandling {
     /// The host handles events itself. Values that change at events only are updated when the host
@@ -122,13 +122,13 @@ pub const TIME_TOLERANCE: f64 = 1e-9;
 /// Lifecycle data that every component keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Life {
-    /// How it is used.
+    /// Use of the component.
     pub interface: Interface,
-    /// How its host handles events.
+    /// Event handling by its host.
     pub handling: EventHandling,
     /// Present phase.
     pub phase: Phase,
-    /// Start and stop time, once they were given.
+    /// Start and stop time, once they are given.
     pub experiment: Option<Experiment>,
 }
 
@@ -158,13 +158,12 @@ impl Life {
         };
     }
 
-    /// Takes over phase and experiment of a saved state. If the state was saved with another event
-    /// handling, in a phase that the present handling does not have, the motion continues from
-    /// there.
+    /// Takes over phase and experiment of a saved state. If the state was saved in a phase that
+    /// the present event handling does not have, the motion continues from there.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] if the state is of the other interface type, or its phase is one in
-    /// which no state is saved, as in damaged bytes. Nothing has changed then.
+    /// [`Problem::SavedState`] if the state is of the other interface type, or of a phase in which
+    /// no state is saved, as in damaged bytes. Then nothing has changed.
     pub fn take_over(&mut self, saved: &Self) -> Result<(), Problem> {
         if saved.interface != self.interface {
             let (its, own) = (saved.interface.name(), self.interface.name());
@@ -187,7 +186,7 @@ impl Life {
     }
 
     /// Refuses a step that does not begin at `own`, the component's time, up to rounding; a step
-    /// without length; and a step past the stop time.
+    /// of zero length; and a step past the stop time.
     ///
     /// # Errors
     /// [`Problem::Value`], [`Problem::Time`], [`Problem::StopTime`].
@@ -233,8 +232,8 @@ mod tests {
         assert_eq!(life.check_step(1.0, 1.0 + 1e-12, 1.0), Ok(()));
     }
 
-    /// Damaged bytes may say any phase. One that the interface type does not have would leave an
-    /// instance that answers nothing.
+    /// Damaged bytes may contain any phase. A phase that the interface type does not have would
+    /// leave an instance that answers nothing.
     #[test]
     fn saved_states_of_phases_that_there_are_not_are_refused() {
         for (interface, phases) in [

@@ -5,7 +5,7 @@
 pub enum Category {
     /// The events of the motion.
     Events,
-    /// Warnings; nothing was refused.
+    /// Warnings without a refusal.
     Warnings,
     /// A call carried out in part: a step that ended early, a value that is not available.
     Incomplete,
@@ -19,7 +19,7 @@ pub enum Category {
 pub const CATEGORIES: [Category; 5] =
     [Category::Events, Category::Warnings, Category::Incomplete, Category::Refusals, Category::Failures];
 
-/// Where messages of a component go.
+/// Destination of a component's messages.
 pub trait Log {
     /// Whether messages of this category are enabled. A caller need not make other messages.
     fn wants(&self, category: Category) -> bool;
@@ -28,7 +28,7 @@ pub trait Log {
     fn log(&mut self, category: Category, message: &str);
 }
 
-/// A log that wants nothing.
+/// A log without any enabled category.
 #[derive(Clone, Copy, Debug)]
 pub struct Silence;
 
@@ -55,7 +55,7 @@ impl Categories {
         self.0 & (1 << category as u8) != 0
     }
 
-    /// The set with a category put in or taken out.
+    /// The set with a category added or removed.
     #[must_use]
     pub const fn with(self, category: Category, on: bool) -> Self {
         let bit = 1 << category as u8;

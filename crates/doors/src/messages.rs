@@ -1,4 +1,4 @@
-//! Statuses, log categories and messages, which are common to FMI 2.0 and 3.0. Both doors use them.
+//! Statuses, log categories and messages that are common to FMI 2.0 and 3.0, for both doors.
 
 use crate::ffi::Fault;
 use crate::ffi::panics::guarded;
@@ -56,9 +56,9 @@ pub struct Category {
     pub description: &'static str,
 }
 
-/// The log categories, all with standard names: those of a component in its order, then the set of
-/// all. `events` describes the logged events of the component; `discard` describes the status
-/// Discard, whose meaning differs between the versions.
+/// The log categories, all with standard names: the component's categories in their order, then
+/// the set of all. `events` describes the logged events of the component; `discard` describes the
+/// status Discard, whose meaning differs between the versions.
 pub const fn log_categories(events: &'static str, discard: &'static str) -> [Category; 6] {
     [
         Category { name: "logEvents", description: events },
@@ -99,7 +99,7 @@ pub fn with_category(enabled: Categories, name: &str, on: bool) -> Result<Catego
     Ok(enabled.with(category, on))
 }
 
-/// Where log messages go.
+/// Destination of log messages.
 pub trait Sink {
     /// Takes one finished message without trailing line break.
     fn send(&mut self, status: Status, category: log::Category, message: &str);
@@ -108,11 +108,11 @@ pub trait Sink {
 /// A log for one call of the component. It passes on the enabled messages, and puts the function's
 /// name before warnings.
 pub struct Logger<'a> {
-    /// Where messages go.
+    /// Destination of messages.
     pub sink: &'a mut dyn Sink,
     /// Enabled categories.
     pub enabled: Categories,
-    /// The C name of the function that was called.
+    /// The C name of the called function.
     pub function: &'static str,
 }
 
@@ -137,7 +137,7 @@ pub fn c_text(text: &str) -> CString {
     CString::new(text.replace('\0', "?")).unwrap_or_default()
 }
 
-/// Logs why a call of `function` was refused, if the category of its status is enabled.
+/// Logs the reason why a call of `function` was refused, if the category of its status is enabled.
 #[cold]
 pub fn report(
     enabled: Categories,

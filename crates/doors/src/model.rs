@@ -1,5 +1,5 @@
-//! What an FMU is an instance of, apart from how it moves: variables, continuous states, saved
-//! states. How it moves is [`Hybrid`](crate::Hybrid).
+//! The type that an FMU instantiates, apart from its motion: variables, continuous states, saved
+//! states. Its motion is [`Hybrid`](crate::Hybrid).
 
 use crate::events::EarlyEnd;
 use crate::instantiation::{Instantiation, Named};
@@ -11,17 +11,17 @@ use std::fmt::Debug;
 
 /// Variables, continuous states and saved states of a component.
 ///
-/// Each method checks everything it was given and only then changes anything, so that a refused
-/// call leaves the component as it was. A type leaves out the methods for what it does not offer:
+/// Each method checks all its arguments before it changes anything, so that a refused call leaves
+/// the component unchanged. A type leaves out the methods for capabilities that it does not offer:
 /// their defaults refuse the call, and name what is missing.
 ///
-/// All values travel as `f64`: Integers and enumerations are exact in it, Booleans and clocks are 0
-/// and 1. The doors ask an instance for its variables, so a component may learn its variables at
-/// instantiation. There are no String, Binary and structural variables, no input clocks and no
-/// Scheduled Execution.
+/// All values are passed as `f64`: Integers and enumerations are exact in it, Booleans and clocks
+/// are 0 and 1. The doors ask an instance for its variables, so a component may learn its
+/// variables at instantiation. There are no String, Binary and structural variables, no input
+/// clocks and no Scheduled Execution.
 #[allow(unused_variables)] // of the defaults
 pub trait Model: Sized + Debug + 'static {
-    /// Type of the component's refusals; [`Problem`](crate::Problem) if it needs no further ones.
+    /// Type of the component's refusals; [`Problem`](crate::Problem) if it needs no others.
     type Problem: Refusal;
     /// A saved state: all data from which the component can continue. `()` if states cannot be
     /// saved.
@@ -31,7 +31,7 @@ pub trait Model: Sized + Debug + 'static {
     /// does not lead to reads far outside the host's array. Must be at least the largest number of
     /// values of one call and the number of bytes of a saved state.
     const MAX_COUNT: usize = 1 << 24;
-    /// Words of the messages about an FMI 2.0 step that ends early.
+    /// Texts for messages about an FMI 2.0 step that ends early.
     const EARLY_END: EarlyEnd = EarlyEnd { event: "event", because: "" };
 
     /// `fmi2Instantiate`, `fmi3Instantiate…`: a new instance with all variables at their start
@@ -45,10 +45,10 @@ pub trait Model: Sized + Debug + 'static {
     /// Lifecycle state: interface type, phase, and the event handling agreed with the host.
     fn life(&self) -> &Life;
 
-    /// Lifecycle state, to be changed.
+    /// Lifecycle state, mutable.
     fn life_mut(&mut self) -> &mut Life;
 
-    /// Logs what a user should know about how the instance was made.
+    /// Logs how the instance was made, as far as a user should know.
     fn tell_at_instantiation(&self, log: &mut dyn Log) {}
 
     /// `fmi2Reset`, `fmi3Reset`: puts the component into the state after instantiation.
@@ -57,18 +57,18 @@ pub trait Model: Sized + Debug + 'static {
     /// Present time, s; the start time before initialization ends.
     fn time(&self) -> f64;
 
-    /// Name and properties, which a door needs, of the variable with a value reference.
+    /// Name of the variable with a value reference, and the properties that a door needs.
     ///
     /// # Errors
     /// [`Problem::Reference`](crate::Problem::Reference) if no variable has the reference.
     fn variable(&self, reference: u32) -> Result<Named<'_>, Self::Problem>;
 
-    /// `fmi2Get…`, `fmi3Get…`: hands value `i` to `write`. The values come in the order of the
-    /// variables, those of an array in row-major order. No value is NaN or infinite.
+    /// `fmi2Get…`, `fmi3Get…`: passes value `i` to `write`. The values are in the order of the
+    /// variables, and arrays are in row-major order. No value is NaN or infinite.
     ///
     /// # Errors
     /// [`Problem::Reference`](crate::Problem::Reference), before anything is written, if a
-    /// reference has no variable of these types.
+    /// reference does not have a variable of these types.
     fn get(
         &mut self,
         bases: Bases,
@@ -103,7 +103,7 @@ pub trait Model: Sized + Debug + 'static {
     }
 
     /// `fmi2GetRealOutputDerivatives`, `fmi3GetOutputDerivatives` (`maxOutputDerivativeOrder`):
-    /// hands derivative `i` to `write`.
+    /// passes derivative `i` to `write`.
     ///
     /// # Errors
     /// By default always.
@@ -116,7 +116,7 @@ pub trait Model: Sized + Debug + 'static {
         not_offered("derivatives of outputs")
     }
 
-    /// `fmi2GetDirectionalDerivative`, `fmi3GetDirectionalDerivative`: hands the derivative of
+    /// `fmi2GetDirectionalDerivative`, `fmi3GetDirectionalDerivative`: passes the derivative of
     /// unknown `i` along `seed` in the space of knowns to `write`.
     ///
     /// # Errors
@@ -131,7 +131,7 @@ pub trait Model: Sized + Debug + 'static {
         not_offered("directional derivatives")
     }
 
-    /// `fmi3GetVariableDependencies`: what a variable depends on now.
+    /// `fmi3GetVariableDependencies`: present dependencies of a variable.
     ///
     /// # Errors
     /// By default always.
@@ -148,7 +148,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2SetContinuousStates`, `fmi3SetContinuousStates`: sets all continuous states.
     ///
     /// # Errors
-    /// If the states are not possible; nothing has changed then. By default always.
+    /// If the states are not possible; then nothing has changed. By default always.
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Self::Problem> {
         not_offered("continuous states")
     }
@@ -156,7 +156,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2GetContinuousStates`, `fmi3GetContinuousStates`.
     ///
     /// # Errors
-    /// By default none, of none.
+    /// By default none; there are no states.
     fn continuous_states(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }
@@ -164,7 +164,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2GetDerivatives`, `fmi3GetContinuousStateDerivatives`.
     ///
     /// # Errors
-    /// By default none, of none.
+    /// By default none; there are no states.
     fn state_derivatives(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }
@@ -173,7 +173,7 @@ pub trait Model: Sized + Debug + 'static {
     /// changes its sign.
     ///
     /// # Errors
-    /// By default none, of none.
+    /// By default none; there are no indicators.
     fn event_indicators(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }
@@ -197,12 +197,12 @@ pub trait Model: Sized + Debug + 'static {
         not_offered("saved states")
     }
 
-    /// `fmi2SetFMUstate`, `fmi3SetFMUState`: goes back to a saved state. The state was saved by
-    /// this instance or read from bytes; the instance may be uninitialized. A motion continued from
-    /// a restored state is bitwise equal to the original motion.
+    /// `fmi2SetFMUstate`, `fmi3SetFMUState`: returns to a saved state. The state was saved by this
+    /// instance or read from bytes; the instance may be uninitialized. A motion continued from a
+    /// restored state is bitwise equal to the original motion.
     ///
     /// # Errors
-    /// If the state does not fit; nothing has changed then. By default always.
+    /// If the state does not fit; then nothing has changed. By default always.
     fn restore(&mut self, saved: &Self::State) -> Result<(), Self::Problem> {
         not_offered("saved states")
     }

@@ -14,7 +14,7 @@ pub trait Refusal: std::error::Error + From<Problem> + 'static {
     }
 }
 
-/// Why a call was refused, in either version.
+/// Reason why a call was refused, in either version.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refused<P: Refusal> {
     /// The component refuses.
@@ -37,19 +37,19 @@ impl<P: Refusal> From<Fault> for Refused<P> {
     }
 }
 
-/// Why a call was refused; the component is then unchanged. Each text names the variable, its value
-/// and what is allowed. A component without further errors can use this as its type of refusals.
+/// Reason why a call was refused; the component is then unchanged. Each text states the variable,
+/// its value and the valid values. A component may use this as its type of refusals.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// No variable of the wanted types has that reference.
+    /// No variable of the requested types has that reference.
     #[error("value reference {reference} is no {wanted} variable: {found}")]
     Reference {
         /// The reference.
         reference: u32,
-        /// The wanted types, in words.
+        /// Description of the requested types.
         wanted: &'static str,
-        /// What is there.
+        /// Text about the existing variables.
         found: String,
     },
     /// The variable cannot be set in the present phase, or never.
@@ -57,19 +57,19 @@ pub enum Problem {
     NotSettable {
         /// The variable.
         name: Cow<'static, str>,
-        /// Present phase, in words.
+        /// Description of the present phase.
         phase: &'static str,
-        /// What may be set.
+        /// Variables that may be set.
         allowed: &'static str,
     },
     /// A value outside its range.
     #[error("{name} = {value}: allowed is {allowed}")]
     Value {
-        /// What was to be set.
+        /// The variable.
         name: Cow<'static, str>,
         /// The value.
         value: f64,
-        /// What is allowed.
+        /// The valid values.
         allowed: Cow<'static, str>,
     },
     /// The host's time is not the component's.
@@ -92,16 +92,16 @@ pub enum Problem {
         /// Stop time.
         stop: f64,
     },
-    /// Something must be done first.
+    /// Another action must come first.
     #[error("{what}")]
     Sequence {
-        /// What.
+        /// The required action.
         what: Cow<'static, str>,
     },
     /// A saved state that does not fit or is damaged.
     #[error("saved state refused: {what}")]
     SavedState {
-        /// Why.
+        /// The reason.
         what: Cow<'static, str>,
     },
     /// A step or an event that failed and could not be undone; the state of the instance is
@@ -110,15 +110,15 @@ pub enum Problem {
         "{cause}. That could not be taken back: {refused}. Remedy: restore a saved state, or reset the instance"
     )]
     NotTakenBack {
-        /// Why it failed.
+        /// Reason of the failure.
         cause: String,
-        /// Why the state before it was refused.
+        /// Reason why the state before it was refused.
         refused: String,
     },
-    /// What this component does not offer.
+    /// A capability that this component does not offer.
     #[error("this FMU does not offer {what}: its model description says so")]
     NotOffered {
-        /// What.
+        /// The capability.
         what: &'static str,
     },
     /// An impossible argument.
@@ -132,7 +132,7 @@ impl Problem {
         Self::NotTakenBack { cause: cause.to_string(), refused: refused.to_string() }
     }
 
-    /// A value outside its range.
+    /// Error for a value outside its range.
     pub fn value(
         name: impl Into<Cow<'static, str>>,
         value: f64,
@@ -148,7 +148,7 @@ impl Refusal for Problem {
     }
 }
 
-/// Refuses what a component does not offer, by name.
+/// Refuses a capability that a component does not offer, by name.
 pub(crate) fn not_offered<T, P: Refusal>(what: &'static str) -> Result<T, P> {
     Err(Problem::NotOffered { what }.into())
 }

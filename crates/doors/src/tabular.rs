@@ -22,35 +22,34 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Largest number of events of one step. A step with more events is refused, since a model whose
+/// Largest number of events per step. A step with more events is refused, since a model whose
 /// events accumulate in time would never end the step.
 pub const MOST_EVENTS: usize = 1_000_000;
 
-/// A model whose variables are the rows of a table. The value reference of a row is its place in
-/// the table, counted from 1; `values` are those of the rows, in their order and in the rows'
-/// units.
+/// A model whose variables are the rows of a table. The value reference of a row is its index in
+/// the table, counted from 1. `values` has one value per row, in the order and units of the rows.
 #[allow(unused_variables)] // of the defaults
 pub trait Tabular: 'static {
     /// `modelName`.
     const NAME: &'static str;
     /// `modelIdentifier`: the name of the library's file.
     const IDENTIFIER: &'static str;
-    /// What the model is.
+    /// Description of the model.
     const DESCRIPTION: &'static str;
     /// Version of the model: `env!("CARGO_PKG_VERSION")`.
     const VERSION: &'static str;
     /// The variables. One is [`Row::time`]; each [`Row::state`] has one [`Row::derivative`].
     const ROWS: &'static [Row];
-    /// Event indicators: the places of their rows, counted from 0 like those of `values`.
+    /// Event indicators: the indices of their rows, counted from 0 as in `values`.
     const INDICATORS: &'static [usize] = &[];
     /// Default experiment of a host.
     const EXPERIMENT: description::Experiment =
         description::Experiment { start_time: 0.0, stop_time: 1.0, tolerance: 1e-6, step_size: 0.01 };
 
-    /// Computes the values that follow from the others: derivatives and outputs.
+    /// Computes the dependent values: derivatives and outputs.
     fn evaluate(values: &mut [f64]);
 
-    /// Advances the states to `time`, s, before which there is no event. The time among `values` is
+    /// Advances the states to `time`, s; there is no event before it. The time among `values` is
     /// still the present time.
     fn advance(values: &mut [f64], time: f64);
 
@@ -66,7 +65,7 @@ pub trait Tabular: 'static {
     }
 }
 
-/// The component of a table, to be exported by `fmi_doors::export!(FromTable<Model>)`.
+/// The component of a table, exported by `fmi_doors::export!(FromTable<Model>)`.
 pub struct FromTable<T> {
     state: Saved,
     /// Inputs that follow a polynomial within the present step.
@@ -79,9 +78,9 @@ pub struct FromTable<T> {
 pub struct Saved {
     life: Life,
     values: Vec<f64>,
-    /// Whether the last step has ended at an event whose law is still to be applied.
+    /// Whether the last step has ended at an event whose law must still be applied.
     due: bool,
-    /// The counters as they are shown until the host handles the events of the last step.
+    /// The counters shown until the host handles the events of the last step.
     latched: Option<Vec<f64>>,
 }
 
@@ -110,7 +109,7 @@ impl<T: Tabular> FromTable<T> {
         identifier(&format!("{:?}", (T::NAME, T::VERSION, T::ROWS)))
     }
 
-    /// Row and place of a variable of these types.
+    /// Row and index of a variable of these types.
     fn row(reference: u32, bases: Bases) -> Result<(&'static Row, usize), Problem> {
         let place = (reference as usize).wrapping_sub(1);
         let row = T::ROWS.get(place).filter(|row| bases.contains(row.role.base()));
@@ -121,15 +120,15 @@ impl<T: Tabular> FromTable<T> {
         })
     }
 
-    /// The places of the continuous states, and those of their derivatives in the same order.
+    /// Indices of the continuous states and, in the same order, of their derivatives.
     fn states() -> impl Iterator<Item = (usize, usize)> {
         let of = |state| T::ROWS.iter().position(move |row| row.role == Role::Derivative(state));
         let states = T::ROWS.iter().enumerate().filter(|(_, row)| row.role == Role::State);
         states.filter_map(move |(state, _)| Some((state, of(state)?)))
     }
 
-    /// Changes values and computes the values that follow. If a value is not finite afterwards,
-    /// nothing is changed.
+    /// Changes values and computes the dependent values. If a value is then not finite, nothing is
+    /// changed.
     fn change<R>(&mut self, change: impl FnOnce(&mut [f64]) -> R) -> Result<R, Problem> {
         let mut values = self.state.values.clone();
         let result = change(&mut values);
@@ -146,12 +145,12 @@ impl<T: Tabular> FromTable<T> {
         Ok(result)
     }
 
-    /// The counters.
+    /// Indices of the counters.
     fn counters() -> impl Iterator<Item = usize> {
         (0..T::ROWS.len()).filter(|place| T::ROWS[*place].role == Role::Counter)
     }
 
-    /// The value of a variable as it is shown.
+    /// The shown value of a variable.
     fn shown_value(&self, place: usize) -> f64 {
         let latched = self.state.latched.iter().flatten();
         let counter = Self::counters().zip(latched).find(|(counter, _)| *counter == place);

@@ -1,4 +1,4 @@
-//! Types of variables, as getters and setters distinguish them, and dependencies between variables.
+//! Types of variables for getters and setters, and dependencies between variables.
 
 /// Type of a variable's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +28,7 @@ impl Base {
     }
 }
 
-/// The types that one kind of getter and setter serves. An interface standard determines them.
+/// The types that one kind of getter and setter accesses. An interface standard determines them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bases {
     /// Their name in messages.
@@ -53,7 +53,7 @@ impl Bases {
         Self { name, bits }
     }
 
-    /// Whether a type is one of them.
+    /// Whether the set contains a type.
     #[inline]
     pub const fn contains(self, base: Base) -> bool {
         self.bits & (1 << base as u8) != 0
@@ -76,7 +76,7 @@ pub enum DependencyKind {
 }
 
 impl DependencyKind {
-    /// As the standard writes it.
+    /// Name in the standard.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Dependent => "dependent",
@@ -95,6 +95,6 @@ pub struct Dependency {
     pub element: usize,
     /// Value reference of the known on which it depends.
     pub reference: u32,
-    /// How.
+    /// Kind of dependency.
     pub kind: DependencyKind,
 }

@@ -1,5 +1,5 @@
-//! A component whose variables are known at instantiation only: a file in the FMU's resources names
-//! them.
+//! A component whose variables are known only at instantiation: a file in the FMU's resources
+//! names them.
 #![allow(unsafe_code)] // the C interface
 
 use fmi_doors::hybrid::{Met, StepEnd, Until};
@@ -11,7 +11,7 @@ use std::ptr::{null, null_mut};
 
 fmi_doors::export!(Table);
 
-/// As many Reals as the file has lines, each with its name; references count from 1.
+/// One Real per line of the file, with the line as its name; references count from 1.
 #[derive(Debug)]
 struct Table {
     life: Life,
@@ -165,7 +165,7 @@ fn two_instances_of_one_library_have_variables_of_their_own() {
         let mut values = [0.0; 2];
         assert_eq!(fmi3GetFloat64(b, [1, 2].as_ptr(), 2, values.as_mut_ptr(), 2), 0);
         assert_eq!(values, [0.0, 2.5]);
-        // Names are those of the instance.
+        // Names belong to the instance.
         assert_eq!(fmi3SetFloat64(b, &2, 1, &f64::NAN, 1), 2);
         assert_eq!(*message, "fmi3SetFloat64: stiffness = NaN: allowed is a finite number");
         assert_eq!(fmi3GetFloat64(a, &2, 1, values.as_mut_ptr(), 1), 3);
@@ -173,14 +173,14 @@ fn two_instances_of_one_library_have_variables_of_their_own() {
         fmi3FreeInstance(a);
         fmi3FreeInstance(b);
     }
-    // A file of another machine, none at all, and no word of where it is.
+    // A file of another machine, no file, and no location given.
     assert!(instantiate(&one, &two_token).is_null());
     assert!(message.starts_with("fmi3InstantiateModelExchange: instantiationToken = "), "{message}");
     assert!(instantiate(c"/nowhere", &one_token).is_null());
     assert!(message.contains("names.txt: "), "{message}");
     let none = unsafe { fmi2Instantiate(c"a".as_ptr(), 1, one_token.as_ptr(), null(), null(), 0, 0) };
     assert_eq!(none, null_mut());
-    // The place of the resources as FMI 2.0 has it.
+    // The location of the resources in the form of FMI 2.0.
     let uri = CString::new(format!("file://{}", one.to_str().unwrap())).unwrap();
     unsafe {
         let c = fmi2Instantiate(c"a".as_ptr(), 1, one_token.as_ptr(), uri.as_ptr(), null(), 0, 0);

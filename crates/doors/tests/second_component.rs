@@ -1,5 +1,5 @@
 //! The bouncing ball of the examples through the C interface, as a host would run it: both
-//! versions, both interface types, event mode, saved states, and what it does not offer.
+//! versions, both interface types, event mode, saved states, and refused functions.
 #![allow(unsafe_code)] // the C interface
 
 #[path = "second_component/arguments.rs"]
@@ -70,7 +70,7 @@ fn token() -> CString {
     CString::new(FromTable::<Ball>::token()).unwrap()
 }
 
-/// An instance of FMI 3.0 in initialization mode's end.
+/// An instance of FMI 3.0 at the end of initialization mode.
 fn of_fmi3(event_mode: u8, early_return: u8, messages: &mut Vec<String>) -> FmiInstance {
     let environment = std::ptr::from_mut(messages).cast();
     unsafe {
@@ -177,7 +177,7 @@ fn closed_form_of_the_bounces_in_event_mode() {
     unsafe { fmi3FreeInstance(c) };
 }
 
-/// A host that steps on from an event without handling it: its law is applied then, and once.
+/// A host that continues from an event without handling it: its law is then applied, once.
 #[test]
 fn closed_form_of_a_bounce_that_the_host_did_not_handle() {
     let mut messages = Vec::new();
@@ -193,7 +193,7 @@ fn closed_form_of_a_bounce_that_the_host_did_not_handle() {
         assert_eq!(fmi3DoStep(c, reached, 0.8 - reached, 1, event, terminate, early, &mut reached), OK);
         assert_eq!((*early, reached), (0, 0.8));
         assert_near(height(c), 0.8);
-        // Nothing is left to be handled.
+        // Nothing remains to be handled.
         assert_eq!(fmi3EnterEventMode(c), OK);
         assert_eq!(fmi3UpdateDiscreteStates(c, needed, ends, nominals, values, defined, &mut next), OK);
         assert_eq!(*values, 0);
@@ -202,8 +202,8 @@ fn closed_form_of_a_bounce_that_the_host_did_not_handle() {
     }
 }
 
-/// A host's solver of second order is exact on a parabola; it halves its step until it stands at
-/// the impact.
+/// A host's solver of second order is exact on a parabola; it halves its step until it reaches the
+/// impact.
 #[test]
 fn closed_form_of_the_bounces_in_model_exchange() {
     const FINE: f64 = 1e-12;
@@ -238,13 +238,13 @@ fn closed_form_of_the_bounces_in_model_exchange() {
             assert_eq!(fmi2GetReal(c, &HEIGHT, 1, &mut height), OK);
             assert_eq!(fmi2GetInteger(c, &BOUNCES, 1, &mut bounces), OK);
             let (expected, count) = closed_form(time);
-            // The host finds an impact to within some times its finest step.
+            // The host finds an impact to within a multiple of its finest step.
             assert!((height - expected).abs() < 1e3 * FINE || bounces != count, "{height} {expected} {time}");
         }
         let mut bounces = 0;
         assert_eq!(fmi2GetInteger(c, &BOUNCES, 1, &mut bounces), OK);
         assert_eq!(bounces, closed_form(time).1);
-        // As many states as there are, and no others.
+        // The number of states must match.
         assert_eq!(fmi2SetContinuousStates(c, x.as_ptr(), 3), ERROR);
         assert_eq!(fmi2GetDerivatives(c, x.as_mut_ptr(), 1), ERROR);
         fmi2FreeInstance(c);
@@ -296,8 +296,8 @@ fn a_value_that_the_model_cannot_take_is_discarded_and_the_instance_continues() 
     }
 }
 
-/// What a solver sets need not be what a user may set: a ball a little below the floor is saved and
-/// read again.
+/// A solver may set values that a user may not: a ball a little below the floor is saved and read
+/// again.
 #[test]
 fn every_state_that_is_reached_goes_through_bytes() {
     let (c, below) = (of_fmi2(0), [-1e-9, -4.0]);
@@ -319,7 +319,7 @@ fn every_state_that_is_reached_goes_through_bytes() {
     }
 }
 
-/// A ball that loses nothing bounces for ever: a step of more impacts than one may have is refused,
+/// A ball that loses nothing bounces for ever: a step with more impacts than allowed is refused,
 /// and the ball stays where it was.
 #[test]
 fn steps_without_end_are_refused_and_taken_back() {

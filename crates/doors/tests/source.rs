@@ -1,4 +1,4 @@
-//! What the source promises about itself.
+//! Properties that the source must have.
 
 #[path = "common/sources.rs"]
 mod sources;
@@ -43,8 +43,8 @@ fn neither_door_imports_the_other_and_ffi_imports_neither() {
     }
 }
 
-/// What can be exported by the doors is of any kind: no word of the machine for which they were
-/// made first, and no package of this repository.
+/// The doors can export a component of any kind: they do not contain a word of the machine for
+/// which they were first made, or a package of this repository.
 #[test]
 fn the_doors_know_no_machine() {
     for (name, text) in sources(PACKAGE, "") {

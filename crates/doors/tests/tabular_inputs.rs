@@ -1,5 +1,5 @@
-//! An input of a table that a host sets for the course of a step by its callback, and callbacks
-//! that misbehave.
+//! An input of a table that a host sets during a step with its callback, and callbacks that
+//! misbehave.
 #![allow(unsafe_code)] // the C interface
 
 use fmi_doors::fmi3::abi::FmiInstance;
@@ -51,8 +51,8 @@ fn read(lag: &mut FromTable<Lag>, place: usize) -> f64 {
     value
 }
 
-/// The input is held in each of 16 parts of a step, at its value in their middle: the square of a
-/// part over 24 is left of the answer to a ramp.
+/// The input is held in each of 16 parts of a step, at its value in their middle. The answer to a
+/// ramp has an error of the square of a part over 24.
 #[test]
 fn closed_form_answer_of_a_lag_to_a_ramp_in_a_step() {
     const STEP: f64 = 0.5;
@@ -78,7 +78,7 @@ fn closed_form_answer_of_a_lag_to_a_ramp_in_a_step() {
     let answer = |t: f64| t - 1.0 + (-t).exp();
     let y = read(&mut lag, Y);
     assert!((y - answer(STEP)).abs() < LEFT, "{y} {}", answer(STEP));
-    // From the step's end on it holds the value that it has there.
+    // From the step's end on the input holds its value at the end.
     assert!((read(&mut lag, U) - STEP).abs() < f64::EPSILON);
     lag.step_as_agreed(STEP, STEP, &mut Silence).unwrap();
     let held = STEP + (answer(STEP) - STEP) * (-STEP).exp();
@@ -113,8 +113,8 @@ unsafe fn do_step(c: FmiInstance) -> (c_int, f64) {
     (status, time)
 }
 
-/// A step of a host that sets `u` in the course of it and whose callback makes that call: status
-/// and last successful time, the statuses of the calls inside, and the instance.
+/// A step of a host that sets `u` during it and whose callback makes the given call. Returns
+/// status, last successful time, the statuses of the calls inside, and the instance.
 fn step_with(call: unsafe fn(FmiInstance) -> c_int) -> (c_int, f64, Vec<c_int>, FmiInstance) {
     let mut within = Within { c: null_mut(), call, statuses: Vec::new() };
     let (token, place) = (CString::new(FromTable::<Lag>::token()).unwrap(), &raw mut within);
@@ -143,8 +143,8 @@ fn step_with(call: unsafe fn(FmiInstance) -> c_int) -> (c_int, f64, Vec<c_int>, 
     }
 }
 
-/// Steps, resets and states of the whole FMU inside a step are errors; the step is taken back, and
-/// Reset leads out. So are values that the host has not required, and reads while inputs are asked.
+/// Steps, resets and states of the whole FMU inside a step are errors; the step is undone, and
+/// Reset helps. So are values not required, and reads while inputs are requested.
 #[test]
 fn calls_by_the_callback_that_change_the_step_are_refused() {
     let calls: [unsafe fn(FmiInstance) -> c_int; 6] = [

@@ -13,7 +13,7 @@ pub(crate) struct Table {
     pub(crate) numbering: Numbering,
     /// Settings from which the start values are taken.
     pub(crate) start: Settings,
-    /// Name of the variable whose derivative a variable is, by the rules of the version.
+    /// Name of the state whose derivative a variable is, by the rules of the version.
     pub(crate) derivative: fn(&variables::Variable) -> Option<&'static str>,
 }
 
@@ -101,7 +101,7 @@ impl Table {
         }
     }
 
-    /// The declared types that a variable of this edition has.
+    /// The declared types used by a variable of this edition.
     fn types(&self) -> Vec<Type> {
         let used =
             |name: &str| variables::of_edition(self.edition).any(|(_, v)| v.declared_type() == Some(name));

@@ -1,5 +1,5 @@
-//! The component as the doors use it: its protocol for each version of FMI, and which of its errors
-//! concern a value.
+//! The component for the doors: its protocol for each version of FMI, and the errors that concern
+//! a value.
 
 use crate::component::settings::Settings;
 use crate::component::variables::Edition;
@@ -21,10 +21,10 @@ impl Refusal for ComponentProblem {
 }
 
 impl Protocol {
-    /// The protocol of the version and the description for which an instance is requested.
+    /// The protocol for the version and the description of the requested instance.
     ///
     /// # Errors
-    /// If the token belongs to none of this build's descriptions.
+    /// If the token does not belong to a description of this build.
     pub(crate) fn of(request: &Instantiation<'_>) -> Result<Self, ComponentProblem> {
         let handling = request.handling;
         match request.version {

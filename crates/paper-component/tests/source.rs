@@ -1,4 +1,4 @@
-//! What the source promises about itself.
+//! Statements of the documentation about the source.
 
 #[path = "../../doors/tests/common/sources.rs"]
 mod sources;
@@ -12,7 +12,7 @@ const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");
 
 #[test]
 fn unsafe_code_stands_in_the_doors_alone() {
-    // The C interface is exported by the doors' macros.
+    // The C interface is exported by the macros of the doors crate.
     let with = with_unsafe_code(PACKAGE);
     assert!(with.is_empty(), "{with:?}");
 }
@@ -30,7 +30,7 @@ fn neither_version_imports_the_other() {
 
 #[test]
 fn the_component_knows_no_version_of_fmi_and_nothing_imports_upward() {
-    // Words of one version: its name, its functions and types, its statuses and its states.
+    // Words that belong to one FMI version: its name, functions, types, statuses and states.
     const OF_A_VERSION: [&str; 13] = [
         "fmi2",
         "fmi3",
@@ -60,7 +60,7 @@ fn the_component_knows_no_version_of_fmi_and_nothing_imports_upward() {
     }
 }
 
-/// The worked example of the README: every piece of code in it stands in the file that it names.
+/// The worked example of the README: every piece of code in it occurs in the file that it names.
 #[test]
 fn the_example_of_a_variable_is_a_real_one() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

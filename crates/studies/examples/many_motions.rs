@@ -1,9 +1,9 @@
-//! Many machines side by side on all cores: the default machine over 1000 forces, 400 drive periods
-//! each.
+//! Many machines side by side on all cores: the default machine over 1000 forces, 400 drive
+//! periods each.
 //!
 //! `cargo run --release -p vibro-studies --example many_motions` measures once. With the argument
-//! `serve` it measures once for every line of its input, so that `benches/python_package.py` can
-//! take turns with it.
+//! `serve` it measures once per input line, so that `benches/python_package.py` can alternate with
+//! it.
 
 use std::error::Error;
 use std::io::{BufRead, Write};
@@ -16,7 +16,7 @@ use vibro_studies::paper::{ParameterSet, find_group};
 const PERIODS: u32 = 400;
 const MACHINES: u32 = 1000;
 
-/// Machines over the force f̂10 from 0.5 to 4, each from the moving block on.
+/// Machines over the force f̂10 from 0.5 to 4, each starting from the moving block.
 fn starts() -> Result<Vec<Start>, Box<dyn Error>> {
     let force = find_group("f10")?;
     let start = |i: u32| {

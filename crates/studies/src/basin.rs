@@ -1,5 +1,5 @@
-//! Basins of attraction over two numbers of the starts: where the motions from a plane of starts
-//! settle, and the attractors that coexist.
+//! Basins of attraction over two numbers of the starts: the attractors that the motions from a
+//! plane of starts reach, and the attractors that coexist.
 
 mod described;
 
@@ -16,10 +16,10 @@ use std::ops::Range;
 /// Axis of a plane of starts: a number of a start at the centres of `count` cells.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StartAxis {
-    /// The number's name: `time`, `block.s`, `block.v`; of the paper's machine `x1` or `v2`, in
+    /// Name of the number: `time`, `block.s`, `block.v`. For the paper's machine `x1` or `v2`, in
     /// units of L or L ω10.
     pub name: String,
-    /// Lower end; SI but for the paper's machine.
+    /// Lower end; in SI except for the paper's machine.
     pub from: f64,
     /// Upper end.
     pub to: f64,
@@ -42,14 +42,14 @@ pub struct BasinRequest<M: DesignMachine> {
     pub x: StartAxis,
     /// Vertical axis.
     pub y: StartAxis,
-    /// The numbers of the starts that are on no axis.
+    /// The numbers of the starts that are not on an axis.
     pub start: M::Start,
-    /// Returns or drive periods discarded before a motion is observed. A motion that is undecided
-    /// then is followed further.
+    /// Returns or drive periods discarded before a motion is observed. A motion that is then
+    /// undecided is followed further.
     pub discard: u32,
 }
 
-/// Where the motion from a start leads.
+/// Destination of the motion from a start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BasinCell {
     /// To the attractor of this number.
@@ -62,15 +62,15 @@ pub enum BasinCell {
     NotSettled,
     /// Chaotic or on a torus; the attractor was not decided.
     Undecided,
-    /// The motion cannot go on, or never returns to the section.
+    /// The motion cannot continue, or never returns to the section.
     Ended,
-    /// The motion came to rest, from where it never returns to the section.
+    /// The motion came to rest and never returns to the section.
     Rest,
 }
 
-/// Attractor that starts of a plane reach.
+/// Attractor reached by starts of a plane.
 pub trait BasinAttractor: Plain {
-    /// Whether shares are of all starts, and not only of the starts inside the stops.
+    /// Whether shares refer to all starts instead of the starts inside the stops.
     const SHARES_OF_ALL: bool;
     /// Class of the motions.
     fn class(&self) -> MotionClass;
@@ -87,9 +87,9 @@ pub struct Basins<A> {
     pub attractors: Vec<A>,
     /// Cells, row by row of constant y from the lowest.
     pub cells: Vec<BasinCell>,
-    /// Why the first motion that ended did.
+    /// Reason why the first ended motion ended.
     pub ended: Option<String>,
-    /// Least and largest coordinate of each body over all motions that came to rest; empty where
+    /// Smallest and largest coordinate of each body over all motions that came to rest; empty if
     /// none did.
     pub rest: Vec<[f64; 2]>,
 }
@@ -104,23 +104,23 @@ impl<A> Default for Basins<A> {
 pub trait BasinMachine: DesignMachine {
     /// Attractor of its motions.
     type Attractor: BasinAttractor;
-    /// What all parts read.
+    /// Data that all parts read.
     type Shared: Sync;
-    /// Workspace reused from part to part; it does not change results.
+    /// Workspace reused for all parts; it does not change results.
     type BasinWorkspace: Default;
-    /// Motions in a part, rounded up to whole rows.
+    /// Number of motions in a part, rounded up to whole rows.
     const IN_BASIN_PART: usize;
 
-    /// Checks what every start depends on, and makes what all parts read.
+    /// Checks the conditions of every start, and prepares the data that all parts read.
     ///
     /// # Errors
-    /// Starts and names that the machine does not have.
+    /// Error for starts and names that the machine does not have.
     fn check_basin(&self, request: &BasinRequest<Self>) -> Result<Self::Shared>;
 
     /// The cells of some rows, with the attractors that they reach.
     ///
     /// # Errors
-    /// [`Error::TooManyAttractors`]; what the machine refuses, except for single starts.
+    /// [`Error::TooManyAttractors`]; errors of the machine, except for single starts.
     fn rows_of_basin(
         &self,
         request: &BasinRequest<Self>,
@@ -130,11 +130,11 @@ pub trait BasinMachine: DesignMachine {
 }
 
 impl<M: BasinMachine> BasinRequest<M> {
-    /// Checks what every start depends on, and makes what all parts read.
+    /// Checks the conditions of every start, and prepares the data that all parts read.
     ///
     /// # Errors
-    /// [`Error::Form`] for two axes of one number, a range that is empty or not finite, and no
-    /// cells; [`Error::TooMany`]; as [`BasinMachine::check_basin`].
+    /// [`Error::Form`] for two axes of the same number, an empty or infinite range, and no cells;
+    /// [`Error::TooMany`]; as [`BasinMachine::check_basin`].
     pub fn check(&self, machine: &M) -> Result<M::Shared> {
         let (x, y) = (&self.x, &self.y);
         if x.name == y.name {
@@ -149,7 +149,7 @@ impl<M: BasinMachine> BasinRequest<M> {
                 return Err(Error::Form { text, expected: "from < to, both finite, and at least 1 cell" });
             }
         }
-        // The parts are put together beside the whole plane.
+        // The parts and the whole plane are in memory at the same time.
         check_cells("cells of the plane", (x.count, y.count), 2 * size_of::<BasinCell>())?;
         machine.check_basin(self)
     }
@@ -160,8 +160,8 @@ impl<M: BasinMachine> BasinRequest<M> {
     }
 }
 
-/// The basins of a machine, on all threads; `None` where rows belong to other shards. The result
-/// depends neither on threads nor on shards.
+/// Computes the basins of a machine on all threads. `None` if rows belong to other shards. The
+/// result depends neither on threads nor on shards.
 ///
 /// # Errors
 /// As [`BasinRequest::check`] and [`BasinMachine::rows_of_basin`].
@@ -182,7 +182,7 @@ pub fn basins<M: BasinMachine>(
 }
 
 impl<A: BasinAttractor> Basins<A> {
-    /// Share of the starts whose cell this is.
+    /// Share of the starts with this cell.
     pub fn share(&self, of: BasinCell) -> f64 {
         let count = |sought| self.cells.iter().filter(|cell| **cell == sought).count() as f64;
         let outside = if A::SHARES_OF_ALL { 0.0 } else { count(BasinCell::Outside) };
@@ -194,11 +194,11 @@ impl<A: BasinAttractor> Basins<A> {
         [BasinCell::Attractor(number), BasinCell::Mirror(number)].map(|cell| self.share(cell))
     }
 
-    /// The cell of a motion on a known attractor, whose means it joins, or on a new one; `None`
-    /// where that is undecided, and for a new one that is not `sure`.
+    /// The cell of a motion on a known attractor, which takes in its means, or on a new one.
+    /// `None` if that is undecided, and for a new attractor that is not `sure`.
     pub(crate) fn reached(&mut self, found: A, sure: bool) -> Result<Option<BasinCell>> {
         let mut undecided = false;
-        // All numbers that attractors can have.
+        // Attractor numbers cannot exceed `u16::MAX`.
         for (known, number) in self.attractors.iter_mut().zip(0..=u16::MAX) {
             let (cell, mirrored) = match known.relation(&found) {
                 Relation::Same => (BasinCell::Attractor(number), false),
@@ -223,7 +223,7 @@ impl<A: BasinAttractor> Basins<A> {
         Ok(BasinCell::Attractor(number))
     }
 
-    /// Appends the cells of further rows, whose attractors have numbers of their own.
+    /// Appends the cells of further rows, whose attractors are numbered separately.
     ///
     /// # Errors
     /// [`Error::TooManyAttractors`].
@@ -241,7 +241,7 @@ impl<A: BasinAttractor> Basins<A> {
         Ok(())
     }
 
-    /// Takes places of rest into the range of all.
+    /// Widens the range of rest positions.
     fn widen(&mut self, places: Vec<[f64; 2]>) {
         if self.rest.is_empty() {
             self.rest = places;

@@ -1,4 +1,4 @@
-//! Classes of settled motions, and the limits by which returns decide them.
+//! Classes of settled motions, and the limits for deciding them from returns.
 
 use crate::exponent::ExponentSign;
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,7 @@ pub enum Relation {
     Mirror,
     /// Neither equal nor mirror images.
     Different,
-    /// Neither has a period, and their windows are too short to tell whether they are the same.
+    /// Neither has a period, and their windows are too short to decide whether they are the same.
     Undecided,
 }
 
@@ -59,7 +59,7 @@ impl MotionClass {
         }
     }
 
-    /// Whether it is periodic.
+    /// Whether the motion is periodic.
     pub fn is_periodic(self) -> bool {
         matches!(self, Self::Periodic(_) | Self::Settling)
     }
@@ -78,7 +78,7 @@ impl MotionClass {
     }
 
     /// The class from the period, the sign of the largest exponent, and whether returns come
-    /// nearer.
+    /// closer.
     pub(crate) fn by_sign(period: Option<u32>, sign: Option<ExponentSign>, approaching: bool) -> Self {
         match (period, sign) {
             (Some(n), _) => Self::Periodic(n),
@@ -91,7 +91,7 @@ impl MotionClass {
     }
 }
 
-/// The least n up to [`LONGEST`] for which each of the last 4 n returns is the same as the one n
+/// The smallest n up to [`LONGEST`] for which each of the last 4 n returns equals the return n
 /// before.
 pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> Option<u32> {
     (1..=LONGEST).take_while(|&n| 4 * n as usize <= returns.len()).find(|&n| {
@@ -101,7 +101,7 @@ pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> O
     })
 }
 
-/// [`approaches`] for any kind of return with its distance.
+/// [`approaches`] for any type of return, with a distance function.
 pub(crate) fn comes_nearer<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool {
     const EIGHTHS: usize = 8;
     (1..=LONGEST as usize).take_while(|lag| lag + EIGHTHS <= returns.len()).any(|lag| {
@@ -113,7 +113,7 @@ pub(crate) fn comes_nearer<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -
             .zip(earlier.chunks(eighth))
             .map(|(later, earlier)| later.iter().zip(earlier).map(gap).fold(0.0, f64::max));
         let mut before = f64::INFINITY;
-        // Ends with the first eighth that does not fall.
+        // Stops at the first eighth that does not decrease.
         most.all(|most| std::mem::replace(&mut before, most) > most)
     })
 }

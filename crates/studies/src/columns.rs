@@ -1,36 +1,36 @@
 //! A described machine's motion as columns: the quantities of its bodies and elements. The command
-//! line, FMUs and Python name them so.
+//! line, FMUs and Python use these names.
 
 use vibro_machine::description::Description;
 use vibro_machine::motion::EventKind;
 use vibro_machine::{Assembly, Motion};
 
-/// Names of the columns, without the time.
+/// Names of the columns, without the time column.
 pub fn columns(d: &Description) -> Vec<String> {
     d.named_quantities().into_iter().map(|quantity| quantity.name).collect()
 }
 
 /// Present values of the columns.
 pub fn values(m: &Motion) -> Vec<f64> {
-    // Zero without a sign.
+    // Adding 0.0 removes the sign of zero.
     m.assembly().description.quantities().map(|quantity| m.value(quantity) + 0.0).collect()
 }
 
-/// Event by the names of elements.
+/// Event with the names of its elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedEvent {
     /// `impact`, `close`, `open`, `press`, `free`, `cap`, `corner`, `stick`, `slip`, `level`,
-    /// `knot`, `limit`; `sample` is no row of a table.
+    /// `knot`, `limit`, or `sample`, which tables leave out.
     pub kind: &'static str,
     /// `stop.NAME`, `spring.NAME`, `friction.NAME`, or empty.
     pub element: String,
-    /// Closing speed, rate, force while slipping, or whether a friction or a cap acts (1 or 0).
+    /// Closing speed, rate, slip force, or whether a friction element or a cap acts (1 or 0).
     pub value: Option<f64>,
     /// Number of stops that took part in an impact.
     pub stops: Option<usize>,
 }
 
-/// An event by the names of things.
+/// Converts an event to the names of its elements.
 pub fn named(assembly: &Assembly, kind: &EventKind) -> NamedEvent {
     let stop = |i: usize| assembly.name_of_stop(i);
     let friction = |i: usize| assembly.name_of_friction(i);

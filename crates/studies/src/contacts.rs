@@ -15,21 +15,21 @@ use vibro_numerics::sorting::sort_by;
 pub struct StopContact {
     /// Index of the stop.
     pub stop: usize,
-    /// Time of the begin, s: of an impact, of the closing of a rigid stop, of the first touch of a
-    /// compliant one.
+    /// Time of the beginning, s: of an impact, of the closing of a rigid stop, or of the first
+    /// touch of a compliant stop.
     pub begin: f64,
-    /// Time of the end, s; the begin for an impact, `None` while the contact lasts.
+    /// Time of the end, s. For an impact it is the beginning; `None` while the contact lasts.
     pub end: Option<f64>,
-    /// Largest force, N or N m; `None` for an impact, and where the flow was not looked at.
+    /// Largest force, N or N m; `None` for an impact, and if the flow was not observed.
     pub peak: Option<f64>,
-    /// Integral of the force, or impulse of an impact, N s or N m s; `None` where the flow was not
-    /// looked at.
+    /// Integral of the force, or impulse of an impact, N s or N m s; `None` if the flow was not
+    /// observed.
     pub impulse: Option<f64>,
-    /// Closing speed at the begin, m/s or rad/s; 0 where a rigid stop stays closed, since its
-    /// impacts are contacts of their own.
+    /// Closing speed at the beginning, m/s or rad/s. 0 when a rigid stop stays closed, since its
+    /// impacts are separate contacts.
     pub speed: f64,
-    /// Energy lost, J: at an impact, or in a compliant stop, with the loss of its spring after its
-    /// force is zero. `None` where the flow was not looked at.
+    /// Energy lost, J, at an impact or in a compliant stop, including the loss of its spring after
+    /// its force is zero. `None` if the flow was not observed.
     pub lost: Option<f64>,
 }
 
@@ -37,9 +37,9 @@ pub struct StopContact {
 #[derive(Clone, Debug)]
 pub struct ContactRecorder {
     all: Vec<StopContact>,
-    /// For each stop the index of the contact that lasts, or whose loss does.
+    /// For each stop the index of the contact that lasts or still loses energy.
     current: Vec<Option<usize>>,
-    /// The stops with force or loss in the mode, with their functionals.
+    /// Stops that have force or lose energy in the mode, with their functionals.
     acting: Vec<Acting>,
 }
 
@@ -47,12 +47,12 @@ pub struct ContactRecorder {
 struct Acting {
     stop: usize,
     force: Sparse,
-    /// The force that loses energy, and the rate; none for a rigid stop.
+    /// The dissipative force and the rate; `None` for a rigid stop.
     loss: Option<(Sparse, Sparse)>,
 }
 
 impl ContactRecorder {
-    /// Of a motion at its start, with the events that were told of it.
+    /// Starts with a motion at its start and the events that the motion reported there.
     pub fn new(motion: &Motion, told: &[Event]) -> Self {
         let current = vec![None; motion.mode().stops.len()];
         let mut contacts = Self { all: Vec::new(), current, acting: Vec::new() };
@@ -68,7 +68,7 @@ impl ContactRecorder {
         contacts
     }
 
-    /// The contacts so far, ordered by their begin.
+    /// The contacts so far, ordered by their beginning.
     pub fn all(&self) -> Vec<StopContact> {
         let mut all = self.all.clone();
         sort_by(&mut all, |a, b| a.begin.total_cmp(&b.begin));
@@ -89,8 +89,7 @@ impl ContactRecorder {
         }
     }
 
-    /// Records the events of one instant; `lost` is the energy lost at its impacts, where it is
-    /// known.
+    /// Records the events of one instant. `lost` is the energy lost at its impacts, if known.
     pub(super) fn meet(&mut self, system: &System, events: &[Event], lost: Option<f64>) {
         let first = self.all.len();
         let closes = |i: usize| events.iter().any(|e| e.kind == EventKind::Close { stop: i });
@@ -98,7 +97,7 @@ impl ContactRecorder {
         for event in events {
             match event.kind {
                 EventKind::Impact { stop, speed, impulse, .. } => {
-                    // The last impact of a stop before it stays closed has no restitution.
+                    // The last impact before a stop stays closed has no restitution.
                     let own = system.stops[stop].restitution().unwrap_or(0.0);
                     let restitution = if closes(stop) { 0.0 } else { own };
                     let loss = 0.5 * (1.0 - restitution) * speed * impulse;
@@ -113,7 +112,7 @@ impl ContactRecorder {
                 _ => {}
             }
         }
-        // The rest is lost by the impact that ends endless bounces.
+        // The impact that ends infinitely many bounces loses the rest.
         let left = lost.map_or(0.0, |lost| lost - nominal);
         for contact in self.all[first..].iter_mut().filter(|c| c.peak.is_none()) {
             let share = contact.speed * contact.impulse.unwrap_or(0.0) / work;
@@ -141,7 +140,7 @@ impl ContactRecorder {
         }
     }
 
-    /// Records a stretch of a flight, of a length in s.
+    /// Records a stretch of a flight over `length` s.
     pub(super) fn stretch(&mut self, series: &Series, length: f64) {
         for Acting { stop, force, loss } in &self.acting {
             let Some(place) = self.current[*stop] else { continue };
@@ -170,7 +169,7 @@ impl ContactRecorder {
         }
     }
 
-    /// Records a flight whose flow is not looked at.
+    /// Records a flight whose flow is not observed.
     pub(super) fn leave_out(&mut self) {
         for Acting { stop, .. } in &self.acting {
             let Some(place) = self.current[*stop] else { continue };

@@ -2,10 +2,10 @@
 //!
 //! A design is one combination of values of the parameters that vary: a point of a grid, an entry
 //! of a list, or a point of a Sobol sequence. It is measured by one motion or by several: from
-//! several starts, and at several values of parameters that the designer cannot choose, such as the
-//! drive's frequency in a band. Over several motions each measure has its least, mean and largest
-//! value. A design that makes no machine, or whose motion the simulator refuses, does not end the
-//! sweep: its row says why it has no values.
+//! several starts, and at several values of parameters that the designer cannot choose, such as
+//! the drive's frequency in a band. Over several motions each measure has its smallest, mean and
+//! largest value. A design that does not make a machine, or whose motion the simulator refuses,
+//! does not end the sweep: its row states why it has no values.
 //!
 //! ```
 //! use vibro_studies::design_sweep::{Designs, SampledAxis, SweepRequest, row};
@@ -44,28 +44,28 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::{Debug, Display};
 
-/// Most designs.
+/// Largest number of designs.
 pub const MOST_DESIGNS: usize = 1_000_000;
-/// Most motions of one design.
+/// Largest number of motions of one design.
 pub const MOST_MOTIONS: usize = 100_000;
 /// Plain data that a manifest can hold: a machine's parameters, starts and measures.
 pub trait Plain: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync {}
 
 impl<T: Clone + PartialEq + Debug + Serialize + DeserializeOwned + Send + Sync> Plain for T {}
 
-/// A machine whose designs are measured: the 3-DOF machine by a
-/// [`ParameterSet`](crate::paper::ParameterSet), or a
-/// [described one](crate::Machine). Designs, parts, rows and choices are common to both.
+/// A machine whose designs are measured: the 3-DOF machine as a
+/// [`ParameterSet`](crate::paper::ParameterSet), or a [described one](crate::Machine). Designs,
+/// parts, rows and choices are common to both.
 pub trait DesignMachine: Clone + Send + Sync {
     /// Name of a parameter.
     type Name: Plain + AxisName;
     /// Start of a motion.
     type Start: Plain + Default + Display;
-    /// Quantity that is measured.
+    /// Quantity to measure.
     type Measure: Plain + Display;
-    /// Motions in a part, rounded to whole designs: about a second's work.
+    /// Number of motions in a part, rounded to whole designs: about a second's work.
     const PART: usize;
-    /// Default of the periods of motion that a [`choice`] may spend: some seconds' work.
+    /// Default number of periods of motion that a [`choice`] may spend: some seconds' work.
     const AGAIN: u64;
 
     /// A parameter's name in tables.
@@ -77,14 +77,14 @@ pub trait DesignMachine: Clone + Send + Sync {
     /// The machine with other values, SI.
     ///
     /// # Errors
-    /// For values that do not describe a valid machine.
+    /// Error for values that do not describe a valid machine.
     fn varied(&self, values: &[(Self::Name, f64)]) -> Result<Self>;
     /// Measures of the motions of one machine from all starts of a request.
     fn outcomes(&self, request: &SweepRequest<Self>) -> Vec<MotionMeasures>;
     /// Evenly spread starts: at least `count`, or all starts of a machine that has fewer.
     fn spread_starts(count: u32) -> Vec<Self::Start>;
-    /// Whether a measure is read off the window of a motion, so that a longer window gives a better
-    /// value; false for the class, the exponent, a closed form.
+    /// Whether a measure is taken from the window of a motion, so that a longer window gives a
+    /// better value. False for the class, the exponent and closed forms.
     fn is_of_window(measure: &Self::Measure) -> bool;
     /// Values of a frequency parameter at which the machine may resonate.
     fn resonances(&self, name: &Self::Name) -> Vec<f64>;
@@ -180,14 +180,14 @@ impl<M: DesignMachine> SweepRequest<M> {
         (designs::combination(&self.over, index / starts), start)
     }
 
-    /// A motion in words, such as `drive.frequency = 10 Hz, start v2=1`: in the units in which the
-    /// machine was written, without values common to all motions.
+    /// Description of a motion, such as `drive.frequency = 10 Hz, start v2=1`: in the units in
+    /// which the machine was written, without values common to all motions.
     pub fn motion_in_words(&self, set: &M, index: usize) -> String {
         let (values, start) = self.motion(index);
         self.place_in_words(set, (values, start))
     }
 
-    /// Values of [`over`](Self::over) and a start in words, as
+    /// Description of values of [`over`](Self::over) and a start, as
     /// [`motion_in_words`](Self::motion_in_words).
     pub fn place_in_words(&self, set: &M, (values, start): (Vec<f64>, M::Start)) -> String {
         let told = |(axis, value): (&SampledAxis<M::Name>, f64)| {
@@ -218,8 +218,8 @@ pub fn part<M: DesignMachine>(set: &M, request: &SweepRequest<M>, index: usize) 
     (index * size..until).into_par_iter().map(|design| row(set, request, design)).collect()
 }
 
-/// Computes, on all threads, the parts that are missing in the task's store, and stores them;
-/// returns whether all are there. The rows depend neither on threads nor on shards.
+/// Computes, on all threads, the parts that are missing in the task's store, and stores them.
+/// Returns whether all are stored. The rows depend neither on threads nor on shards.
 ///
 /// # Errors
 /// As [`SweepRequest::check`]; errors of the store.
@@ -263,10 +263,10 @@ fn design<M: DesignMachine>(set: &M, request: &SweepRequest<M>, values: &[f64]) 
     set.varied(&assigned.collect::<Vec<_>>())
 }
 
-/// Measures of one motion, and an objection to them, if there is one.
+/// Measures of one motion, and an objection to them, if any.
 pub type MotionMeasures = (Measured, Option<String>);
 
-/// Measures of a design's motions at some values of [`SweepRequest::over`], from all starts at
+/// Measures of a design's motions at some values of [`SweepRequest::over`], from all starts for
 /// each.
 fn motions<M: DesignMachine>(set: &M, request: &SweepRequest<M>, places: &[Vec<f64>]) -> Vec<MotionMeasures> {
     let mut found = Vec::with_capacity(places.len() * request.starts.len());
@@ -295,7 +295,7 @@ pub(crate) fn failed(error: &Error, measures: usize) -> MotionMeasures {
 pub const MORE_STARTS: u32 = 8;
 
 impl<M: DesignMachine> SweepRequest<M> {
-    /// A request of one design by one measure from more starts; `None` where the machine has no
+    /// A request for one design and one measure from more starts; `None` if the machine has no
     /// more.
     pub fn from_more_starts(&self, design: Vec<f64>, measure: M::Measure) -> Option<Self> {
         let mut starts = self.starts.clone();

@@ -1,10 +1,10 @@
 //! Bifurcation diagrams: local maxima of a quantity over one parameter in both directions, with
 //! period, class and, on request, exponents.
 //!
-//! As in the paper, section 4, some periods are discarded and some kept at each value, and the last
-//! state is the start of the next value. The motion from value to value is one chain and cannot be
-//! divided. The observation at each value does not depend on the other values: threads and
-//! computers share that part.
+//! As in the paper, section 4, some periods are discarded and some kept at each value, and the
+//! last state is the start of the next value. The chain of motions from value to value cannot be
+//! divided. The observation at each value does not depend on other values, so threads and
+//! computers share this part of the work.
 
 mod described;
 mod windows;
@@ -30,20 +30,20 @@ const BLOCK: usize = 2 * TOGETHER;
 pub struct DiagramRequest<M: DiagramMachine> {
     /// The parameter and its values, SI.
     pub axis: ParameterAxis<M::Name>,
-    /// The quantity that is drawn.
+    /// The quantity to draw.
     pub of: M::Of,
-    /// Whether its values at the section are drawn, and not its local maxima.
+    /// Whether to draw its values at the section instead of its local maxima.
     pub at_section: bool,
-    /// Returns or drive periods discarded at each value; fewer for a described machine whose motion
-    /// has settled.
+    /// Returns or drive periods discarded at each value; fewer if the motion of a described
+    /// machine has settled.
     pub discard: u32,
     /// Returns or drive periods kept.
     pub keep: u32,
-    /// Options of the exponents, if they are computed.
+    /// Options for the exponents, if they are computed.
     pub exponents: Option<M::Exponents>,
-    /// Whether each value starts from `start`, which leaves one direction.
+    /// Whether each value starts from `start`. The diagram then has one direction.
     pub anew: bool,
-    /// Start at the first value of either direction, and at a value after a refused one.
+    /// Start at the first value of each direction, and at a value after a refused one.
     pub start: M::Start,
 }
 
@@ -68,30 +68,30 @@ impl<M: DiagramMachine> DiagramRequest<M> {
     }
 }
 
-/// Machine of which diagrams can be drawn.
+/// Machine that can be studied with diagrams.
 pub trait DiagramMachine: DesignMachine {
-    /// Quantity that is drawn.
+    /// Quantity to draw.
     type Of: Plain;
-    /// Options of exponents.
+    /// Options for exponents.
     type Exponents: Plain;
     /// Motion at one value.
     type Point: DiagramPoint + Plain;
-    /// Settled state of the motion at one value, from which it is observed and the next one begins.
+    /// Settled state of the motion at one value. Its observation and the next value begin here.
     type Settled: Send + Sync;
-    /// Workspace reused from part to part; it does not change results.
+    /// Workspace reused for all parts; it does not change results.
     type DiagramWorkspace: Default;
 
     /// Checks the properties on which every value depends.
     ///
     /// # Errors
-    /// Names, starts, and ends that the machine refuses.
+    /// Error if the machine refuses a name, a start or an end.
     fn check_diagram(&self, request: &DiagramRequest<Self>) -> Result<()>;
 
-    /// The motion at a value after it has settled; it begins at the state of the value before or,
-    /// without one, at the start. `None` where the motion cannot go on.
+    /// The settled motion at a value. It begins at the state of the previous value or, without
+    /// one, at the start. `None` if the motion cannot continue.
     ///
     /// # Errors
-    /// Those that end the diagram.
+    /// Errors that end the diagram.
     fn settled_at(
         &self,
         request: &DiagramRequest<Self>,
@@ -99,10 +99,10 @@ pub trait DiagramMachine: DesignMachine {
         before: Option<&Self::Settled>,
     ) -> Result<Option<Self::Settled>>;
 
-    /// Observes the motions at some values; `None` where a motion cannot go on.
+    /// Observes the motions at some values. `None` if a motion cannot continue.
     ///
     /// # Errors
-    /// Those that end the diagram.
+    /// Errors that end the diagram.
     fn observe(
         &self,
         request: &DiagramRequest<Self>,
@@ -111,12 +111,12 @@ pub trait DiagramMachine: DesignMachine {
     ) -> Result<Vec<Option<Self::Point>>>;
 }
 
-/// A diagram in both directions; `None` where the simulator refused a value.
+/// A diagram in both directions. `None` if the simulator refused a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagram<P> {
-    /// Motions with the value rising.
+    /// Motions at rising values.
     pub up: Vec<Option<P>>,
-    /// Motions with the value falling, in the order of rising values.
+    /// Motions at falling values, in the order of rising values.
     pub down: Vec<Option<P>>,
 }
 
@@ -128,17 +128,17 @@ pub trait DiagramPoint {
     fn maxima(&self) -> &[(f64, u32)];
     /// Class of the motion.
     fn class(&self) -> MotionClass;
-    /// Impacts a period.
+    /// Impacts per period.
     fn contacts(&self) -> f64;
-    /// Whether another motion ended on another attractor; `None` where that is undecided.
+    /// Whether another motion ended on another attractor; `None` if that is undecided.
     fn differs(&self, other: &Self) -> Option<bool>;
 }
 
-/// Settled state at each value, in the order of rising values; `None` where the motion cannot go
-/// on.
+/// Settled state at each value, in the order of rising values. `None` if the motion cannot
+/// continue.
 type Chain<M> = Vec<(f64, Option<<M as DiagramMachine>::Settled>)>;
 
-/// The chain of states from value to value. The store may end it before any.
+/// The chain of states from value to value. The store may end it at any value.
 fn chain<M: DiagramMachine>(
     machine: &M,
     request: &DiagramRequest<M>,
@@ -165,11 +165,11 @@ fn chain<M: DiagramMachine>(
     Ok(chain)
 }
 
-/// The diagram, on all threads, in parts; `None` where parts belong to other shards. The result
-/// depends neither on threads nor on shards.
+/// Computes the diagram on all threads, in parts. `None` if parts belong to other shards. The
+/// result depends neither on threads nor on shards.
 ///
 /// # Errors
-/// As [`DiagramRequest::check`]; what the parts' folder refuses.
+/// As [`DiagramRequest::check`], and errors of the parts' folder.
 pub fn diagram<M: DiagramMachine>(
     machine: &M,
     request: &DiagramRequest<M>,
@@ -181,14 +181,14 @@ pub fn diagram<M: DiagramMachine>(
         let (up, down) = rayon::join(|| directed(true), || directed(false));
         Ok([up?, down?])
     };
-    // A diagram whose parts are all in the store needs no chain.
+    // The chain is not needed if all parts of the diagram are in the store.
     let starts = (task.store.missing(request.count()) > 0).then(chains).transpose()?;
     let blocks = request.count() / 2;
     let make = |workspace: &mut M::DiagramWorkspace, index: usize| {
         let fresh;
         let both = match &starts {
             Some(both) => both,
-            // Reached only for a stored part that cannot be read.
+            // Reached only if a stored part cannot be read.
             None => {
                 fresh = chains()?;
                 &fresh

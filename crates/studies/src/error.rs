@@ -1,6 +1,6 @@
 //! Errors of the studies.
 
-/// Error of a study. Every message names what was given and what is allowed.
+/// Error of a study. Every message states the given input and the valid choices.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -13,11 +13,11 @@ pub enum Error {
     /// A described machine's new values are refused.
     #[error(transparent)]
     Refusal(#[from] vibro_machine::Refusal),
-    /// A study of a described machine is refused: the machine lacks what it asks for, or the motion
-    /// has no section.
+    /// A study of a described machine is refused: the machine lacks something that the study
+    /// needs, or the motion has no section.
     #[error("{problem}")]
     Described {
-        /// The given study, and what is allowed.
+        /// The given study, and the valid choices.
         problem: String,
     },
     /// No parameter has this name.
@@ -25,8 +25,7 @@ pub enum Error {
     UnknownName {
         /// The given name.
         name: String,
-        /// The nearest valid name with its meaning and range or, where none is near, all valid
-        /// names.
+        /// The nearest valid name with its meaning and range. If none is near, all valid names.
         advice: String,
     },
     /// No measure has this name.
@@ -34,10 +33,10 @@ pub enum Error {
     UnknownMeasure {
         /// The given name.
         name: String,
-        /// The nearest valid name with its meaning or, where none is near, all valid names.
+        /// The nearest valid name with its meaning. If none is near, all valid names.
         advice: String,
     },
-    /// A number has an unknown unit, or one of another dimension than the parameter's.
+    /// A number has an unknown unit, or a unit of another dimension than the parameter's.
     #[error(
         "{name}: `{unit}` is no unit of it; allowed are {allowed}, or a number without a unit in the first of these"
     )]
@@ -49,7 +48,7 @@ pub enum Error {
         /// The units of the parameter's dimension.
         allowed: String,
     },
-    /// The value of a parameter is no number.
+    /// The value of a parameter is not a number.
     #[error("{name} = `{text}` is not a number: allowed is {allowed}")]
     NotANumber {
         /// The parameter.
@@ -59,7 +58,7 @@ pub enum Error {
         /// Range of the parameter.
         allowed: &'static str,
     },
-    /// A text of another form than the one expected.
+    /// A text does not have the expected form.
     #[error("`{text}`: expected {expected}")]
     Form {
         /// The given text.
@@ -67,7 +66,7 @@ pub enum Error {
         /// The form, with an example.
         expected: &'static str,
     },
-    /// More results are requested than fit into memory.
+    /// The requested results do not fit into memory.
     #[error("{what}: {count} asked for, but no more than {most} fit into memory{}", in_a_square(*.side))]
     TooMany {
         /// Kind of the results.
@@ -100,7 +99,7 @@ pub enum Error {
         /// The obstacle, with advice.
         reason: String,
     },
-    /// A settled motion is no periodic orbit with impacts only.
+    /// A settled motion is not a periodic orbit with impacts only.
     #[error("the settled motion {reason}")]
     NoPeriodicMotion {
         /// What the motion does instead, with advice.
@@ -121,7 +120,7 @@ impl Error {
     }
 }
 
-/// The side of a square in the words of [`Error::TooMany`].
+/// Text about the side of a square for [`Error::TooMany`].
 fn in_a_square(side: Option<usize>) -> String {
     side.map_or_else(String::new, |side| format!(", that is {side} × {side} in a square"))
 }

@@ -2,22 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Threshold of the sign of an exponent, per unit of the dimensionless time τ. If the drive's
-/// frequency is less than ω10, the unit of time is that in which the drive turns by 1 rad. Over
-/// 1500 periods, estimates of a zero exponent are within a few 1e-4.
+/// Threshold for the sign of an exponent, per unit of the dimensionless time τ. If the drive's
+/// frequency is less than ω10, the unit is the time in which the drive turns by 1 rad. Over 1500
+/// periods, estimates of a zero exponent are within a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
 /// Distance of an exponent from the threshold, in standard errors, beyond which its sign is
-/// decided; LEAST_GROWTH must be exceeded too.
+/// decided. LEAST_GROWTH must be exceeded as well.
 pub(crate) const CONFIDENCE: f64 = 6.0;
 
-/// Least logarithm of the variation's growth or shrinkage for which a sign is decided. On a torus
-/// the variation's length stays within some powers of ten for ever.
+/// Smallest logarithm of the variation's growth or decay that decides a sign. On a torus the
+/// length of the variation stays within some powers of ten for ever.
 pub(crate) const LEAST_GROWTH: f64 = 20.0;
 
 /// Largest exponent of a motion, without the zero exponent of the drive's phase.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LargestExponent {
-    /// Estimate, 1/s; -∞ where all variations end in rest.
+    /// Estimate, 1/s; -∞ if all variations end in rest.
     pub value: f64,
     /// Standard error of the estimate, 1/s.
     pub error: f64,
@@ -32,8 +32,8 @@ pub enum ExponentSign {
     Positive,
     /// Certainly negative.
     Negative,
-    /// Between the thresholds, ± [`ZERO_EXPONENT`](ZERO_EXPONENT) times ω10 or
-    /// ω1, after a time in which an exponent beyond them would have changed the variation by e²⁰.
+    /// Between the thresholds, ± [`ZERO_EXPONENT`](ZERO_EXPONENT) times ω10 or ω1, after a time in
+    /// which a larger exponent would have changed the variation by e²⁰.
     Zero,
     /// Unknown.
     Undecided,

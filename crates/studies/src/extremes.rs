@@ -1,4 +1,4 @@
-//! Extremes of quantities over a motion, between samples too, and their curves for a picture.
+//! Extremes of quantities over a motion, also between samples, and their curves for a picture.
 
 use super::flight::{Flow, Series, turning_points};
 use super::rows::Sparse;
@@ -6,22 +6,22 @@ use vibro_machine::Quantity;
 use vibro_machine::system::System;
 use vibro_numerics::sorting::sort_by;
 
-/// Number of columns of a curve, each with the least and the largest value; a picture has fewer
+/// Number of columns of a curve, each with the smallest and the largest value. A picture has fewer
 /// columns of pixels.
 const COLUMNS: usize = 2000;
-/// Most quantities whose curves are kept.
+/// Largest number of quantities with curves.
 const CURVES: usize = 64;
 
 /// Extremes of a quantity.
 #[derive(Clone, Debug)]
 pub struct Extreme {
-    /// Which one.
+    /// The quantity.
     pub quantity: Quantity,
     row: Sparse,
     /// Largest absolute value.
     pub largest: f64,
-    /// For each column the least and the largest value with their times; empty while the quantity
-    /// is zero.
+    /// For each column the smallest and the largest value with their times; empty while the
+    /// quantity is zero.
     curve: Vec<Option<[(f64, f64); 2]>>,
     /// Whether the quantity began at zero.
     was_zero: bool,
@@ -32,12 +32,12 @@ pub struct Extreme {
 pub struct Extremes {
     /// One for each quantity.
     pub all: Vec<Extreme>,
-    /// Begin and end of the curves, s.
+    /// Beginning and end of the curves, s.
     times: (f64, f64),
 }
 
 impl Extremes {
-    /// Of these quantities; curves are kept between two times, s.
+    /// Starts the extremes of these quantities; curves are kept between two times, s.
     pub fn new(quantities: &[Quantity], times: (f64, f64)) -> Self {
         let extreme = |&quantity: &Quantity| Extreme {
             quantity,
@@ -54,7 +54,7 @@ impl Extremes {
         self.all.iter_mut().for_each(|e| e.row = Sparse::of(flow.row_of(system, e.quantity)));
     }
 
-    /// Includes a stretch of a flight that begins at `time`, of a length in s.
+    /// Includes a stretch of a flight that begins at `time` and lasts `length` s.
     pub(super) fn stretch(&mut self, series: &Series, time: f64, length: f64) {
         let times = self.times;
         for (i, extreme) in self.all.iter_mut().enumerate() {
@@ -96,7 +96,7 @@ impl Extreme {
         }
     }
 
-    /// Times and values of the curve in order of time: in each column the least and the largest
+    /// Times and values of the curve in order of time: in each column the smallest and the largest
     /// value.
     pub fn points(&self) -> Vec<(f64, f64)> {
         let mut points: Vec<_> = self.curve.iter().flatten().flatten().copied().collect();

@@ -1,9 +1,9 @@
-//! Flights of a described machine's motion, over each of which one linear system z' = A z holds,
-//! and the events between them.
+//! Flights of a described machine's motion and the events between them. During a flight one linear
+//! system z' = A z holds.
 //!
-//! Everything read off a motion along the way (extrema, mean squares, maxima, variations) comes
-//! through
-//! [`follow`]: the engine decides where flights end, and within one the states are a power series.
+//! Everything observed along a motion (extrema, mean squares, maxima, variations) comes from
+//! [`follow`]: the engine decides where flights end, and within a flight the states are a power
+//! series.
 
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
@@ -18,21 +18,21 @@ use vibro_machine::system::System;
 use vibro_machine::{Error, Motion, Quantity};
 use vibro_numerics::events::turns;
 
-/// Bound of the norm of A times the length of a stretch: a series of [`ORDERS`] terms then leaves
-/// out less than 2²⁶/26! of the state.
+/// Bound of the norm of A times the length of a stretch. A series of [`ORDERS`] terms then omits
+/// less than 2²⁶/26! of the state.
 const RADIUS: f64 = 2.0;
 /// Size of a series' last term relative to the state's rate bound.
 const REMAINDER: f64 = 1e-19;
 
-/// Bound of the norm of A times the part of a span whose series is squared.
+/// Bound of the norm of A times the fraction of a span whose series is squared.
 const PART: f64 = 0.5;
 
-/// Stretches of a flight beyond which variations are carried by a matrix, by squaring.
+/// Number of stretches of a flight above which variations are carried by a matrix, by squaring.
 const MANY: f64 = 64.0;
-/// Largest size of an augmented state for that: the products cost its cube.
+/// Largest size of an augmented state for this matrix: products cost the cube of the size.
 const LARGE: usize = 160;
 
-/// Power series of the states over a stretch of a flight, in the part of the stretch.
+/// Power series of the states over a stretch of a flight, as a function of the fraction of it.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     size: usize,
@@ -40,7 +40,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// Its terms, the state at the begin first.
+    /// Terms of the series, beginning with the initial state.
     pub fn terms(&self) -> impl DoubleEndedIterator<Item = &[f64]> {
         self.terms.chunks_exact(self.size.max(1))
     }
@@ -57,7 +57,7 @@ pub struct Flow {
     rate: f64,
     /// Forces of the mode's independent contacts.
     pub lambda: Vec<Sparse>,
-    /// Functionals that end the mode, each negative inside it.
+    /// Event functions that end the mode, each negative inside it.
     pub watched: Vec<(Watch, StateRow)>,
 }
 
@@ -83,8 +83,8 @@ impl Flow {
         rate
     }
 
-    /// Writes the terms of the power series of the states over a time `span`, as a function of its
-    /// part from 0 to 1; at most [`ORDERS`].
+    /// Writes at most [`ORDERS`] terms of the power series of the states over a time `span`, as a
+    /// function of the fraction of it from 0 to 1.
     fn series(&self, z: &[f64], span: f64, to: &mut Series) {
         let count = z.len();
         to.size = count;
@@ -103,8 +103,8 @@ impl Flow {
         }
     }
 
-    /// Approximate length of a flight in sub-steps of the mode, for which rate times time is at
-    /// most 3.
+    /// Approximate length of a flight in sub-steps of the mode; for a sub-step, rate times time is
+    /// at most 3.
     pub fn sub_steps_of(&self, span: f64) -> f64 {
         self.rate * span / 3.0
     }
@@ -114,9 +114,9 @@ impl Flow {
         (self.rate * span / RADIUS).ceil().max(1.0)
     }
 
-    /// Variation at the end of a flight by a parameter: of one at its begin, and of the system,
-    /// which two systems that are `width` of the parameter apart tell. Each system's states are
-    /// numbered alike. Requires a state and a variation at the begin.
+    /// Variation with a parameter at the end of a flight, from the state and the variation at its
+    /// beginning and from the variation of the system. The latter is the difference of two systems
+    /// that are `width` of the parameter apart. All systems must number their states alike.
     pub fn varied(&self, beside: [&Self; 2], width: f64, [z, v]: [&[f64]; 2], span: f64) -> Vec<f64> {
         let (count, size) = (self.stretches_of(span), z.len());
         let part = span / count;
@@ -149,8 +149,7 @@ impl Flow {
         variation
     }
 
-    /// Calls `visit` with the series of each stretch of a flight and its length in s; returns the
-    /// state at the end.
+    /// Calls `visit` with the series and length, s, of each stretch. Returns the state at the end.
     pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&Series, f64)) -> Vec<f64> {
         let count = self.stretches_of(span);
         let part = span / count;
@@ -166,8 +165,8 @@ impl Flow {
         state
     }
 
-    /// Carries variations over a flight: each by its series, or, over many stretches, all by the
-    /// matrix exp(A t), found by squaring.
+    /// Carries variations over a flight: each by its series or, over many stretches, all by the
+    /// matrix exp(A t), computed by squaring.
     pub fn carry(&self, variations: &mut [Vec<f64>], span: f64) {
         let (count, size) = (self.stretches_of(span), variations.first().map_or(0, Vec::len));
         if count <= MANY || size > LARGE {
@@ -183,8 +182,8 @@ impl Flow {
         }
     }
 
-    /// exp(A t) of a span of either sign, by the series of a part of it, squared: of E - 1, so that
-    /// a short span keeps its digits. Its terms are products with the few entries of A.
+    /// exp(A t) over a span of either sign: the series over a fraction of it, repeatedly squared.
+    /// E - 1 is squared, so that a short span keeps its digits.
     pub fn propagator(&self, span: f64) -> DMatrix<f64> {
         let size = self.a.len();
         let doublings = (self.rate * span.abs() / PART).log2().ceil().max(0.0);
@@ -218,8 +217,8 @@ impl Flow {
     }
 }
 
-/// Rows below which a product is summed in place: a library's product packs its factors first,
-/// which takes longer than such a product.
+/// Number of rows up to which a product is summed in place: a library's product first packs its
+/// factors, which takes longer than such a small product.
 const SMALL: usize = 32;
 
 /// Writes `factor` a b to a matrix of the product's shape.
@@ -255,13 +254,13 @@ pub fn value_at(q: &[f64; ORDERS], u: f64) -> f64 {
     q.iter().rev().fold(0.0, |sum, c| sum * u + c)
 }
 
-/// Visits the values of a polynomial at 0, at every extremum in between and at 1, in this order. It
-/// is monotone from one to the next.
+/// Visits the values of a polynomial at 0, at every extremum in between and at 1, in this order.
+/// The polynomial is monotone between two of them.
 pub fn monotone_pieces(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64)) {
     turning_points(q, &mut |_, value| visit(value));
 }
 
-/// [`monotone_pieces`] with the places of the values.
+/// [`monotone_pieces`] with the arguments of the values.
 pub fn turning_points(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64, f64)) {
     visit(0.0, q[0]);
     let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
@@ -276,11 +275,11 @@ pub fn turning_points(q: &[f64; ORDERS], visit: &mut dyn FnMut(f64, f64)) {
 /// Flight as an observer receives it.
 #[derive(Clone, Copy, Debug)]
 pub struct ObservedFlight<'a> {
-    /// Time of its begin, s.
+    /// Time of its beginning, s.
     pub time: f64,
-    /// Linear system that holds.
+    /// Linear system that holds during the flight.
     pub flow: &'a Flow,
-    /// Augmented state at its begin.
+    /// Augmented state at its beginning.
     pub start: &'a [f64],
     /// Duration, s.
     pub span: f64,
@@ -291,7 +290,7 @@ pub struct ObservedFlight<'a> {
 pub struct Passage<'a> {
     /// Time, s.
     pub time: f64,
-    /// Functional that ended the flight; `None` for a knot of a signal.
+    /// Event function that ended the flight; `None` for a knot of a signal.
     pub watch: Option<Watch>,
     /// Linear systems before and after.
     pub flows: [&'a Flow; 2],
@@ -299,21 +298,21 @@ pub struct Passage<'a> {
     pub states: [&'a [f64]; 2],
     /// Reported events.
     pub events: &'a [Event],
-    /// Energy lost by it at impacts, J, by the engine's account; 0 where the motion keeps none.
+    /// Energy lost at impacts of the event, J, from the engine's account; 0 without one.
     pub lost: f64,
 }
 
-/// Observer of a motion that is followed.
+/// Observer of a motion.
 pub trait Observer {
-    /// Receives a flight that is over.
+    /// Receives a finished flight.
     fn flight(&mut self, system: &System, flight: ObservedFlight<'_>);
-    /// Receives the event after it.
+    /// Receives the event after a flight.
     fn passage(&mut self, system: &System, passage: Passage<'_>);
-    /// Receives a reported event at once, also where its law then fails.
+    /// Receives a reported event immediately, even if its law then fails.
     fn told(&mut self, _event: &Event) {}
 }
 
-/// Linear systems of the modes met so far.
+/// Linear systems of the modes so far.
 #[derive(Debug, Default)]
 pub struct Flows(HashMap<Mode, Arc<Flow>>);
 
@@ -338,8 +337,8 @@ impl Flows {
     }
 }
 
-/// Follows a motion to a time, or to the first event for which `stops` returns true, and passes its
-/// flights and events to the observers. Returns whether an event ended it.
+/// Follows a motion to a time, or to the first event for which `stops` returns true, and passes
+/// its flights and events to the observers. Returns whether an event ended it.
 ///
 /// # Errors
 /// As [`Motion::advance_to`].
@@ -353,7 +352,7 @@ pub fn follow(
     let assembly = motion.assembly().clone();
     let system = assembly.system();
     let mut events = Vec::new();
-    // At a knot at the end samples are still to come.
+    // A knot at the end still has samples to process.
     while motion.time() < end || motion.has_time_event_until(end) {
         let (start, from) = (own(motion.state()), motion.time());
         let flow = flows.of(system, motion.mode());

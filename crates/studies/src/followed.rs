@@ -1,4 +1,4 @@
-//! Advance of a motion from instant to instant with everything between them observed.
+//! Advance of a motion from instant to instant, with everything in between observed.
 
 use super::contacts::ContactRecorder;
 use super::extremes::Extremes;
@@ -9,13 +9,13 @@ use vibro_machine::motion::Event;
 use vibro_machine::system::System;
 use vibro_machine::{Error, Motion};
 
-/// Work of an advance for each flight, and for each sub-step's length: the engine's own limit does
-/// not count across pauses.
+/// Work of an advance per flight and per sub-step length. The engine's own limit does not count
+/// across pauses.
 const WORK: (f64, f64) = (20_000.0, 64.0);
-/// Stretches of a flight that are observed in any case.
+/// Number of stretches of a flight that are always observed.
 const USUAL: f64 = 64.0;
-/// Further stretches that are observed in a whole motion, some seconds of work. A body far faster
-/// than all others has more, and is mostly at rest in them.
+/// Number of further stretches observed in a whole motion, some seconds of work. A body far faster
+/// than all others has more, and is mostly at rest during them.
 const MOST: f64 = 500_000.0;
 
 /// Contacts and extremes of a motion.
@@ -25,9 +25,9 @@ pub struct Followed {
     pub contacts: ContactRecorder,
     /// Extremes of quantities.
     pub extremes: Extremes,
-    /// Duration of flights of which only the ends were observed, s.
+    /// Duration of flights with only their ends observed, s.
     pub left_out: f64,
-    /// Stretches that may still be observed.
+    /// Number of stretches that may still be observed.
     left: f64,
     mode: Option<Mode>,
     flows: Flows,
@@ -43,7 +43,7 @@ impl Observer for Tell<'_> {
     }
 }
 
-/// Counter of the work left to an advance.
+/// Counter of the remaining work of an advance.
 struct WorkMeter<'a>(&'a Cell<f64>);
 
 impl Observer for WorkMeter<'_> {
@@ -56,7 +56,7 @@ impl Observer for WorkMeter<'_> {
 }
 
 impl Followed {
-    /// A record of a motion at its start.
+    /// Starts the record of a motion.
     pub fn new(contacts: ContactRecorder, extremes: Extremes) -> Self {
         Self { contacts, extremes, left_out: 0.0, left: MOST, mode: None, flows: Flows::default() }
     }
@@ -98,8 +98,8 @@ impl Followed {
         if is_left {
             self.contacts.leave_out();
         }
-        // Covers what rounding of the clock has left, and returns the engine's own error beyond the
-        // limit of work.
+        // Covers a remainder left by rounding of the clock, and returns the engine's own error
+        // beyond the limit of work.
         let mut events: Vec<Event> = Vec::new();
         let rest = motion.advance_observed(end, &mut |event| {
             tell(event);

@@ -2,13 +2,13 @@
 
 use crate::exponent::{CONFIDENCE, ExponentSign, LEAST_GROWTH, LargestExponent};
 
-/// Returns in which a variation aligns with its direction before growth counts.
+/// Returns during which a variation aligns with the fastest direction before its growth counts.
 pub const ALIGN: usize = 32;
-/// Least number of blocks whose scatter is meaningful, and number from which each would be too
-/// short to be independent of the next.
+/// Smallest number of blocks with a meaningful scatter, and the number from which blocks would be
+/// too short to be independent.
 const LEAST_BLOCKS: usize = 8;
 const MOST_BLOCKS: usize = 64;
-/// Least number of returns that decide a sign.
+/// Smallest number of returns that decides a sign.
 const LEAST_RETURNS: usize = 64;
 
 /// Logarithms of a variation's growth, by return.
@@ -54,10 +54,10 @@ impl Growth {
         if time > 0.0 { growth / time } else { 0.0 }
     }
 
-    /// Standard error of the mean, 1/s: the largest from the scatter of blocks of 1, 2, 4, …
-    /// returns, as long as there are 8 to 63 of them. Growth depends on that of the return before:
-    /// correlated growth scatters more in long blocks, and the turns of a complex multiplier, which
-    /// cancel, less.
+    /// Standard error of the mean, 1/s: the largest one from the scatter of blocks of 1, 2, 4, …
+    /// returns, while there are 8 to 63 blocks. Growth depends on the return before. Correlated
+    /// growth scatters more in long blocks. Rotation by a complex multiplier cancels in long
+    /// blocks.
     fn scatter(&self) -> f64 {
         let (value, [_, time]) = (self.value(), self.sums());
         let mut rest: Vec<f64> = self.counted.iter().map(|[growth, time]| growth - value * time).collect();
@@ -74,9 +74,9 @@ impl Growth {
         largest
     }
 
-    /// The exponent with its error. A length that grows in proportion to time, as on a torus, gives
-    /// ln(1 + T/T₀)/T instead of zero after the time T₀ of alignment; no scatter shows this share
-    /// of the error.
+    /// The exponent with its error. A length that grows in proportion to time, as on a torus,
+    /// gives ln(1 + T/T₀)/T instead of zero after the time T₀ of alignment. The error includes
+    /// this bias, which scatter does not show.
     pub fn exponent(&self) -> LargestExponent {
         let periods = self.returns();
         if self.is_lost() {
@@ -110,11 +110,11 @@ mod tests {
     use super::*;
 
     /// Sequence with known standard errors: for x' = ρ x + noise the variance of means is (1 +
-    /// ρ)/(1 - ρ) times that of independent numbers.
+    /// ρ)/(1 - ρ) times the variance for independent numbers.
     #[test]
     fn closed_form_errors_of_correlated_growth_cover_the_mean_at_their_rate() {
-        // 95 % of normal means lie within two standard errors; a few more lie outside, since there
-        // are few blocks.
+        // 95 % of normal means lie within two standard errors. With few blocks a few more lie
+        // outside.
         const COVERED: std::ops::RangeInclusive<usize> = 176..=200;
         let mut seed = 1u64;
         let mut uniform = || {
@@ -145,8 +145,7 @@ mod tests {
         assert_eq!(growth.sign(1e-2), ExponentSign::Zero);
     }
 
-    /// Growth of so many returns of 0.5 s that count, after the first ones, by the number of the
-    /// return.
+    /// Growth of `counted` returns of 0.5 s after the alignment; `of` gives the growth of each.
     fn grown(counted: u32, of: impl Fn(u32) -> f64) -> Growth {
         let mut growth = Growth::default();
         (0..ALIGN).for_each(|_| growth.add(3.0, 0.5));
@@ -154,7 +153,7 @@ mod tests {
         growth
     }
 
-    /// Rounding of sums of some dozen numbers.
+    /// Rounding of sums of a few dozen numbers.
     const SUMMED: f64 = 1e-13;
 
     #[test]
@@ -163,10 +162,10 @@ mod tests {
             let found = grown(96, |_| 0.5 * rate).exponent();
             assert_eq!(found.periods, 96);
             assert!((found.value - rate).abs() < SUMMED, "{found:?}");
-            // ln(1 + T/T0)/T: 48 s are counted after 16 s of turning.
+            // ln(1 + T/T0)/T: 48 s are counted after 16 s of alignment.
             assert!((found.error - 4f64.ln() / 48.0).abs() < SUMMED, "{found:?}");
         }
-        // Nothing has been counted, or there was no time in it.
+        // Nothing has been counted, or the counted time is zero.
         assert_eq!((grown(0, |_| 1.0).value(), grown(0, |_| 1.0).exponent().error), (0.0, 0.0));
     }
 
@@ -183,8 +182,8 @@ mod tests {
             let found = grown(counted, swing).scatter();
             assert!((found - expected).abs() < SUMMED, "{counted}: {found} {expected}");
         }
-        // Of 128 returns that swing in fours the 32 blocks of four cancel; in eights there are 32
-        // blocks of ±1.2.
+        // 128 returns that alternate in fours cancel in the 32 blocks of four. In eights they give
+        // 32 blocks of ±1.2.
         let [fours, eights] = [2, 4]
             .map(|half| grown(128, |k| if (k / half).is_multiple_of(2) { 0.3 } else { -0.3 }).scatter());
         let expected = 1.2 * (32.0f64 * 32.0 / 31.0).sqrt() / 64.0;
@@ -211,8 +210,8 @@ mod tests {
             assert_eq!(grown(100, |_| 0.19 * rate).sign(0.01), Undecided, "too little growth");
             assert_eq!(grown(64, even).sign(1.1), Zero, "under the threshold");
             assert_eq!(grown(64, even).sign(0.99), sign, "beyond it");
-            // Growth of 40 in 80 s with a scatter of ±0.9 in blocks of eight: six times that is
-            // more than it.
+            // Growth of 40 in 80 s with a scatter of ±0.9 in blocks of eight: six standard errors
+            // exceed it.
             let scattered = |k: u32| 0.25 * rate + if (k / 8).is_multiple_of(2) { 0.9 } else { -0.9 };
             assert_eq!(grown(160, scattered).sign(0.1), Undecided, "it scatters");
             assert_eq!(grown(160, |_| 0.25 * rate).sign(0.1), sign);

@@ -24,11 +24,11 @@ pub struct IsoperiodicRequest<M: DesignMachine> {
     pub discard: u32,
     /// Drive periods or returns over which the largest exponents are computed, if they are.
     ///
-    /// For the 3-DOF machine these are the most drive periods at a time, for motions with impacts
+    /// For the 3-DOF machine this is the largest number of drive periods for motions with impacts
     /// and without a period; the computation ends when the class is decided, and an undecided
-    /// motion is [followed](crate::paper::verdict) further. For a described machine these are the
-    /// returns counted for every motion; for one without a period the computation goes on until the
-    /// class is decided.
+    /// motion is [followed](crate::paper::verdict) further. For a described machine this is the
+    /// number of returns counted for every motion; without a period the computation continues
+    /// until the class is decided.
     pub exponents: Option<u32>,
 }
 
@@ -98,7 +98,7 @@ pub fn check<M: PlaneMachine>(machine: &M, request: &IsoperiodicRequest<M>) -> R
         let text = format!("{},{}", M::name(&request.x.name), M::name(&request.y.name));
         return Err(Error::Form { text, expected: "two independent parameters" });
     }
-    // The parts are put together beside the whole plane.
+    // While the parts are joined, they and the whole plane are in memory.
     check_cells("points of the plane", (request.x.count, request.y.count), 2 * size_of::<M::Point>())?;
     machine.check_plane(request)
 }

@@ -2,28 +2,27 @@
 //! (`vibro-machine`): settled motions and their classes, Lyapunov exponents, diagrams, sweeps,
 //! basins, planes and fits. The studies of the paper's machine are in [`paper`].
 //!
-//! A motion is looked at where it returns to a [section](SectionRule): after each common period of
-//! what drives the machine, or at each event of an element.
+//! A motion is observed where it returns to a [section](SectionRule): after each common period of
+//! the machine's drive, or at each event of an element.
 //!
-//! A study is a function from a machine and a request to plain data. Nothing is printed or written
-//! here. The result depends neither on the number of threads nor on how a study is divided into
-//! parts: whoever changes a study keeps that, and shows it by a test that compares divided with
-//! whole work.
+//! A study is a function from a machine and a request to plain data. It does not print or write
+//! anything. The result depends neither on the number of threads nor on the division into parts:
+//! every change of a study preserves this, with a test that compares divided and whole work.
 //!
-//! A new study has a request that serde can write, a function that takes it with a
-//! [`parts::Task`], and a number of parts that depends on the request alone; the command line keeps
-//! it as a kind of its long studies. A new measure is a variant of [`Measure`] with name, unit and
-//! description, and its value over a window. Limits and thresholds by which a verdict is decided
-//! are those of docs/theory.md, section 17: they change together with their reasons there.
+//! A new study has a request that serde can write, a function of the request and a
+//! [`parts::Task`], and a number of parts that depends on the request alone. The command line
+//! lists it as a kind of long study. A new measure is a variant of [`Measure`] with name, unit and
+//! description, and its value over a window. The limits and thresholds of verdicts come from
+//! docs/theory.md, section 17; change them together with their reasons there.
 //!
-//! | module | what it computes | what its tests hold it against |
+//! | module | what it computes | tested against |
 //! |---|---|---|
-//! | [`parts`] | long studies in parts, shared and continued | interrupted and divided work against whole work |
-//! | [`settled()`] | what a motion settles on, its class and largest exponents | motions with known ends; the paper's machine |
+//! | [`parts`] | long studies, divided and continued | divided work against whole work |
+//! | [`settled()`] | attractors, classes, largest exponents | known motions; the paper's machine |
 //! | [`spectrum()`] | all Lyapunov exponents | multipliers; divergence |
-//! | [`diagram`] | maxima, classes and exponents over one parameter, both directions | closed forms; the paper's machine |
+//! | [`diagram`] | diagrams over one parameter | closed forms; the paper's machine |
 //! | [`basin`] | attractors over two initial values | single simulations |
-//! | [`design_sweep`] | measures over any number of parameters: grids, listed designs, Sobol sequences | single motions; closed forms |
+//! | [`design_sweep`] | measures over many parameters | single motions; closed forms |
 //! | [`fit`] | numbers of a machine from a record | records of known machines |
 //! | [`flight`] | a motion's flights between events as series | dense samples |
 //! | [`natural`] | natural frequencies | closed forms |

@@ -1,5 +1,4 @@
-//! Described machine as the studies take it: with the rule of its section and the units of its
-//! parameters.
+//! Machine from a description, with the rule of its section and the units of its parameters.
 
 use crate::Section;
 use crate::SectionRule;
@@ -13,7 +12,7 @@ use vibro_machine::start::BodyStart;
 use vibro_machine::{Assembly, Motion, file};
 use vibro_numerics::quantities::{Unit, quantity_in};
 
-/// Described machine, with its section and the units in which its parameters were written.
+/// Described machine with its section and the units in which its parameters were written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Machine {
@@ -21,9 +20,9 @@ pub struct Machine {
     pub description: Description,
     /// Rule of the section.
     pub section: SectionRule,
-    /// Unit in which each parameter is shown, where it is not SI.
+    /// Unit in which each parameter is shown, if not in SI.
     pub units: BTreeMap<String, String>,
-    /// Values that differ from those of the file, in words, by parameter.
+    /// Text of each value that differs from the file, by parameter.
     pub changes: BTreeMap<String, String>,
 }
 
@@ -54,7 +53,7 @@ impl TryFrom<Written> for Machine {
     }
 }
 
-/// Rounding of e - gap relative to its terms.
+/// Relative rounding of e - gap.
 const ROUNDING: f64 = 1e-12;
 
 impl Machine {
@@ -63,13 +62,14 @@ impl Machine {
         Self { description, section: SectionRule::Auto, units: BTreeMap::new(), changes: BTreeMap::new() }
     }
 
-    /// Its name, with the values that differ from those of its file.
+    /// Name of the machine, with the values that differ from its file.
     ///
     /// ```
     /// # use vibro_studies::Machine;
     /// # let text = "name = \"Pendulum\"\nbody.a = { mass = 1.0 }\n\
     /// #     spring.s = { between = [\"ground\", \"a\"], stiffness = 1.0 }";
-    /// # let mut machine = Machine::parse(text, "pendulum.toml", &vibro_machine::file::no_records)?;
+    /// # let mut machine =
+    /// #     Machine::parse(text, "pendulum.toml", &vibro_machine::file::no_records)?;
     /// machine.changes.insert("body.a.mass".into(), "2 kg".into());
     /// assert_eq!(machine.name_with_changes(), "Pendulum with body.a.mass = 2 kg");
     /// # Ok::<(), vibro_studies::Error>(())
@@ -84,12 +84,12 @@ impl Machine {
     /// The machine with other values of some parameters, SI.
     ///
     /// # Errors
-    /// [`Error::Refusal`] for unknown names and values that are not allowed.
+    /// [`Error::Refusal`] for unknown names and values out of range.
     pub fn with<'n>(&self, values: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self> {
         Ok(Self { description: self.description.with(values)?, ..self.clone() })
     }
 
-    /// SI unit of a parameter; `1` where there is none, and for an unknown name.
+    /// SI unit of a parameter; `1` if it has none, and for an unknown name.
     pub fn si_unit(&self, name: &str) -> &'static str {
         self.description.parameter(name).map_or("1", |p| p.unit)
     }
@@ -100,7 +100,7 @@ impl Machine {
         quantity_in(self.si_unit(name), &format!("1 {symbol}"))?.unit
     }
 
-    /// Unit in which a parameter is shown: number of units in one of SI, and symbol.
+    /// Unit in which a parameter is shown: its factor (units per SI unit) and its symbol.
     pub fn unit(&self, name: &str) -> (f64, String) {
         match (self.written_unit(name), self.si_unit(name)) {
             (Some(unit), _) => (unit.number(1.0), unit.symbol()),
@@ -109,7 +109,7 @@ impl Machine {
         }
     }
 
-    /// A value of a parameter with its unit: `4 mm`.
+    /// Value of a parameter with its unit: `4 mm`.
     pub fn told(&self, name: &str, value: f64) -> String {
         let (factor, symbol) = self.unit(name);
         let number = crate::significant(factor * value);
@@ -119,18 +119,18 @@ impl Machine {
     /// The motion from a start, with its section.
     ///
     /// # Errors
-    /// What the machine's matrices or its section refuse; as [`Start::motion`].
+    /// Error if the machine's matrices or section are refused; as [`Start::motion`].
     pub fn motion(&self, start: &Start) -> Result<(Motion, Section)> {
         let section = Section::of(&self.description, &self.section)?;
         Ok((start.motion(Arc::new(Assembly::new(self.description.clone())?))?, section))
     }
 
-    /// The motion from the [end](now) of another motion, of a machine with other numbers. Where its
-    /// state violates rigid stops, the engine moves bodies by the least amount in the inertia's
-    /// metric. If that fails, or no motion begins there, the machine's own start is taken.
+    /// The motion from the [end](now) of another motion, of a machine with other numbers. If its
+    /// state violates rigid stops, the engine moves bodies by the smallest amount in the inertia's
+    /// metric. If that fails, or no motion begins there, the machine's own start is used.
     ///
     /// # Errors
-    /// What the machine's matrices, its own start or its section refuse.
+    /// Error if the machine's matrices, its own start or its section are refused.
     pub fn motion_on(&self, end: &Start) -> Result<(Motion, Section)> {
         let section = Section::of(&self.description, &self.section)?;
         let assembly = Assembly::new(self.description.clone())?;
@@ -157,8 +157,8 @@ pub(crate) fn is_between_stops(motion: &Motion) -> bool {
     })
 }
 
-/// The present state of a motion, from which one of a machine with other numbers goes
-/// [on](Machine::motion_on): all bodies, since other arms may leave other coordinates free.
+/// The present state of a motion, from which [`Machine::motion_on`] continues with other numbers.
+/// It contains all bodies, since other arms may change which coordinates are free.
 pub fn now(motion: &Motion) -> Start {
     let body = |(i, body): (usize, &Body)| {
         let [s, v, _] = motion.body(i);

@@ -6,26 +6,26 @@ use serde::{Deserialize, Serialize};
 /// Measures of one motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Value of each measure, in order and in the measure's unit; `None` for the class, and for a
+    /// Value of each measure, in order and in the measure's unit. `None` for the class, and for a
     /// closed form without a value.
     pub numbers: Vec<Option<f64>>,
-    /// Scatter of each value between windows of this length: the standard deviation found from the
-    /// six parts of this window, each a whole number of periods of a motion that repeats. The
-    /// standard error of an exponent. 0 for exact values, and rounding for regular motion.
+    /// Scatter of each value between windows of this length: the standard deviation from the six
+    /// parts of this window, each a whole number of periods if the motion repeats. For an
+    /// exponent, its standard error. 0 for exact values, and rounding for regular motion.
     /// docs/theory.md (N3) and (N4).
     pub spreads: Vec<f64>,
-    /// Class, where it was requested.
+    /// Class, if it was requested.
     pub class: Option<MotionClass>,
-    /// Index of the first value that drifts from part to part, so that the motion has not settled;
-    /// the number of measures where only another quantity does on which forces depend.
+    /// Index of the first value that drifts from part to part, so that the motion has not settled.
+    /// The number of measures if only another quantity drifts on which forces depend.
     pub unsettled: Option<usize>,
 }
 
-/// Spread of a value over windows as long as these parts together, from its values in the parts. An
-/// extreme of a long window scatters as that of a part does, since the scale of the limit law of
-/// extremes does not depend on the number of parts, docs/theory.md (N3); a mean scatters less by
-/// the root of the number of parts, (N4). A value that is monotone from part to part is still
-/// drifting, (N5).
+/// Spread of a value over windows as long as these parts together, from its values in the parts.
+/// The extreme of a long window scatters like the extreme of a part, since the scale of the limit
+/// law of extremes does not depend on the number of parts, docs/theory.md (N3). A mean scatters
+/// less by the root of the number of parts, (N4). A value that is monotone from part to part is
+/// still drifting, (N5).
 pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if numbers.len() < 2 {
         return 0.0;
@@ -34,28 +34,28 @@ pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     if is_extreme {
         return deviation(numbers).max(way);
     }
-    // Neighbouring parts are not independent; pairs of them are less dependent.
+    // Neighbouring parts are not independent. Pairs of parts are less dependent.
     let pairs: Vec<f64> = numbers.chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     let error = |of: &[f64]| deviation(of) / (of.len() as f64).sqrt();
     let scatter = if pairs.len() < 2 { error(numbers) } else { error(numbers).max(error(&pairs)) };
     scatter.max(way)
 }
 
-/// Least number of parts that show a drift.
+/// Smallest number of parts that shows a drift.
 const DRIFT_PARTS: usize = 5;
 
 /// Largest ratio of successive steps of a drift.
 const STEP_GROWTH: f64 = 1.01;
 
-/// Largest ratio of steps by which the rest of a drift is extrapolated.
+/// Largest ratio of steps for which the rest of a drift is extrapolated.
 const SLOWEST_DECAY: f64 = 0.9;
 
-/// Size of a drift relative to the value up to which it is ignored.
+/// Size of a drift, relative to the value, up to which it is ignored.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Drift of a value that is monotone over the parts with steps that do not grow: its change so far
-/// and the change still to come, extrapolated by the ratio of the last two steps; `None` for other
-/// values. Values in random order drift so once in some ten thousand times.
+/// Drift of a value that is monotone over the parts with steps that do not grow: the change so far
+/// plus the remaining change, extrapolated from the ratio of the last two steps. `None` for other
+/// values. Values in random order look so about once in ten thousand times.
 fn drift(numbers: &[f64]) -> Option<f64> {
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let [.., before, last] = steps[..] else { return None };
@@ -72,7 +72,7 @@ pub(crate) fn is_drifting(numbers: &[f64]) -> bool {
     drift(numbers).is_some_and(|way| way > NEGLIGIBLE * size)
 }
 
-/// Caveat of a motion that was measured before it had settled.
+/// Caveat about a motion that was measured before it had settled.
 pub(crate) fn unsettled_in_words(found: &Measured, measures: &[impl std::fmt::Display]) -> Option<String> {
     let name = measures.get(found.unsettled?).map_or("the motion".into(), ToString::to_string);
     Some(format!("not settled: {name} goes one way while it is measured; discard more"))

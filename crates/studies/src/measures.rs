@@ -333,8 +333,8 @@ impl Window {
 }
 
 impl Watcher {
-    /// A measure of what was observed over a number of returns and a duration, s; `quantities` are
-    /// those of its extents. `None` for powers, the class and the exponent, which it does not see.
+    /// Value of a measure over a number of returns and a duration, s. The extents belong to
+    /// `quantities`. `None` for powers, the class and the exponent, which are not observed here.
     pub fn number(
         &self,
         measure: &Measure,

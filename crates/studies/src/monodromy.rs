@@ -3,8 +3,8 @@
 //!
 //! If the return map moves a state by r and has the derivative M, the state's distance from the
 //! fixed point is (1 - M)⁻¹ r. This reveals a slow approach, in which successive returns may be
-//! arbitrarily near each other while the orbit is far. Neutral directions are left out. For an
-//! autonomous machine the shift in time is left out, too.
+//! arbitrarily close to each other while the orbit is far away. Neutral directions are left out.
+//! For an autonomous machine the shift in time is left out, too.
 
 use super::flight::Flows;
 use super::returns::ReturnRecord;
@@ -21,23 +21,22 @@ use vibro_numerics::sorting::sort_by;
 
 /// Rounding of a state in units of `f64::EPSILON`.
 const ROUNDINGS: f64 = 64.0;
-/// Largest part of a state's size that counts as rounding.
+/// Largest fraction of a state's size that counts as rounding.
 const MOST_ROUNDING: f64 = 1e-7;
 /// Singular value below which there is a family of orbits.
 const SINGULAR: f64 = 1e-12;
-/// Size of a multiplier's logarithm below which it counts as zero. The rounding errors of a
-/// defective multiplier 1 are below it.
+/// Size of a multiplier's logarithm below which it counts as zero. It exceeds the rounding errors
+/// of a defective multiplier 1.
 pub const MARGINAL: f64 = 1e-6;
-/// Size of a multiplier, relative to the variations from which it is found, below which it is
-/// rounding.
+/// A multiplier below this fraction of the derivative's largest entry is rounding.
 const LEAST_MULTIPLIER: f64 = 1e-10;
-/// Sweeps of the Schur decomposition for each multiplier.
+/// Sweeps of the Schur decomposition per multiplier.
 const SWEEPS: usize = 200;
 /// Relative size below which a rate or a change of a signal counts as zero.
 const EXACT: f64 = 1e-9;
 
 /// Metric of changes of a motion's state. Its units are the sizes of the recorded elongations and
-/// rates of each dimension, and those of the numbers that blocks keep.
+/// rates of each dimension, and the sizes of the states of blocks.
 pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
     let assembly = motion.assembly();
     let (d, system) = (&assembly.description, assembly.system());
@@ -55,8 +54,8 @@ pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
     Metric(of(0).chain(of(2)).chain(inner).chain(kept).collect())
 }
 
-/// Change of the state (q, q') that is a shift in time: z' minus the uniform motion of the bodies
-/// that prescribed bodies carry along. `None` where the machine is not autonomous.
+/// Change of the state (q, q') by a shift in time: z' minus the uniform motion with which
+/// prescribed bodies carry other bodies along. `None` if the machine is not autonomous.
 pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     let assembly = motion.assembly();
     let (d, system, z) = (&assembly.description, assembly.system(), motion.state());
@@ -70,11 +69,11 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     Some(shift)
 }
 
-/// Change of the coordinates, and of the states of first order, that keeps all elongations constant
-/// while the signals change as in `change`, a change of the augmented state. With `rates`, `change`
-/// is the state itself, and the result is the velocities with which the elongations' rates are
-/// zero. A uniformly moving prescribed body carries other bodies along in this way. `None` if there
-/// is no such change.
+/// Change of the coordinates, and of the states of first order, that keeps all elongations
+/// constant while the signals change as in `change`, a change of the augmented state. With
+/// `rates`, `change` is the state itself, and the result is the velocities for which the
+/// elongations' rates are zero. A uniformly moving prescribed body carries other bodies along in
+/// this way. `None` if there is no such change.
 pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
@@ -83,7 +82,7 @@ pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f
     let own = system.states();
     let by_time = |row: &StateRow| row.iter().zip(change).skip(own).map(|(r, x)| r * x).sum::<f64>();
     let row = |e: &Elongation| if rates { -by_time(&e.rate) } else { -by_time(&e.e) };
-    // Springs in series keep their stretches, and so their forces; blocks keep what they have.
+    // Springs in series keep their stretches, and so their forces. Blocks keep their states.
     let with_inner = |along: DVector<f64>| match system.branches.is_empty() {
         true => along,
         false => along.resize_vertically(own, 0.0),
@@ -97,12 +96,12 @@ pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f
     ((rows * &along - &changes).amax() <= EXACT * changes.amax()).then(|| with_inner(along))
 }
 
-/// Distance and growth from the derivative over a period.
+/// Distance from the orbit and growth, from the derivative over a period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Period {
     /// Distance of the state from the orbit, relative to the motion's sizes.
     pub distance: f64,
-    /// Modulus of the largest multiplier; `None` where rounding hides it or all directions are
+    /// Modulus of the largest multiplier. `None` if it is hidden by rounding or all directions are
     /// lost.
     pub multiplier: Option<f64>,
     /// Duration, s.
@@ -137,14 +136,14 @@ impl Period {
         }
         let size = system.states();
         if size == 0 {
-            // All moves as prescribed, and the signals repeat.
+            // All bodies move as prescribed, and the signals repeat.
             return Ok(Self { distance: 0.0, multiplier: None, time: motion.time() - from });
         }
         let mut change = motion.state() - &start;
         // Periodic signals return to their values up to rounding. This rounding is not a uniform
         // motion.
         let terms = motion.state().abs() + start.abs();
-        // Inner places of held sliders stand still, whatever the rounding of signals.
+        // Inner states of held sliders do not change, whatever the rounding of signals.
         let given = system.given(change.as_slice());
         change.as_mut_slice()[..size].copy_from_slice(&given);
         let signals = change.iter_mut().zip(terms.iter()).skip(size);
@@ -187,7 +186,7 @@ impl Period {
         Ok(Self { distance, multiplier: largest_multiplier(m), time: motion.time() - from })
     }
 
-    /// Largest exponent, 1/s, where the multiplier gives it.
+    /// Largest exponent, 1/s, if the multiplier is known.
     pub fn exponent(&self) -> Option<f64> {
         self.multiplier.map(|multiplier| exponent(multiplier, self.time))
     }
@@ -199,7 +198,7 @@ fn exponent(modulus: f64, time: f64) -> f64 {
     if logarithm.abs() < MARGINAL { 0.0 } else { logarithm / time }
 }
 
-/// All multipliers of a period, those of neutral directions among them.
+/// All multipliers of a period, including the multipliers of neutral directions.
 #[derive(Clone, Debug)]
 pub struct Multipliers {
     /// Number of returns in the period.
@@ -213,8 +212,8 @@ pub struct Multipliers {
 }
 
 impl Multipliers {
-    /// Follows the motion over a period of `returns` returns. `None` where the decomposition does
-    /// not converge.
+    /// Follows the motion over a period of `returns` returns. `None` if the decomposition does not
+    /// converge.
     ///
     /// # Errors
     /// As [`Section::advance`].
@@ -242,8 +241,8 @@ impl Multipliers {
         Ok(Some(Self { returns, time, moduli, least }))
     }
 
-    /// Exponents, 1/s, largest first, as far as the multipliers are not rounding. `lost` is the
-    /// number of directions that contacts take, whose multipliers are zero.
+    /// Exponents, 1/s, largest first, except where the multipliers are rounding. `lost` is the
+    /// number of directions that contacts remove; their multipliers are zero.
     pub fn exponents(&self, lost: usize) -> Vec<f64> {
         let kept = self.moduli.len().saturating_sub(lost);
         let found = self.moduli.iter().take(kept).take_while(|modulus| **modulus > self.least);
@@ -251,7 +250,7 @@ impl Multipliers {
     }
 }
 
-/// (1 - M)⁻¹ r outside the neutral directions; `None` where r has a part beyond rounding in a
+/// (1 - M)⁻¹ r outside the neutral directions. `None` if r has a part beyond rounding in a
 /// direction in which M is 1.
 fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: f64) -> Option<DVector<f64>> {
     let mut a = DMatrix::identity(m.nrows(), m.ncols()) - m;
@@ -272,7 +271,7 @@ fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: 
     Some(off)
 }
 
-/// Largest modulus of the eigenvalues, where it is not rounding.
+/// Largest modulus of the eigenvalues; `None` if it is rounding.
 fn largest_multiplier(m: DMatrix<f64>) -> Option<f64> {
     let least = least_multiplier(&m);
     let largest = moduli(m)?.into_iter().fold(0.0, f64::max);

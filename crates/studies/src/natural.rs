@@ -1,4 +1,4 @@
-//! Own values of a machine's modes, part by part: parts that nothing couples cost their sum.
+//! Eigenvalues of a machine's modes, computed separately for uncoupled parts.
 
 mod span;
 
@@ -10,26 +10,26 @@ use vibro_machine::components::components;
 use vibro_machine::linear::Linear;
 use vibro_machine::system::System;
 
-/// Most states of a part whose values are all computed, by a dense matrix: its time grows with the
-/// third power of the states, and here is under a second.
+/// Largest number of states of a part whose eigenvalues are all computed from a dense matrix. The
+/// time grows with the third power of the states; at this size it is under a second.
 const DENSE: usize = 600;
 
-/// Own values of a machine's mode.
+/// Eigenvalues of a machine's mode.
 #[derive(Debug)]
 pub struct Natural {
-    /// All values of the parts of at most 600 states, rad/s.
+    /// All eigenvalues of the parts of at most 600 states, rad/s.
     pub values: Vec<Complex<f64>>,
     /// The lowest and highest oscillations of each larger part.
     pub spans: Vec<Span>,
 }
 
-/// The own values of a mode's system among some of its states.
+/// The eigenvalues of a mode's system for some of its states.
 pub fn natural(system: &System, linear: &Linear, places: &[usize]) -> Natural {
     natural_above(system, linear, places, DENSE)
 }
 
-/// [`natural`] with the most states of a part that is computed as a dense matrix. A larger part is
-/// one, too, where its forces are not those of springs and dashpots among bodies alone.
+/// [`natural`] with a limit on the number of states of a dense part. A larger part is dense, too,
+/// if it has forces other than springs and dashpots between bodies.
 pub(super) fn natural_above(system: &System, linear: &Linear, places: &[usize], dense: usize) -> Natural {
     let mut index = vec![usize::MAX; system.states()];
     places.iter().enumerate().for_each(|(k, &place)| index[place] = k);

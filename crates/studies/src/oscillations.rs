@@ -1,15 +1,15 @@
-//! Own oscillations of a machine without contacts.
+//! Natural oscillations of a machine without contacts.
 
 use super::natural::natural_above;
 use std::f64::consts::TAU;
 use vibro_machine::mode::{FrictionState, Mode};
 use vibro_machine::system::{StopRows, System};
 
-/// Frequency relative to the fastest below which an oscillation is rounding.
+/// Frequency relative to the fastest one below which an oscillation is rounding.
 const ROUNDING: f64 = 1e-7;
 
-/// Frequencies of the machine's own oscillations, Hz, with all stops open and all friction off,
-/// with damping; stiffness that steps has its first level.
+/// Frequencies of the machine's natural oscillations, Hz, with all stops open, all friction off,
+/// and damping. Stiffness switched in time has its first value.
 pub(super) fn oscillations(system: &System) -> Vec<f64> {
     let stops = system.stops.iter().map(StopRows::state_apart).collect();
     let frictions = vec![FrictionState::Off; system.frictions.len()];

@@ -1,27 +1,27 @@
 //! Studies of the paper's machine alone: its parameters and groups by name, its motions side by
-//! side, its closed forms and the verdicts that rest on its mirror symmetry.
+//! side, its closed forms, and the verdicts that use its mirror symmetry.
 //!
-//! | module | what it computes | what its tests hold it against |
+//! | module | what it computes | tested against |
 //! |---|---|---|
-//! | [`ParameterSet`] | physical parameters and dimensionless groups by name, kept in step | conversion there and back |
+//! | [`ParameterSet`] | parameters and dimensionless groups by name | conversion there and back |
 //! | [`stroboscopic`] | states at whole drive periods in units of L and L ω10 | – |
-//! | [`motion`] | a motion as samples cut at impacts, its amplitudes and maxima | amplitudes of the exact orbit |
-//! | `smooth_pieces` | the smooth pieces of a motion with the events that end them | through `measures` and `lyapunov` |
-//! | [`maxima`] | local maxima of X2, from the flow | amplitude of the exact orbit; interpolated samples; closed forms of a free block and of one mode |
-//! | `variation` | transition matrices of variations, jumps at impacts | through `lyapunov` |
-//! | `largest_exponent` | the largest exponent of many motions, from their events | the seven exponents; multipliers of the exact orbit |
-//! | `settling` | when a motion has settled on a period | made-up sequences; planes and basins without it |
-//! | [`lyapunov`] | the seven Lyapunov exponents | a linear system; multipliers of the exact orbit; divergence and determinants |
-//! | [`attractor`] | period, impacts, symmetry and class of a settled motion | constructed sequences; the stable exact orbit; the limit without impacts |
-//! | [`verdict`] | the class of a motion, which is followed until it is decided | motions with known ends; chaos from many starts |
-//! | [`statistics`] | means of motion without a period, and whether two such motions are one attractor | closed forms; chaos from many starts, mirror images |
-//! | [`trajectories`] | many independent motions side by side: transient, maxima, attractors | the same motions one by one; statistics in chaos |
-//! | [`bifurcation`] | maxima, classes and exponents over one parameter, both directions | exact orbit and its limits of stability (tests of `vibro`) |
-//! | [`basin`] | attractors over two initial values | single simulations (tests of `vibro`) |
-//! | [`isoperiodic`] | simulated motion over two parameters, beside the exact orbit | single simulations, the plane of the exact orbit (tests of `vibro`) |
-//! | [`measures`] | amplitudes, mean squares, impacts, powers, class of a settled motion | the exact orbit; dense samples; the balance of powers |
-//! | [`plane`] | existence and stability of the two-impact motion over two parameters | single solutions (tests of `vibro`) |
-//! | [`response`](mod@response) | steady states along one parameter | located limits of stability (tests of `vibro`) |
+//! | [`motion`] | a motion as samples cut at impacts | amplitudes of the exact orbit |
+//! | `smooth_pieces` | smooth pieces of a motion and their ends | `measures` and `lyapunov` |
+//! | [`maxima`] | local maxima of X2, from the flow | exact orbit; samples; closed forms |
+//! | `variation` | transition matrices of variations, jumps at impacts | `lyapunov` |
+//! | `largest_exponent` | the largest exponent of many motions | the spectrum; exact orbit |
+//! | `settling` | when a motion has settled on a period | made-up sequences; planes and basins |
+//! | [`lyapunov`] | the seven Lyapunov exponents | linear system; exact orbit; divergence |
+//! | [`attractor`] | period, impacts, symmetry and class | made-up sequences; exact orbit |
+//! | [`verdict`] | the class of a motion, followed until decided | known motions; chaos |
+//! | [`statistics`] | means and likeness of motions without a period | closed forms; chaos |
+//! | [`trajectories`] | many independent motions side by side | the same motions one by one |
+//! | [`bifurcation`] | diagrams over one parameter | exact orbit and its stability (`vibro`) |
+//! | [`basin`] | attractors over two initial values | single simulations (`vibro`) |
+//! | [`isoperiodic`] | simulated motion over two parameters | single simulations (`vibro`) |
+//! | [`measures`] | measures of a settled motion | exact orbit; dense samples; balance of powers |
+//! | [`plane`] | two-impact motion over two parameters | single solutions (`vibro`) |
+//! | [`response`](mod@response) | steady states along one parameter | stability limits (`vibro`) |
 //!
 //! # Example
 //!

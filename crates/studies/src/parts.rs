@@ -1,16 +1,16 @@
 //! Long studies in parts: the parts that are computed here, and the store of finished ones.
 //!
-//! A study in parts is a function from the index of a part to its result. The parts are independent
-//! of each other, so threads and computers can share them, and an interrupted study continues with
-//! the missing parts. The caller decides through [`PartStore`] how parts outlive the program; this
-//! module touches no disk.
+//! A study in parts is a function from the index of a part to its result. The parts are
+//! independent of each other, so threads and computers can share them, and an interrupted study
+//! continues with the missing parts. The caller decides through [`PartStore`] how parts outlive
+//! the program; this module touches no disk.
 
 use super::error::{Error, Result};
 use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 
-/// Share of the parts that is computed here: those whose index has the remainder `index` when
-/// divided by `count`.
+/// Share of the parts computed here: parts whose index has the remainder `index` when divided by
+/// `count`.
 ///
 /// ```
 /// use vibro_studies::parts::Shard;
@@ -46,7 +46,7 @@ impl std::str::FromStr for Shard {
     }
 }
 
-/// Storage of the bytes of finished parts by index. Several threads use it at once.
+/// Storage of the bytes of finished parts, used by several threads at the same time.
 pub trait PartStore: Sync {
     /// The bytes of a finished part. `None` where it is missing or cannot be read; it is then
     /// computed again.
@@ -58,7 +58,7 @@ pub trait PartStore: Sync {
     /// [`Error::Store`] with the reason.
     fn save(&self, index: usize, bytes: &[u8]) -> Result<()>;
 
-    /// Checks, now and then in long work before the parts, whether the study is still wanted.
+    /// Checks, from time to time in long work before the parts, whether the study is still wanted.
     ///
     /// # Errors
     /// [`Error::Store`] ends the study.
@@ -77,7 +77,7 @@ pub trait PartStore: Sync {
     }
 }
 
-/// Store that keeps nothing, for results that need not outlive the program.
+/// Store that keeps nothing, for results that are not needed after the program ends.
 #[derive(Clone, Copy, Debug)]
 pub struct NoStore;
 
@@ -98,7 +98,7 @@ pub struct Task<'a> {
     pub store: &'a dyn PartStore,
     /// Parts that are computed here.
     pub shard: Shard,
-    /// Called once for each part that is ready; the argument tells whether it was stored before.
+    /// Called once for each finished part; the argument is whether it was stored before.
     pub done: &'a (dyn Fn(bool) + Sync),
 }
 
@@ -109,11 +109,11 @@ impl Task<'static> {
 
 impl Task<'_> {
     /// Computes, on all threads, the parts 0 … `count` - 1 that are not stored and belong to the
-    /// shard. Returns all parts in order, or `None` where some belong to other shards and are not
+    /// shard. Returns all parts in order, or `None` if some belong to other shards and are not
     /// stored.
     ///
     /// # Errors
-    /// What `compute` returns; [`Error::Store`].
+    /// Errors of `compute`; [`Error::Store`].
     pub fn complete<T: Serialize + DeserializeOwned + Send>(
         &self,
         count: usize,
@@ -122,8 +122,8 @@ impl Task<'_> {
         self.complete_with(count, |&mut (), index| compute(index))
     }
 
-    /// [`complete`](Self::complete) with a workspace `W` that serves one part after another. It
-    /// must not change what `compute` returns.
+    /// [`complete`](Self::complete) with a workspace `W` that is reused for one part after
+    /// another. It must not change the result of `compute`.
     ///
     /// # Errors
     /// As [`complete`](Self::complete).
@@ -153,7 +153,7 @@ impl Task<'_> {
         Ok(there.into_iter().all(|is| is))
     }
 
-    /// A part from the store; if it is missing and belongs to the shard, it is computed and stored.
+    /// A part from the store. If it is missing and belongs to the shard, it is computed.
     ///
     /// # Errors
     /// As [`Self::complete`].

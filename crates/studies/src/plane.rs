@@ -14,18 +14,18 @@ use vibro_machine::Assembly;
 pub struct PlanePoint {
     /// Class of the motion.
     pub class: MotionClass,
-    /// Impacts and first touches a return.
+    /// Impacts and first touches per return.
     pub contacts: f64,
-    /// Whether a stop stays closed or a friction sticks at some time.
+    /// Whether at some time a stop stays closed or a friction element sticks.
     pub rests: bool,
     /// Mean time between returns, s.
     pub interval: f64,
-    /// Largest exponent, 1/s, with its standard error, where it was computed.
+    /// Largest exponent, 1/s, with its standard error, if it was computed.
     pub exponent: Option<[f64; 2]>,
 }
 
 impl PlaneMachine for Machine {
-    /// `None` where the values make no machine, and where its motion cannot go on.
+    /// `None` if the values do not make a machine, or if the motion cannot continue.
     type Point = Option<PlanePoint>;
     type Workspace = ();
     const IN_PLANE_PART: usize = 32;
@@ -36,7 +36,7 @@ impl PlaneMachine for Machine {
                 self.with([(axis.name.as_str(), end)])?;
             }
         }
-        // Conditions of every point.
+        // Conditions that every point must meet.
         request.start.state(&Assembly::new(self.description.clone())?)?;
         let section = Section::of(&self.description, &self.section)?;
         match runs_on_beyond(&self.description, &section, request.start.time, request.discard) {
@@ -63,7 +63,7 @@ impl PlaneMachine for Machine {
 /// The motion at a point.
 ///
 /// # Errors
-/// Values that make no machine; a motion that cannot go on.
+/// Error if the values do not make a machine, or if the motion cannot continue.
 fn point(machine: &Machine, request: &IsoperiodicRequest<Machine>, x: f64, y: f64) -> Result<PlanePoint> {
     let own = machine.with([(request.x.name.as_str(), x), (request.y.name.as_str(), y)])?;
     let (motion, section) = own.motion(&request.start)?;

@@ -1,5 +1,5 @@
-//! Points of a settled motion at its section: after whole periods, at a phase of them, or at each
-//! event of an element.
+//! Points of a settled motion at its section: after whole periods, at a phase of each period, or
+//! at each event of an element.
 
 use super::{Machine, Section, columns, common_period, settle, values};
 use crate::error::{Error, Result};
@@ -14,9 +14,9 @@ pub struct PoincareRequest {
     pub start: Start,
     /// Phase at a section of whole periods, rad.
     pub phase: f64,
-    /// Returns discarded; fewer where the motion has settled.
+    /// Number of returns discarded; fewer if the motion has settled.
     pub discard: u32,
-    /// Returns kept.
+    /// Number of returns kept.
     pub keep: u32,
 }
 
@@ -25,7 +25,7 @@ pub struct PoincareRequest {
 pub struct SectionPoint {
     /// Time, s.
     pub time: f64,
-    /// Phase of the common period of what drives the machine, rad; `None` where nothing does.
+    /// Phase of the common period of the machine's drive, rad; `None` without a drive.
     pub phase: Option<f64>,
     /// Closing speed of an impact or first touch, m/s or rad/s.
     pub speed: Option<f64>,
@@ -36,7 +36,7 @@ pub struct SectionPoint {
 /// The section of a request.
 ///
 /// # Errors
-/// As [`Section::of`]; [`Error::Described`] for a phase that is not finite, and for one at a
+/// As [`Section::of`]; [`Error::Described`] for a phase that is not finite, and for a phase at a
 /// section of events.
 pub fn section_of(machine: &Machine, phase: f64) -> Result<Section> {
     let section = Section::of(&machine.description, &machine.section)?;

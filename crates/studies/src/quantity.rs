@@ -19,9 +19,9 @@ use vibro_machine::{Owner, Quantity, What};
 pub struct QuantityName {
     /// The body or element.
     pub of: String,
-    /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `slider` of a spring in series; `f`
-    /// of a load; `Value` of a signal that blocks read, and of an output of a block, whose whole
-    /// name is `of`.
+    /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `slider` of a spring in series;
+    /// `f` of a load; `Value` of a signal that blocks read, and of an output of a block, whose
+    /// whole name is `of`.
     pub what: What,
 }
 
@@ -75,7 +75,7 @@ crate::text::written_as_text!(QuantityName);
 
 /// Refusal of a name that a machine does not have, with the nearest one.
 pub fn unknown(text: &str, known: &[String]) -> Error {
-    // The last of the greatest is taken: of names that are as near, the one that stands first.
+    // `max_by` takes the last of equals: after `rev`, the first name.
     let near = |name: &String| strsim::jaro(name, text);
     let nearest = known.iter().rev().max_by(|a, b| near(a).total_cmp(&near(b)));
     let advice = nearest.map_or("the machine has none".into(), |near| {

@@ -1,9 +1,8 @@
-//! Returns of a described machine's motion: what must repeat for the motion to be periodic.
+//! Returns of a described machine's motion: the quantities that must repeat in a periodic motion.
 //!
-//! Forces depend on elongations of springs with stiffness and of stops, on the forces of springs in
-//! series, on rates of all elements,
-//! and on the phases of harmonics, unless the section fixes these. The angle of a shaft that
-//! nothing holds and the elongation of a dashpot have no effect.
+//! Forces depend on elongations of stops and of springs with stiffness, on forces of springs in
+//! series, on rates of all elements, and on phases of harmonics, unless the section fixes these.
+//! The angle of a free shaft and the elongation of a dashpot have no effect.
 
 use super::section::{Section, frequencies};
 use crate::class::{LONGEST, RETURN, comes_nearer, least_period};
@@ -14,37 +13,36 @@ use vibro_machine::functional::StateRow;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::system::{Elongation, Part, System};
 
-/// Speed of contacts relative to the fastest below which they are chatter, whose number does not
+/// Contacts slower than this fraction of the fastest one are chatter, and their number does not
 /// count for a period.
 const CHATTER: f64 = 1e-6;
-/// Least size of changes relative to a constant part: a buffer whose deflection is 10⁵ times its
-/// swing is at rest.
+/// Smallest size of changes relative to a constant part: a buffer whose deflection is 10⁵ times
+/// its swing is at rest.
 const STANDING: f64 = 1e-5;
 /// Rounding of a functional in units of `f64::EPSILON` times its terms.
 const ROUNDINGS: f64 = 64.0;
-/// Largest rounding relative to the sizes by which states are compared.
+/// Largest rounding relative to the sizes used to compare states.
 const ROUNDING_PART: f64 = 1e-4;
-/// Distance of an event from a section, relative to the interval, at which it may come on either
-/// side.
+/// Distance of an event from a section, relative to the interval, within which it may come on
+/// either side.
 const BESIDE: f64 = 1e-6;
-/// Number of returns among which each may exceed the one before by chance.
+/// Number of returns among which each may exceed the previous one by chance.
 const FEW: usize = 16;
-/// Kinds below it are those of lengths, angles and their rates; each number of a block is a kind of
-/// its own.
+/// Number of kinds for lengths, angles and their rates. Each number of a block is a further kind.
 const COMMON: usize = 4;
-/// Samples between two returns by which sizes are found.
+/// Samples between two returns from which sizes are found.
 const SAMPLES: u32 = 8;
 
-/// Functionals that must return.
+/// Functionals that must repeat.
 #[derive(Clone, Debug)]
 pub struct Functionals {
     rows: Vec<StateRow>,
-    /// Kind of each: elongation or rate, of translation or rotation.
+    /// Kind of each row: elongation or rate, of translation or rotation.
     kinds: Vec<usize>,
-    /// For the rate of an element with stiffness the index of its elongation, and the frequency,
-    /// rad/s, by which forces turn roundings of the elongation into those of the rate.
+    /// For the rate of an element with stiffness: the index of its elongation, and the frequency,
+    /// rad/s, by which rounding of the elongation becomes rounding of the rate.
     stiff: Vec<Option<(usize, f64)>>,
-    /// Frequencies, Hz, whose phases must return.
+    /// Frequencies, Hz, whose phases must repeat.
     phases: Vec<f64>,
 }
 
@@ -67,12 +65,12 @@ impl Functionals {
                 let Some(e) = system.elongation_of_part(part) else { continue };
                 let stiffness = match part {
                     Part::Spring(i) => Some(system.springs[i].stiffness).filter(|k| *k != 0.0),
-                    // Of a spring with corners one line or another has stiffness.
+                    // A spring with corners always has the stiffness of one of its lines.
                     Part::Stop(i) if system.is_corner(i) && acts => continue,
                     Part::Stop(i) if system.stops[i].is_freewheel => None,
                     Part::Stop(i) => Some(system.stops[i].stiffness()),
                     Part::Branch(i) => {
-                        // The force is to return, whatever the elongation and the inner place do.
+                        // The force must return, whatever the elongation and the inner state do.
                         let own = &system.branches[i];
                         push(&(&*own.force / own.stiffness), rotates, None);
                         push(&e.rate, 2 + rotates, Some((e, own.stiffness)));
@@ -89,7 +87,7 @@ impl Functionals {
                 }
             }
         }
-        // What blocks keep must return, each by its own size.
+        // The states of blocks must return, each relative to its own size.
         for block in &system.blocks {
             for place in block.first..block.first + block.kept() {
                 let mut unit = StateRow::zeros(system.signals.size);
@@ -103,8 +101,8 @@ impl Functionals {
         Self { rows: all, kinds, stiff, phases }
     }
 
-    /// Values of the functionals, with cosine and sine of the phases last, and the sums of the
-    /// sizes of their terms.
+    /// Values of the functionals, with cosines and sines of the phases last, and the sums of the
+    /// absolute values of their terms.
     fn at(&self, motion: &Motion) -> (Vec<f64>, Vec<f64>) {
         let z = motion.state();
         let size = |row: &StateRow| row.iter().zip(z.iter()).map(|(r, x)| (r * x).abs()).sum::<f64>();
@@ -133,8 +131,7 @@ impl Functionals {
 #[derive(Clone, Debug)]
 pub struct Return {
     pub state: Vec<f64>,
-    /// Contacts since the last return, and a number that identifies how many there were on each
-    /// stop.
+    /// Contacts since the last return. `pattern` identifies their number on each stop.
     pub contacts: u32,
     pattern: u64,
     /// Time, s.
@@ -146,18 +143,18 @@ pub struct Return {
 pub struct ReturnRecord {
     functionals: Functionals,
     pub returns: Vec<Return>,
-    /// Least and largest value of each functional.
+    /// Smallest and largest value of each functional.
     extents: Vec<[f64; 2]>,
     /// Largest sum of each functional's terms.
     terms: Vec<f64>,
     fastest: f64,
     contacts: u32,
     pattern: u64,
-    /// Times of contacts since the last return but one, s.
+    /// Times of contacts during the last two intervals, s.
     struck: Vec<f64>,
-    /// Whether a contact lies beside a return.
+    /// Whether a contact lies next to a return.
     pub is_beside: bool,
-    /// Whether a stop stays closed or a friction sticks.
+    /// Whether a stop stays closed or a friction element sticks.
     pub rests: bool,
 }
 
@@ -187,7 +184,7 @@ impl ReturnRecord {
                 self.contacts += 1;
                 self.fastest = self.fastest.max(speed);
                 if speed > CHATTER * self.fastest {
-                    // A sum, since rounding decides the order of two contacts at one instant.
+                    // A sum, since rounding may swap two contacts at the same instant.
                     let own = (1 + stop as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
                     self.pattern = self.pattern.wrapping_add(own ^ (own >> 29));
                     self.struck.push(event.time);
@@ -211,7 +208,7 @@ impl ReturnRecord {
         values
     }
 
-    /// Includes the motion to the next return in the sizes, on a copy of it.
+    /// Includes the motion to the next return in the sizes; it is simulated on a copy.
     pub fn look_between(&mut self, motion: &Motion, interval: f64) {
         let mut copy = motion.clone();
         for k in 1..=SAMPLES {
@@ -244,7 +241,7 @@ impl ReturnRecord {
         }
     }
 
-    /// Size of elongations or rates of a kind: their range, between returns too, and at least a
+    /// Size of elongations or rates of a kind: their range, also between returns, and at least a
     /// small part of their values.
     fn size_of(&self, kind: usize) -> f64 {
         let kinds = self.functionals.kinds.iter().zip(&self.extents);
@@ -254,16 +251,16 @@ impl ReturnRecord {
         own.fold(0.0, f64::max)
     }
 
-    /// Sizes of lengths, angles, rates and spins; each is at least what the other of its pair gives
-    /// at the frequency of the returns.
+    /// Sizes of lengths, angles, rates and spins. Each is at least the size that the other of its
+    /// pair implies at the frequency of the returns.
     pub fn sizes(&self) -> [f64; 4] {
         let omega = TAU / self.interval();
         let [length, angle, rate, spin] = [0, 1, 2, 3].map(|kind| self.size_of(kind));
         [length.max(rate / omega), angle.max(spin / omega), rate.max(omega * length), spin.max(omega * angle)]
     }
 
-    /// Sizes by which states are compared, number by number; for a shaft that has turned far at
-    /// least so large that rounding is a small part.
+    /// Sizes used to compare states, number by number. For a shaft that has turned far they are so
+    /// large that rounding is a small part.
     pub fn scales(&self) -> Vec<f64> {
         let sizes = self.sizes();
         let own = |kind: &usize| if *kind < COMMON { sizes[*kind] } else { self.size_of(*kind) };
@@ -272,12 +269,12 @@ impl ReturnRecord {
         kinds.map(|(size, terms)| size.max(ROUNDINGS * f64::EPSILON * terms / ROUNDING_PART)).collect()
     }
 
-    /// The sizes of the numbers that blocks keep, in the order of the state.
+    /// Sizes of the states of blocks, in the order of the state.
     pub fn sizes_of_blocks(&self) -> impl Iterator<Item = f64> {
         self.functionals.kinds.iter().filter(|kind| **kind >= COMMON).map(|kind| self.size_of(*kind))
     }
 
-    /// Largest difference of two states relative to the sizes, without rounding.
+    /// Largest difference of two states relative to the sizes, beyond rounding.
     fn distance(&self, a: &[f64], b: &[f64], scales: &[f64]) -> f64 {
         let parts = a.iter().zip(b).zip(scales.iter().zip(&self.terms));
         let part = |((a, b), (scale, terms)): ((&f64, &f64), (&f64, &f64))| {
@@ -287,13 +284,13 @@ impl ReturnRecord {
         parts.map(part).fold(0.0, f64::max)
     }
 
-    /// Change of the state (q, q') relative to the sizes, without rounding.
+    /// Change of the state (q, q') relative to the sizes, beyond rounding.
     pub fn size_of_change(&self, change: &[f64]) -> f64 {
         let changes = self.functionals.changes(change);
         self.distance(&changes, &vec![0.0; changes.len()], &self.scales())
     }
 
-    /// Least period up to [`LONGEST`] after which states return, relative to their sizes.
+    /// Smallest period up to [`LONGEST`] after which states return, relative to their sizes.
     pub fn period(&self, near: f64) -> Option<u32> {
         let scales = self.scales();
         least_period(&self.returns, |a, b| {
@@ -301,7 +298,7 @@ impl ReturnRecord {
         })
     }
 
-    /// Largest distance of the last returns from those one period before.
+    /// Largest distance of the last returns from the returns one period before.
     pub fn return_distance(&self, period: u32) -> f64 {
         let (lag, scales) = (period as usize, self.scales());
         let last = &self.returns[self.returns.len().saturating_sub(2 * lag)..];
@@ -309,14 +306,14 @@ impl ReturnRecord {
         pairs.map(|(a, b)| self.distance(&a.state, &b.state, &scales)).fold(0.0, f64::max)
     }
 
-    /// Whether returns come nearer from each eighth of the record to the next.
+    /// Whether returns come closer from each eighth of the record to the next.
     pub fn is_approaching(&self) -> bool {
         let scales = self.scales();
         comes_nearer(&self.returns, |a, b| self.distance(&a.state, &b.state, &scales))
     }
 
-    /// Whether a functional changed in one direction from each return to the next in the later half
-    /// of the record: a motion that is braked or driven on.
+    /// Whether a functional changes in one direction, return by return, over the later half of the
+    /// record: the motion is braked or accelerated.
     pub fn drifts(&self) -> bool {
         let later = &self.returns[self.returns.len() / 2..];
         let (Some(first), Some(last)) = (later.first(), later.last()) else { return false };

@@ -10,9 +10,9 @@ use vibro_machine::description::{Description, Signal};
 use vibro_machine::elements::NamedSignal;
 use vibro_machine::motion::{Event, EventKind, Reached};
 
-/// Relative accuracy to which frequencies are multiples of one another.
+/// Relative tolerance within which frequencies are multiples of one another.
 const COMMENSURATE: f64 = 1e-9;
-/// Most periods of the slowest harmonic in a common period.
+/// Largest number of periods of the slowest harmonic in a common period.
 const MOST_PERIODS: u32 = 1000;
 /// Longest allowed time between two events that define the section, s.
 const WITHIN: f64 = 100.0;
@@ -24,14 +24,14 @@ const BESIDE: f64 = 0.381_966_011_250_105;
 /// Rule by which the section is chosen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SectionRule {
-    /// Whole common periods of all harmonics and repeated signals; without these the events of the
-    /// first stop; without stops those of the first friction.
+    /// Whole common periods of all harmonics and repeated signals. Without these the events of the
+    /// first stop, and without stops the events of the first friction element.
     #[default]
     Auto,
     /// Whole multiples of a time, s.
     Period(f64),
-    /// Events of an element: impacts and first touches of a stop; each time that a friction begins
-    /// to stick.
+    /// Events of an element: impacts and first touches of a stop; for friction, each time it
+    /// begins to stick.
     Element(String),
 }
 
@@ -40,15 +40,15 @@ pub enum SectionRule {
 pub enum Section {
     /// Whole multiples of a time, s.
     Period(f64),
-    /// Whole multiples of a time, s, plus an offset, s, for motions with events at whole multiples.
+    /// Whole multiples of a time plus an offset, s, for motions with events at whole multiples.
     Shifted(f64, f64),
     /// Impacts or first touches of a stop.
     Stop(usize),
-    /// Times at which a friction begins to stick.
+    /// Times at which a friction element begins to stick.
     Friction(usize),
 }
 
-/// The frequencies of all signals, Hz: of harmonics, of what repeats, and of sweeps behind their
+/// Frequencies of all signals, Hz: harmonics, repeated signals, samples, and sweeps after their
 /// ends.
 pub(super) fn frequencies(d: &Description) -> impl Iterator<Item = f64> {
     let harmonics = d.signals().flat_map(|s| s.signal.harmonics.iter());
@@ -71,9 +71,8 @@ pub fn is_steady(d: &Description) -> bool {
     samples(d).next().is_none() && d.signals().all(|s| is_constant(s.signal) && is_uniform(&s))
 }
 
-/// Least time that is a whole number of periods of each harmonic, of each repeated signal, and of
-/// samples, s;
-/// `None` without them, if it exceeds 1000 of the longest of these periods, and with a sweep.
+/// Smallest time, s, that is a whole number of periods of each harmonic, repeated signal and
+/// sampling. `None` without these, with a sweep, or if it exceeds 1000 of the longest period.
 pub fn common_period(d: &Description) -> Option<f64> {
     if d.signals().any(|s| !s.signal.sweeps.is_empty()) { None } else { last_period(d) }
 }
@@ -85,7 +84,7 @@ pub(super) fn last_period(d: &Description) -> Option<f64> {
     let is_whole = |ratio: f64| (ratio - ratio.round()).abs() <= COMMENSURATE * ratio;
     let all = |k: &u32| all.iter().all(|f| is_whole(f64::from(*k) * f / slowest));
     let count = f64::from((1..=MOST_PERIODS).find(all)?);
-    // A repeated signal's period without the rounding of its frequency.
+    // The period of a repeated signal is used directly, without the rounding of its frequency.
     let repeats = d.signals().filter_map(|s| s.signal.repeat).chain(samples(d));
     let repeat = repeats.into_iter().find(|period| 1.0 / period == slowest);
     Some(repeat.map_or(count / slowest, |period| count * period))
@@ -95,7 +94,8 @@ impl Section {
     /// The section of a machine.
     ///
     /// # Errors
-    /// [`Error::Described`] if the rule gives no section; its text says what is allowed.
+    /// [`Error::Described`] if the rule does not give a section; the message lists what is
+    /// allowed.
     pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         match rule {
@@ -151,7 +151,7 @@ impl Section {
         }
     }
 
-    /// Section in words: `periods of 0.1 s`, `events of stop.floor`.
+    /// Description of the section: `periods of 0.1 s`, `events of stop.floor`.
     pub fn in_words(&self, d: &Description) -> String {
         match self {
             Self::Period(period) | Self::Shifted(period, _) => {
@@ -187,7 +187,7 @@ impl Section {
         Some((((time - shift) / period + COMMENSURATE).floor() + 1.0) * period + shift)
     }
 
-    /// Whether each return is a whole number of turns of a harmonic with a frequency in Hz.
+    /// Whether each return is a whole number of turns of a harmonic of this frequency, Hz.
     pub(super) fn holds(&self, frequency: f64) -> bool {
         let turns = match self {
             Self::Period(period) | Self::Shifted(period, _) => period * frequency,
@@ -196,7 +196,7 @@ impl Section {
         (turns - turns.round()).abs() <= COMMENSURATE * turns && turns.round() >= 1.0
     }
 
-    /// This section of whole periods, shifted by `BESIDE` periods; `None` for other sections.
+    /// This section of whole periods, shifted by `BESIDE` periods. `None` for other sections.
     pub(super) fn beside(&self) -> Option<Self> {
         match self {
             Self::Period(period) => Some(Self::Shifted(*period, BESIDE * period)),
@@ -207,7 +207,7 @@ impl Section {
     /// Advances to the next return and reports every event on the way.
     ///
     /// # Errors
-    /// As [`Motion::advance_to`]; [`Error::Described`] where an element has no event for 100 s.
+    /// As [`Motion::advance_to`]; [`Error::Described`] if an element has no event for 100 s.
     pub fn advance(&self, motion: &mut Motion, tell: &mut dyn FnMut(&Event)) -> Result<()> {
         if let Some(end) = self.end(motion.time()) {
             return Ok(motion.advance_observed(end, tell)?);

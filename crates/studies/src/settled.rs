@@ -1,11 +1,11 @@
 //! Attractor of a described machine's motion: period in returns to the section, class, largest
 //! exponent.
 //!
-//! A period is decided where states return, where the [derivative of the period](super::monodromy)
-//! shows that the orbit is near, and where no part of the period would do: a motion that seems to
-//! return in 2T next to a doubling is followed until it returns in T, or until its two states are
-//! farther apart than the way that is left. A motion undecided after the most returns is settling
-//! or not settled.
+//! A period is decided on three conditions: states return, the [derivative of the
+//! period](super::monodromy) shows that the orbit is near, and no part of the period would do. A
+//! motion that seems to return in 2T next to a doubling is followed until it returns in T, or
+//! until its two states are farther apart than the remaining way. A motion still undecided after
+//! the largest number of returns is settling or not settled.
 
 use super::flight::Flows;
 use super::growth::{ALIGN, Growth};
@@ -22,57 +22,58 @@ use std::f64::consts::TAU;
 use vibro_machine::neutral::Neutral;
 use vibro_machine::{Assembly, Motion};
 
-/// Return, relative to the sizes of states, at which a motion is not followed further.
+/// Return, relative to the sizes of states, at which a motion need not be followed further.
 const STEADY: f64 = 1e-9;
 /// Returns between two checks whether a motion has settled.
 const LOOK: u32 = 4;
-/// Factor by which a motion must have been followed longer before the derivative of its period is
-/// computed again.
+/// Factor by which the followed time must grow before the derivative of the period is computed
+/// again.
 const AGAIN: f64 = 1.25;
-/// Distance of distinct states of an orbit in units of the distance from the orbit.
+/// Distance of distinct states of an orbit, in units of the distance from the orbit.
 const APART: f64 = 20.0;
-/// Most returns over which an exponent is counted before its sign is left open, if returns are the
-/// slowest rate of the motion: as many as decide that it is zero, by [`ZERO_EXPONENT`].
+/// Largest number of returns over which an exponent is counted before its sign is left open, if
+/// returns are the slowest rate of the motion. This number decides that an exponent is zero, by
+/// [`ZERO_EXPONENT`].
 const MOST_RETURNS: u32 = 3_300;
-/// Largest factor by which that number grows where an own oscillation is slower.
+/// Largest factor by which that number grows if a natural oscillation is slower.
 const SLOWER: f64 = 4.0;
-/// Most returns for which an undecided motion is followed.
+/// Largest number of returns for which an undecided motion is followed.
 const PROLONGED: u32 = 8_192;
 /// Returns between two checks of an exponent's sign.
 const BLOCK: u32 = 8;
-/// Logarithm by which rounding grows to be visible.
+/// Logarithm of the growth after which rounding becomes visible.
 const PARTED: f64 = 20.0;
-/// Distance from the orbit at which the exponent by the multiplier of a period is exact.
+/// Distance from the orbit at which the exponent from a period's multiplier is exact.
 const NEAR: f64 = 1e-9;
 
 /// Attractor on which a motion has settled.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settled {
-    /// Period in returns, where there is one up to [`LONGEST`](crate::class::LONGEST).
+    /// Period in returns, if there is one up to [`LONGEST`](crate::class::LONGEST).
     pub period: Option<u32>,
     /// Class of the motion.
     pub class: MotionClass,
-    /// Largest exponent besides neutral ones, where it was computed and the class is decided;
-    /// before that it would be the exponent of the transient.
+    /// Largest exponent besides neutral ones, if it was computed and the class is decided. Before
+    /// that it would be the exponent of the transient.
     pub exponent: Option<LargestExponent>,
-    /// Impacts and first touches a return.
+    /// Impacts and first touches per return.
     pub contacts: f64,
-    /// Whether a stop stays closed or a friction sticks at some time.
+    /// Whether at some time a stop stays closed or a friction element sticks.
     pub rests: bool,
     /// Mean time between returns, s.
     pub interval: f64,
     /// States of one period, SI: elongations and rates of elements, and phases of harmonics that
     /// the section does not fix.
     pub states: Vec<Vec<f64>>,
-    /// Sizes of the states' numbers, SI.
+    /// Sizes of the numbers in `states`, SI.
     pub scales: Vec<f64>,
-    /// Time after the section at which the states are taken, s.
+    /// Time after the section at which `states` are taken, s.
     pub shift: f64,
 }
 
 impl Settled {
-    /// Whether two motions are on different attractors: by class, period or states. `None` where
-    /// that is undecided, as for two chaotic motions.
+    /// Whether two motions are on different attractors, by class, period or states. `None` if that
+    /// is undecided, as for two chaotic motions.
     pub fn differs(&self, other: &Self) -> Option<bool> {
         if !(self.class.is_decided() && other.class.is_decided()) {
             return None;
@@ -98,10 +99,9 @@ struct Follower<'a> {
     record: ReturnRecord,
     /// Number of returns followed.
     followed: u32,
-    /// Number of returns followed at which the derivative of the period is computed again.
+    /// Number of returns followed before the derivative of the period is computed again.
     next_look: u32,
-    /// Whether the orbit near which the motion seems to return was unstable when it was last
-    /// examined.
+    /// Whether the orbit near which the motion seems to return was unstable at the last check.
     is_unstable: bool,
 }
 
@@ -135,7 +135,7 @@ impl<'a> Follower<'a> {
         Ok(())
     }
 
-    /// The period with its derivative, where it is decided; the motion is then one period further.
+    /// The period with its derivative, if it is decided. This advances the motion by one period.
     fn period(&mut self, near: f64) -> Result<Option<(u32, Period)>> {
         if self.followed < self.next_look || self.record.is_beside {
             return Ok(None);
@@ -147,8 +147,8 @@ impl<'a> Follower<'a> {
         let parts = (2..=returns).filter(|factor| returns.is_multiple_of(*factor));
         let mut apart = parts.map(|factor| self.record.return_distance(returns / factor));
         let is_whole = apart.all(|apart| apart > APART * period.distance);
-        // A motion that stays long on an orbit from which neighbours depart is exactly on it, as by
-        // symmetry.
+        // A motion that stays long on an orbit from which neighbours depart is exactly on it, for
+        // example by symmetry.
         let growth = period.multiplier.map_or(0.0, f64::ln);
         let turns = self.record.returns.len() as f64 / f64::from(returns);
         let stays = near <= STEADY && turns * growth > PARTED;
@@ -160,12 +160,12 @@ impl<'a> Follower<'a> {
         Ok(Some((returns, period)))
     }
 
-    /// Whether the motion has a period by its returns, on an orbit that is not unstable.
+    /// Whether the motion seems periodic by its returns, on an orbit that is not unstable.
     fn seems_periodic(&self) -> bool {
         !self.is_unstable && self.record.period(RETURN).is_some()
     }
 
-    /// Follows the motion until its period is decided, over up to [`OBSERVED`] returns.
+    /// Follows the motion until its period is decided, over at most [`OBSERVED`] returns.
     fn observe(&mut self) -> Result<Option<(u32, Period)>> {
         self.begin();
         for k in 1..=OBSERVED {
@@ -186,7 +186,7 @@ impl<'a> Follower<'a> {
         self.period(RETURN)
     }
 
-    /// Follows the motion as long again as so far, or until its period is decided.
+    /// Doubles the number of returns followed, or stops when the period is decided.
     fn prolong(&mut self) -> Result<Option<(u32, Period)>> {
         for k in 1..=self.followed {
             self.advance()?;
@@ -217,7 +217,7 @@ pub fn discard(motion: &mut Motion, section: &Section, discard: u32) -> Result<(
     Ok(())
 }
 
-/// Refuses what asks for neighbouring motions of a machine that has none.
+/// Refuses a study of neighbouring motions for a machine that has none.
 ///
 /// # Errors
 /// [`Error::Described`] for a machine that moves as prescribed.
@@ -232,14 +232,14 @@ pub fn require_free(assembly: &Assembly) -> Result<()> {
     Err(Error::Described { problem })
 }
 
-/// Slowest rate of a motion, rad/s: that of its returns or of a slower own oscillation.
+/// Slowest rate of a motion, rad/s: the rate of its returns or of a slower natural oscillation.
 fn slowest(motion: &Motion, interval: f64) -> f64 {
     let own = oscillations(motion.assembly().system()).into_iter();
     own.map(|frequency| TAU * frequency).fold(TAU / interval, f64::min)
 }
 
-/// Growth of a variation from the present on, until its sign is decided and it has been counted
-/// over `least` returns, or over the most.
+/// Growth of a variation from now on, until its sign is decided and it has been counted over
+/// `least` returns, or over the largest number of returns.
 fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Growth> {
     let motion = &mut *follower.motion;
     let assembly = motion.assembly().clone();
@@ -271,12 +271,12 @@ fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Gro
     Ok(growth)
 }
 
-/// Follows a motion with a period nearer to its orbit. Returns the last two periods.
+/// Follows a periodic motion closer to its orbit. Returns the last two periods.
 fn approach(follower: &mut Follower<'_>, (returns, first): (u32, Period)) -> Result<[Period; 2]> {
     let mut periods = [first; 2];
     let mut left = PROLONGED / 4;
     while periods[1].exponent().is_some() && left >= returns {
-        // The distance left to the orbit changes multipliers in proportion.
+        // The error of the multipliers is proportional to the remaining distance from the orbit.
         if periods[1].distance <= NEAR && periods[1] != first {
             break;
         }
@@ -291,8 +291,8 @@ fn approach(follower: &mut Follower<'_>, (returns, first): (u32, Period)) -> Res
     Ok(periods)
 }
 
-/// Multipliers of the periodic orbit on which a motion has settled, from the derivative of each of
-/// two periods in a row. `None` for a motion without a period.
+/// Multipliers of the periodic orbit on which a motion has settled, from the derivatives of two
+/// successive periods. `None` for a motion without a period.
 ///
 /// # Errors
 /// As [`Section::advance`].
@@ -306,8 +306,8 @@ pub(super) fn multipliers(motion: &mut Motion, section: &Section) -> Result<Opti
     Ok(first.zip(second).map(|(first, second)| [first, second]))
 }
 
-/// Exponent of a motion with a period, by its multipliers, or by the growth of a variation where
-/// the multipliers are too small to be told from rounding.
+/// Exponent of a periodic motion, from its multipliers. If these are rounding, the exponent comes
+/// from the growth of a variation.
 fn periodic_exponent(
     follower: &mut Follower<'_>,
     (returns, first): (u32, Period),
@@ -321,9 +321,9 @@ fn periodic_exponent(
     Ok(LargestExponent { value, error: (value - before).abs(), periods: returns })
 }
 
-/// The attractor of a motion from the present on. `exponents` is the least number of returns over
-/// which the exponent of a motion without a period is counted, whose sign decides the class; where
-/// it is given, the exponent of a motion with a period is computed too.
+/// The attractor of a motion from now on. `exponents` is the smallest number of returns over which
+/// the exponent of a motion without a period is counted; its sign decides the class. If
+/// `exponents` is given, the exponent of a periodic motion is computed as well.
 ///
 /// # Errors
 /// As [`Section::advance`].

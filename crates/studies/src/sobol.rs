@@ -1,19 +1,19 @@
-//! The Sobol sequence: points that fill a box evenly, whatever their number.
+//! The Sobol sequence: points that fill a box evenly at any number of points.
 //!
-//! The direction numbers are those of S. Joe and F. Y. Kuo, "Constructing Sobol sequences with
-//! better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008) 2635–2654, file
-//! `new-joe-kuo-6.21201`, for as many dimensions as a machine has parameters. The points are in the
-//! order of the Gray code (I. A. Antonov, V. M. Saleev, 1979). The table is our own, since the
-//! available crates scramble in single precision or are no longer maintained.
+//! The direction numbers come from S. Joe and F. Y. Kuo, "Constructing Sobol sequences with better
+//! two-dimensional projections", SIAM J. Sci. Comput. 30 (2008) 2635–2654, file
+//! `new-joe-kuo-6.21201`, for as many dimensions as a machine has parameters. The points are in
+//! the order of the Gray code (I. A. Antonov, V. M. Saleev, 1979). The table is written here,
+//! since the available crates scramble in single precision or are no longer maintained.
 
-/// Most dimensions.
+/// Largest number of dimensions.
 pub const DIMENSIONS: usize = 13;
 
 /// Binary digits of a coordinate.
 const DIGITS: usize = 32;
 
 /// For each dimension after the first: the inner coefficients of its primitive polynomial as bits,
-/// and its first direction numbers, as many as the polynomial's degree.
+/// and its first direction numbers. Their count is the polynomial's degree.
 const POLYNOMIALS: [(u32, &[u32]); DIMENSIONS - 1] = [
     (0, &[1]),
     (1, &[1, 3]),
@@ -29,8 +29,8 @@ const POLYNOMIALS: [(u32, &[u32]); DIMENSIONS - 1] = [
     (14, &[1, 3, 5, 5, 31]),
 ];
 
-/// Direction numbers of a dimension as binary fractions: the k-th has its last digit at place k +
-/// 1.
+/// Direction numbers of a dimension as binary fractions: number k has its last digit at position k
+/// + 1.
 fn directions(dimension: usize) -> [u32; DIGITS] {
     let fraction = |number: u32, k: usize| number << (DIGITS - 1 - k);
     let Some((coefficients, first)) = dimension.checked_sub(1).map(|d| POLYNOMIALS[d]) else {
@@ -62,7 +62,7 @@ fn directions(dimension: usize) -> [u32; DIGITS] {
 /// ```
 ///
 /// # Panics
-/// For a dimension from [`DIMENSIONS`] on.
+/// If `dimension` is [`DIMENSIONS`] or more.
 pub fn coordinate(index: u32, dimension: usize) -> f64 {
     let gray = index ^ (index >> 1);
     let directions = directions(dimension);
@@ -76,8 +76,8 @@ mod tests {
 
     #[test]
     fn golden_file_the_points_of_scipy() {
-        // scipy.stats.qmc.Sobol(13, scramble=False) of SciPy 1.17.1: the first 64 points, and three
-        // past a million.
+        // scipy.stats.qmc.Sobol(13, scramble=False) of SciPy 1.17.1: the first 64 points, and
+        // three beyond a million.
         let mut rows = include_str!("sobol.scipy.csv").lines();
         assert!(rows.next().is_some_and(|header| header.starts_with("index")));
         let mut count = 0;

@@ -1,13 +1,13 @@
-//! All Lyapunov exponents of a described machine's motion: every variation of its state, carried
-//! exactly through flights and events (docs/assembly-law.md (A26)) and made orthogonal on the way.
+//! All Lyapunov exponents of a described machine's motion. Every variation of its state is carried
+//! exactly through flights and events (docs/assembly-law.md (A26)) and orthogonalized on the way.
 //!
-//! A machine with n coordinates has 2n exponents, and one for each state of first order; the
-//! drive's phase, whose exponent is zero, is not counted. Their sum is the mean rate at which
-//! volumes of states grow: that of the dampers, and at each impact the logarithm of the squared
-//! restitution. Directions that contacts hold are lost for ever, and their exponents are -∞.
+//! A machine with n coordinates has 2n exponents, and one for each state of first order; the zero
+//! exponent of the drive's phase is not counted. The exponents' sum is the mean rate at which
+//! state volumes grow, by dampers and, at each impact, by the logarithm of the squared
+//! restitution. Directions held by contacts are lost for ever; their exponents are -∞.
 //!
-//! A motion on a periodic orbit has the exponents ln|μ|/T of the orbit's multipliers μ over its
-//! period T. Its growth over n periods differs from them by as much as 1/(n T).
+//! On a periodic orbit the exponents are ln|μ|/T, with the orbit's multipliers μ over its period
+//! T. The growth over n periods differs from them by up to about 1/(n T).
 
 use super::flight::{Flow, Flows, ObservedFlight, Observer, Passage};
 use super::growth::{ALIGN, Growth};
@@ -22,22 +22,22 @@ use vibro_machine::mode::Mode;
 use vibro_machine::system::System;
 use vibro_numerics::sorting::sort_by;
 
-/// Stretches of a flight between two orthogonalizations: variations then differ in length by e⁸ at
-/// most, and the smallest keeps its digits.
+/// Stretches of a flight between two orthogonalizations: variations then differ in length by at
+/// most e⁸, and the smallest one keeps its digits.
 const STRETCHES: f64 = 4.0;
-/// Part of a variation's length below which what is left of it is rounding.
+/// A variation is lost if orthogonalization leaves less than this fraction of its length.
 const LOST: f64 = 1e-13;
 
-/// All exponents of a motion, with their way.
+/// All exponents of a motion, with their convergence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     /// The exponents, 1/s, largest first, with standard errors. On a periodic orbit an exponent is
-    /// ln|μ|/T by its multiplier μ, and its error is the difference from the period before. Where
-    /// |μ| is below rounding, the exponent is counted as that of a motion without a period.
+    /// ln|μ|/T with the multiplier μ, and its error is the difference from the period before. If
+    /// |μ| is below rounding, the exponent is counted as for a motion without a period.
     pub exponents: Vec<LargestExponent>,
-    /// Returns in the period of the orbit on which the motion has settled.
+    /// Returns per period of the orbit on which the motion has settled.
     pub period: Option<u32>,
-    /// After each counted return: time since the count began, s, and the exponents up to there.
+    /// After each counted return: time since counting began, s, and the exponents so far.
     pub running: Vec<(f64, Vec<f64>)>,
 }
 
@@ -67,15 +67,15 @@ impl Orthogonal {
         new
     }
 
-    /// Makes the variations orthogonal and of length one, and adds the logarithms of what their
-    /// lengths were. A variation of which nothing is left becomes zero.
+    /// Orthonormalizes the variations, and adds the logarithms of their lengths before. A
+    /// variation of which only rounding is left becomes zero.
     fn orthogonalize(&mut self) {
         let size = self.metric.0.len();
         for j in 0..self.columns.len() {
             let (done, rest) = self.columns.split_at_mut(j);
             let v = &mut rest[0];
             let before = self.metric.length(v);
-            // Twice is enough for orthogonality to rounding.
+            // Two passes give orthogonality to rounding.
             for _ in 0..2 {
                 for u in done.iter() {
                     let share = inner(&self.metric, u, v);
@@ -125,9 +125,9 @@ impl Observer for Orthogonal {
     }
 }
 
-/// The exponents of a machine's motion from a start: over `keep` returns, after `discard` returns
-/// in which it settles and 32 in which the variations turn into their directions. `go_on` is called
-/// at each return, and ends the count by returning false.
+/// The exponents of a machine's motion from a start, over `keep` returns. Before that the motion
+/// settles for `discard` returns, and the variations align for 32 returns. `go_on` is called at
+/// each return, and ends the count by returning false.
 ///
 /// # Errors
 /// As [`Machine::motion`] and [`Section::advance`](super::Section::advance).
@@ -174,7 +174,7 @@ pub fn spectrum(
     let period = multipliers.as_ref().map(|periods| periods[0].returns);
     if let Some([before, last]) = multipliers {
         let lost = exponents.iter().filter(|e| e.value == f64::NEG_INFINITY).count();
-        // The directions whose multipliers are rounding keep their growth.
+        // Directions whose multipliers are rounding keep their growth.
         for (own, (value, before)) in
             exponents.iter_mut().zip(last.exponents(lost).into_iter().zip(before.exponents(lost)))
         {

@@ -15,14 +15,14 @@ pub(super) mod verdicts;
 
 /// Rounding of a motion that has settled to 1e-9 of its size.
 const SETTLED: f64 = 1e-8;
-/// Swing of the length of a variation that turns: its ratio of axes, whose logarithm is divided by
-/// 74 s beside an exponent of -2/s.
+/// Swing of the length of a turning variation: the logarithm of its ratio of axes is divided by 74
+/// s and compared with an exponent of -2/s.
 const SWING: f64 = 1e-3;
-/// Error of an exponent of a settled motion over some hundred periods: the variation has aligned to
-/// e-16, or to a few powers of the multipliers' ratio.
+/// Error of an exponent of a settled motion over a few hundred periods: the variation has aligned
+/// to e-16, or to a few powers of the multipliers' ratio.
 const TURNED: f64 = 1e-4;
-/// Three standard errors of an exponent of chaos over 400 periods of motions that part after some
-/// tens, relative to the exponent.
+/// Three standard errors of an exponent of chaos over 400 periods, relative to the exponent; the
+/// motions part after a few tens of periods.
 const CHAOS: f64 = 0.2;
 
 pub(super) fn example(name: &str) -> Machine {
@@ -84,7 +84,7 @@ fn closed_form_measures_of_a_linear_oscillator() {
 
 #[test]
 fn closed_form_exponent_beside_a_drive_hundreds_of_times_slower_than_the_damper() {
-    // Over one return a variation shrinks by e⁻²⁰⁰⁰, more than a double holds.
+    // Over one return a variation shrinks by e⁻²⁰⁰⁰, below the range of a double.
     let machine = text(&OSCILLATOR.replace("5 Hz", "1 mHz"));
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();
     let found = settled(&mut motion, &section, Some(16)).unwrap();
@@ -100,8 +100,8 @@ fn closed_form_exponent_and_impacts_of_the_impact_pair() {
     let found = settled(&mut motion, &section, Some(200)).unwrap();
     assert_eq!((found.class, found.contacts), (MotionClass::Periodic(1), 2.0));
     // The map from one impact to the next, of their times and of the speeds after them. With y the
-    // base and v the speed after the impact at t: dt' = ((y'(t) - v) dt + π dv)/(y'(t') - v), dv' =
-    // -ε dv + (1 + ε) y''(t') dt'. The second half of a period is its mirror image.
+    // base and v the speed after the impact at t: dt' = ((y'(t) - v) dt + π dv)/(y'(t') - v), dv'
+    // = -ε dv + (1 + ε) y''(t') dt'. The second half of a period is its mirror image.
     let (e, v) = (0.5, 1.505_573_953_117_26);
     let c = -(1.0 - e) / (1.0 + e) * v;
     let sine = 0.5 * (std::f64::consts::PI * v - 3.0);
@@ -137,7 +137,7 @@ fn second_method_exponents_are_the_3_dof_cores() {
         let (mut motion, section) = machine.motion(&Start::default()).unwrap();
         discard(&mut motion, &section, 400).unwrap();
         let found = settled(&mut motion, &section, Some(400)).unwrap();
-        // Of the core's seven exponents that of the drive's phase is zero.
+        // One of the core's seven exponents is the zero of the drive's phase.
         let is_chaos = found.class == MotionClass::Chaotic;
         let expected = if is_chaos { exponents[0] } else { exponents[1] };
         let own = found.exponent.unwrap().value;
@@ -197,7 +197,7 @@ fn sections_are_common_periods_or_events() {
     let none = two.replace("7.5", "7.071067811865475");
     assert!(of(&text(&none)).unwrap_err().to_string().contains("no common period"));
     assert_eq!(of(&example("bouncing_ball.toml")).unwrap(), Section::Stop(0));
-    // A belt drags a block until it slips and sticks again: one return a cycle.
+    // A belt drags a block until it slips and sticks again: one return per cycle.
     let mut belt = example("brake_squeal.toml");
     belt.section = SectionRule::Auto;
     let (mut motion, section) = belt.motion(&Start::default()).unwrap();
@@ -237,7 +237,7 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
 /// Rounding of motions that repeat.
 const REPEATS: f64 = 1e-6;
 
-/// Measures of the machine as it is, by a sweep.
+/// Measures of the unchanged machine, by a sweep.
 fn swept(machine: &Machine, names: &[&str], discard: u32, periods: u32) -> crate::design_sweep::DesignRow {
     let measures = names.iter().map(|n| n.parse().unwrap()).collect();
     let request =
@@ -247,8 +247,8 @@ fn swept(machine: &Machine, names: &[&str], discard: u32, periods: u32) -> crate
 
 #[test]
 fn invariant_a_motion_that_repeats_after_some_returns_has_no_spread() {
-    // At a section every 0.2/3 s the motion of 0.2 s is 3T; parts of ten returns are no multiple of
-    // it.
+    // At a section every 0.2/3 s the motion of 0.2 s is 3T, and parts of ten returns are not a
+    // multiple of it.
     let mut machine = text(OSCILLATOR);
     machine.section = SectionRule::Period(0.2 / 3.0);
     let row = swept(&machine, &["rms.a.s", "power.k", "maximum.a.s", "class"], 400, 60);
@@ -262,7 +262,7 @@ fn invariant_a_motion_that_repeats_after_some_returns_has_no_spread() {
 #[test]
 fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
     // Undamped at 1 Hz, from a start of 1 m: cos(2 pi t). A ripple defines the section of 1 ms, so
-    // that ten returns are 10 ms.
+    // ten returns are 10 ms.
     let slow = "name = \"S\"\n[body.a]\nmass = 1.0\nstart = { s = 1.0 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\n\
         stiffness = 39.47841760435743\n[load.f]\non = \"a\"\namplitude = 1e-9\nfrequency = \"1 kHz\"\n";
     let machine = text(slow);
@@ -279,7 +279,7 @@ fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
     );
 }
 
-/// A step of the load to 1,600 N at a time, which moves the middle to 2 m.
+/// A step of the load to 1,600 N at a time. It moves the middle to 2 m.
 fn stepped(time: &str) -> Machine {
     let with = format!("amplitude = 10.0\nfrequency = \"5 Hz\"\nsteps = [[\"{time}\", 1600.0]]");
     text(&OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", &with))
@@ -294,7 +294,7 @@ fn closed_form_what_does_not_repeat_is_measured_after_its_last_change_or_as_aske
     let row = swept(&stepped("20 s"), &names, 300, 60);
     assert!((number(&row) - 2.0 - swing).abs() < REPEATS, "{row:?}");
     assert_eq!(row.classes, [MotionClass::Periodic(1)]);
-    // A step to come: the requested returns are measured, though the motion has settled long
+    // A later step: the requested returns are measured, although the motion has settled long
     // before; it has no class.
     let row = swept(&stepped("62 s"), &names[..1], 300, 60);
     assert!(number(&row) > 2.0 + swing, "{row:?}");
@@ -327,7 +327,7 @@ fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
     let anew = DiagramRequest { anew: true, ..request.clone() };
     let found = diagram::diagram(&machine, &anew, &Task::ALL).unwrap().unwrap();
     assert!(found.down.iter().all(Option::is_none) && found.hysteresis().iter().all(|h| !h));
-    // All values are observed before the step, and equal those without it.
+    // All values are observed before the step, and equal the values without it.
     for point in &found.up {
         let point = point.as_ref().unwrap();
         let own = text(OSCILLATOR).with([("spring.k.damping", point.value)]).unwrap();

@@ -1,5 +1,5 @@
-//! Time over which a motion must be observed. It begins after the last change of the signals and
-//! lasts several periods of the machine's slowest own oscillation.
+//! Time over which a motion must be observed: after the last change of the signals, for several
+//! periods of the machine's slowest natural oscillation.
 
 use super::oscillations::oscillations;
 use super::section::Section;
@@ -10,33 +10,33 @@ use vibro_machine::Motion;
 use vibro_machine::description::Description;
 use vibro_machine::elements::NamedSignal;
 
-/// Least length of a window, and of the discarded time before it, in periods of the slowest own
-/// oscillation.
+/// Smallest length of a window, and of the discarded time before it, in periods of the slowest
+/// natural oscillation.
 const SLOWEST: f64 = 4.0;
 /// Largest factor by which a window may be longer than requested.
 const MOST: f64 = 100.0;
-/// Least number of events in a window.
+/// Smallest number of events in a window.
 const EVENTS: u32 = 8;
 /// Largest factor by which the window is prolonged to contain [`EVENTS`] events.
 const TIMES: u32 = 10;
 
-/// Period of the slowest own oscillation, s; 0 without one.
+/// Period of the slowest natural oscillation, s; 0 without one.
 fn slowest(motion: &Motion) -> f64 {
     oscillations(motion.assembly().system()).into_iter().map(|f| 1.0 / f).fold(0.0, f64::max)
 }
 
-/// Least length of a window, s.
+/// Smallest length of a window, s.
 ///
 /// # Errors
-/// [`Error::Described`] where it is more than a hundred times the requested one.
+/// [`Error::Described`] if it is more than a hundred times the requested length.
 pub(super) fn needed(motion: &Motion, section: &Section, periods: u32) -> Result<f64> {
     let slowest = slowest(motion);
     is_allowed(section, periods, slowest, "measured, --periods")?;
     Ok(SLOWEST * slowest)
 }
 
-/// Refuses a number of periods if the slowest own oscillation needs more than a hundred times this
-/// number.
+/// Refuses a number of periods if the slowest natural oscillation needs more than a hundred times
+/// this number.
 fn is_allowed(section: &Section, periods: u32, slowest: f64, option: &str) -> Result<()> {
     match section {
         Section::Period(period) | Section::Shifted(period, _)
@@ -70,7 +70,7 @@ pub(super) struct Passed {
 }
 
 impl Passed {
-    /// A window from now on, over at least a time and a number of returns.
+    /// Begins a window at the present time, over at least a time and a number of returns.
     pub fn new(motion: &Motion, needed: f64, periods: u32) -> Self {
         Self { begin: motion.time(), needed, periods, returns: 0, events: 0 }
     }
@@ -78,7 +78,7 @@ impl Passed {
     /// Counts a return with its events; returns whether the window is long enough.
     ///
     /// # Errors
-    /// [`Error::Described`] where it would be more than a hundred times the requested one.
+    /// [`Error::Described`] if the window would be more than a hundred times the requested one.
     pub fn is_enough(&mut self, motion: &Motion, (events, repeats): (u32, bool)) -> Result<bool> {
         self.returns += 1;
         self.events = self.events.saturating_add(events);
@@ -100,7 +100,7 @@ impl Passed {
 }
 
 /// The last step or end of a record of all signals that do not repeat: its time, s, and its
-/// description; `None` if all signals are periodic or constant.
+/// description. `None` if all signals are periodic or constant.
 fn last_change(d: &Description) -> Option<(f64, String)> {
     let of = |NamedSignal { name, signal, .. }: NamedSignal| {
         let ends = signal.sweeps.iter().map(|sweep| sweep.duration).reduce(f64::max);
@@ -117,16 +117,15 @@ fn last_change(d: &Description) -> Option<(f64, String)> {
     d.signals().flat_map(of).flatten().reduce(|a, b| if b.0 > a.0 { b } else { a })
 }
 
-/// Description of the last change of a signal if it comes after `time`, s; `None` if all signals
-/// are periodic or constant from then on.
+/// Description of the last change of a signal if it comes after `time`, s. `None` if all signals
+/// are periodic or constant after `time`.
 pub fn runs_on(d: &Description, time: f64) -> Option<String> {
     last_change(d).filter(|(end, _)| *end > time).map(|(_, words)| words)
 }
 
 /// Description of the last change of a signal if it comes after `discard` returns from a start at
-/// the time `begin`, s.
-/// With a section of events the time of these returns is not known in advance, and a change at any
-/// time counts.
+/// the time `begin`, s. With a section of events the time of these returns is not known in
+/// advance, and a change at any time counts.
 pub(super) fn runs_on_beyond(d: &Description, section: &Section, begin: f64, discard: u32) -> Option<String> {
     match section {
         Section::Period(period) | Section::Shifted(period, _) => {
@@ -136,10 +135,10 @@ pub(super) fn runs_on_beyond(d: &Description, section: &Section, begin: f64, dis
     }
 }
 
-/// Discards the transient. First the motion advances past the last change of a signal, but by at
-/// most `returns` returns: if the change comes later, the function ends there. Then the motion
-/// advances until it has settled, again by at most `returns` returns. If less than four periods of
-/// the slowest own oscillation have passed after the last change, more returns follow.
+/// Discards the transient. First the motion advances past the last change of a signal, for at most
+/// `returns` returns; if the change comes later, the function returns. Then the motion advances
+/// until it has settled, again for at most `returns` returns. More returns follow until four
+/// periods of the slowest natural oscillation have passed since the last change.
 ///
 /// # Errors
 /// As [`Section::advance`]; [`Error::Described`] if these four periods are more than a hundred

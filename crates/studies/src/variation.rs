@@ -21,13 +21,13 @@ const SCALED: std::ops::Range<f64> = 1e-100..1e100;
 /// Relative length below which the remainder of a variation is rounding, and is set to zero.
 const HELD: f64 = 1e-12;
 
-/// Units of the numbers of a state (q, q'), which give variations a length.
+/// Units of the numbers of a state (q, q'). They define the length of a variation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric(pub Vec<f64>);
 
 impl Metric {
-    /// Metric of n coordinates, their rates and stretches that divides the units of places by ω
-    /// (1/s) and leaves rates as they are.
+    /// Metric of n coordinates, their rates and stretches. It divides the units of positions by ω
+    /// (1/s) and leaves rates unchanged.
     pub fn by_frequency(n: usize, inner: usize, omega: f64) -> Self {
         let is_rate = |k: usize| (n..2 * n).contains(&k);
         Self((0..2 * n + inner).map(|k| if is_rate(k) { 1.0 } else { 1.0 / omega }).collect())
@@ -49,7 +49,7 @@ impl Metric {
         for direction in directions {
             let mut u = self.scaled(&direction);
             let size = u.norm();
-            // Twice is enough for orthogonality to rounding.
+            // Two passes give orthogonality to rounding.
             for _ in 0..2 {
                 basis.iter().for_each(|b| u.axpy(-b.dot(&u), b, 1.0));
             }
@@ -86,7 +86,7 @@ pub(super) fn hold(system: &System, mode: &Mode, v: &mut [f64], metric: &Metric)
 pub(super) fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metric: &Metric) {
     let Passage { watch, flows, states, events, .. } = passage;
     let rates = [0, 1].map(|k| flows[k].derivative(states[k]));
-    // Two functionals may have the same `Watch`. The one that is zero here is taken.
+    // Two functionals may have the same `Watch`. The one closest to zero here is used.
     let ended = flows[0].watched.iter().filter(|ended| Some(ended.0) == watch);
     let off = |row: &[f64]| dot(row, states[0]).abs();
     let row = ended.map(|(_, row)| row.as_slice()).min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -104,7 +104,7 @@ pub(super) fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<
 /// All variations of the state, carried over a period.
 #[derive(Debug)]
 pub struct Frame {
-    /// For each number of the given state (q, q', inner places) the variation that began along it.
+    /// For each number of the given state (q, q', inner states) the variation that began along it.
     pub columns: Vec<Vec<f64>>,
     metric: Metric,
 }
@@ -152,7 +152,7 @@ impl Variation {
     pub fn new(system: &System, mode: &Mode, metric: Metric, neutral: &Neutral) -> Self {
         let mut v = vec![0.0; system.signals.size];
         for (k, (x, unit)) in v.iter_mut().zip(&metric.0).enumerate() {
-            // The components are all different, and none is zero.
+            // The components are all different and not zero.
             *x = (1.0 + 0.7 * k as f64).sin() * unit;
         }
         hold(system, mode, &mut v, &metric);

@@ -1,4 +1,4 @@
-//! Quantities read off a motion along the way: extrema and mean squares, local maxima, contacts.
+//! Quantities observed along a motion: extrema and mean squares, local maxima, contacts.
 
 use super::flight::{ObservedFlight, Observer, Passage, coefficients, monotone_pieces};
 use vibro_machine::Quantity;
@@ -6,15 +6,15 @@ use vibro_machine::energy::NODES;
 use vibro_machine::motion::EventKind;
 use vibro_machine::system::System;
 
-/// Relative difference of values of a plateau.
+/// Relative difference of two values up to which they belong to one plateau.
 const FLAT: f64 = 1e-12;
-/// Rounding of an event's time, relative to the time: the clock's, and that of the flight's length.
+/// Relative rounding of an event's time, from the clock and from the flight's length.
 const CLOCK: f64 = 4.0 * f64::EPSILON;
-/// Size relative to the largest value below which an extremum is zero, as at a stop with gap 0. Its
-/// time is known to the clock's rounding, which after 1e5 periods is some 1e-11 of one.
+/// An extremum counts as zero up to this fraction of the largest value, as at a stop with gap 0.
+/// After 1e5 periods the clock rounds its time to about 1e-11 of a period.
 const ZERO: f64 = 1e-10;
 
-/// A value, or zero where it is rounding beside the largest so far.
+/// The value, or zero if it is rounding relative to `size`.
 fn rounded(value: f64, size: f64) -> f64 {
     if value.abs() <= ZERO * size { 0.0 } else { value }
 }
@@ -23,7 +23,7 @@ fn rounded(value: f64, size: f64) -> f64 {
 #[derive(Clone, Debug)]
 pub struct Extent {
     quantity: Quantity,
-    /// The least value.
+    /// Smallest value.
     pub least: f64,
     /// Largest value.
     pub largest: f64,
@@ -31,34 +31,34 @@ pub struct Extent {
     pub square: f64,
 }
 
-/// Local maxima of a quantity. One that lasts counts once, where it ends.
+/// Local maxima of a quantity. A plateau counts once, at its end.
 #[derive(Clone, Debug)]
 pub struct Maxima {
     quantity: Quantity,
     last: Option<f64>,
     rising: bool,
     size: f64,
-    /// Largest rate of the last stretch of a flight.
+    /// Largest rate during the last stretch of a flight.
     rate: f64,
-    /// Difference of the next value from the last one that is rounding of the clock.
+    /// Difference between the next value and the last one that is rounding of the clock.
     slack: f64,
     /// Maxima in order.
     pub found: Vec<f64>,
 }
 
 impl Maxima {
-    /// Of a quantity.
+    /// Starts a search for the maxima of a quantity.
     pub fn new(quantity: Quantity) -> Self {
         Self { quantity, last: None, rising: false, size: 0.0, rate: 0.0, slack: 0.0, found: Vec::new() }
     }
 
-    /// Begins a flight at a time. Its first value differs from the last of the flight before by as
-    /// much as the quantity moves within the rounding of the clock, which is no rise or fall.
+    /// Begins a flight at a time. Its first value may differ from the last value of the flight
+    /// before by rounding of the clock times the rate, which is neither a rise nor a fall.
     fn begin(&mut self, time: f64, rate: f64) {
         self.slack = CLOCK * time.abs() * rate.max(self.rate);
     }
 
-    /// Includes the next value; the quantity is monotone from one to the next.
+    /// Includes the next value. The quantity is monotone between two values.
     fn meet(&mut self, value: f64) {
         self.size = self.size.max(value.abs());
         let Some(last) = self.last else {
@@ -80,7 +80,7 @@ impl Maxima {
     }
 }
 
-/// Bound of the rate of a quantity with these coefficients over a stretch of a length, s.
+/// Upper bound of the rate of a quantity with these coefficients over a stretch of `length` s.
 fn largest_rate(q: &[f64], length: f64) -> f64 {
     let sum: f64 = q.iter().enumerate().map(|(k, c)| k as f64 * c.abs()).sum();
     if sum == 0.0 { 0.0 } else { sum / length }
@@ -113,7 +113,7 @@ pub struct Watcher {
 }
 
 impl Watcher {
-    /// Of the extents of some quantities.
+    /// Observes the extents of some quantities.
     pub fn of(quantities: &[Quantity], stops: usize) -> Self {
         let extent = |&quantity: &Quantity| Extent {
             quantity,
@@ -169,7 +169,7 @@ impl Observer for Watcher {
                 let value = |u: f64| q.iter().rev().fold(0.0, |sum, c| sum * u + c);
                 extent.square += length * NODES.iter().map(|(u, w)| w * value(*u).powi(2)).sum::<f64>();
                 let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
-                // Between the ends it cannot pass the extrema found so far.
+                // Between the ends the quantity cannot exceed the extrema found so far.
                 if q[0] + spread > extent.largest || q[0] - spread < extent.least {
                     monotone_pieces(&q, &mut |x| {
                         extent.least = extent.least.min(x);
@@ -221,8 +221,8 @@ mod tests {
     use super::*;
     use vibro_machine::file::no_records;
 
-    /// The wall stands where the spring has no force, so that the largest coordinate is 0 at every
-    /// impact; without the wall there are no impacts.
+    /// The wall touches the body where the spring is relaxed, so the largest coordinate is 0 at
+    /// every impact. Without the wall there are no impacts.
     #[test]
     fn closed_form_what_is_zero_has_no_rounding_and_no_sign() {
         let text = "name = \"M\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n\
@@ -252,14 +252,13 @@ mod tests {
     fn closed_form_maxima_of_sequences() {
         for (values, expected) in [
             (&[0.0, 1.0, 0.5, 2.0, -1.0, -0.5, -3.0][..], &[1.0, 2.0, -0.5][..]),
-            // What falls from the start on, and what rises at the end, has no maximum there.
+            // A value that falls from the start or rises at the end is not a maximum.
             (&[3.0, 1.0, 2.0], &[]),
-            // A plateau counts once where it falls after it, whatever rounding is on it, and not
-            // where it goes on.
+            // A plateau counts once if the values fall after it, whatever its rounding.
             (&[0.0, 1.0, 1.0 + 1e-14, 1.0, 1.0 - 1e-14, 0.5], &[1.0]),
             (&[2.0, 0.5, 0.5 + 1e-14, 0.5, 0.0, 1.0], &[]),
             (&[-2.0, 0.5, 0.5 - 1e-14, 0.5, 1.0], &[]),
-            // Under 1e-10 of the largest that was met it is zero.
+            // A maximum below 1e-10 of the largest value so far is zero.
             (&[-5.0, 4e-10, -5.0, 6e-10, -5.0], &[0.0, 6e-10]),
         ] {
             assert_eq!(maxima(values), expected, "{values:?}");

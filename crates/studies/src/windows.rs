@@ -1,21 +1,21 @@
-//! Division of a window into parts of equal length, from which the spread of its values is found.
+//! Division of a window into parts of equal length, to find the spread of its values.
 //!
 //! If a motion repeats after n returns, the length of every part is a multiple of n returns. The
-//! values of the parts then have no spread except rounding. n is found from the first returns,
-//! which are stored individually.
+//! values of the parts then differ only by rounding. n is found from the first returns, which are
+//! stored individually.
 
 use crate::class::{LONGEST, least_period};
 
-/// Parts into which a window is divided to find the spread of its values, where it has that many
-/// drive periods.
+/// Number of parts into which a window is divided to find the spread of its values, if it has at
+/// least that many drive periods.
 const PARTS: u32 = 6;
 /// Number of first returns that are stored individually.
 const LOOKED: usize = 4 * LONGEST as usize;
 /// Number of blocks at which blocks are joined in pairs.
 const BLOCKS: usize = 3 * LOOKED;
-/// Relative difference up to which the values of two returns are the same.
+/// Relative difference up to which the values of two returns are equal.
 const NEAR: f64 = 1e-6;
-/// Relative difference of repeated values up to which the transient has ended too, so that further
+/// Relative difference of repeated values up to which the transient has ended, so that further
 /// returns add nothing.
 const STEADY: f64 = 1e-9;
 /// Values up to this fraction of the largest value of their kind are rounding.
@@ -23,13 +23,13 @@ const NOTHING: f64 = 1e-12;
 
 /// Observation over some returns.
 pub(crate) trait Observation: Clone {
-    /// Values that distinguish returns: several kinds, comparable within a kind.
+    /// Values that distinguish returns: three kinds, comparable within a kind.
     fn numbers(&self) -> [Vec<f64>; 3];
     /// Joins a later observation.
     fn join(&mut self, later: &Self);
 }
 
-/// Parts of a window that grows.
+/// Parts of a growing window.
 #[derive(Debug)]
 pub(crate) struct Parts<W> {
     blocks: Vec<W>,
@@ -46,7 +46,7 @@ impl<W: Observation> Parts<W> {
         Self { blocks: Vec::new(), size: 1, begun: None, period: None }
     }
 
-    /// Adds the next return. The result is true if this return shows that the motion repeats.
+    /// Adds the next return. Returns whether this return shows that the motion repeats.
     pub fn push(&mut self, seen: W) -> bool {
         if self.period.is_some() {
             self.put(seen);
@@ -89,7 +89,7 @@ impl<W: Observation> Parts<W> {
         }
     }
 
-    /// Up to six parts. An incomplete period of a motion that repeats is left out.
+    /// At most six parts. An incomplete period of a motion that repeats is left out.
     pub fn finish(mut self) -> Vec<W> {
         if self.period.is_none() {
             self.divide();
@@ -104,7 +104,7 @@ impl<W: Observation> Parts<W> {
     }
 }
 
-/// Joins parts to `count` longer ones of nearly equal length.
+/// Joins parts to `count` longer parts of nearly equal length.
 fn joined<W: Observation>(parts: &[W], count: usize) -> Vec<W> {
     let group = |k: usize| {
         let (from, to) = (parts.len() * k / count, parts.len() * (k + 1) / count);
@@ -115,7 +115,7 @@ fn joined<W: Observation>(parts: &[W], count: usize) -> Vec<W> {
     (0..count).map(group).collect()
 }
 
-/// Joins all parts of a window, at least one.
+/// Joins all parts of a window; there must be at least one.
 pub(crate) fn whole<W: Observation>(parts: &[W]) -> W {
     let mut whole = parts[0].clone();
     parts[1..].iter().for_each(|part| whole.join(part));
@@ -146,7 +146,7 @@ fn period<W: Observation>(returns: &[W], near: f64) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// A largest value, and the number of returns.
+    /// Largest value, and number of returns.
     #[derive(Clone)]
     struct Largest(f64, usize);
 

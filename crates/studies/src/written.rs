@@ -1,5 +1,5 @@
-//! Units in which a machine's file writes its numbers. They apply to numbers that are given
-//! elsewhere without a unit.
+//! Units in which a machine's file writes its numbers. They apply to numbers without a unit that
+//! are given elsewhere.
 
 use super::{Machine, Start};
 use crate::error::Result;
@@ -49,12 +49,11 @@ impl Machine {
     }
 
     /// Parses a value of a parameter, in SI, with its unit. A number without a unit is in the
-    /// parameter's unit, which the file or a later call of [`note_unit`](Self::note_unit) has set;
-    /// without such a unit it is in SI.
+    /// parameter's unit from the file or from a later call of [`note_unit`](Self::note_unit).
+    /// Without such a unit it is in SI.
     ///
     /// # Errors
-    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for a value that is not
-    /// allowed.
+    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name and for a value out of range.
     pub fn quantity(&self, name: &str, text: &str) -> Result<Quantity> {
         let parameter = self.description.parameter(name)?;
         let typed = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit);
@@ -68,12 +67,11 @@ impl Machine {
         })
     }
 
-    /// Sets a number of a start from a text. A number without a unit is in the unit in which the
-    /// file wrote that number of its own start, which is returned if it is not SI.
+    /// Sets a number of a start from a text. A number without a unit is in the unit that the file
+    /// uses for this number of its own start. This unit is returned if it is not SI.
     ///
     /// # Errors
-    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name, and for a value that is not
-    /// allowed.
+    /// [`Error::Refusal`](crate::Error::Refusal) for an unknown name and for a value out of range.
     pub fn set_start(&self, start: &mut Start, name: &str, text: &str) -> Result<Option<&'static Unit>> {
         let plain = name.strip_prefix("body.").unwrap_or(name);
         let own = plain.split_once('.').map(|(body, key)| format!("body.{body}.start.{key}"));
@@ -88,7 +86,7 @@ impl Machine {
         Ok(unit)
     }
 
-    /// If `text` contains a unit, the parameter is read and shown in this unit from now on.
+    /// If `text` contains a unit, reads and shows the parameter in this unit from now on.
     pub fn note_unit(&mut self, name: &str, text: &str) {
         let Ok(parameter) = self.description.parameter(name) else { return };
         if let Some(unit) = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit) {
@@ -109,8 +107,8 @@ fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// Where the text of a machine's file writes each of its parameters: the bytes of the value.
-/// Parameters whose value is a default are left out.
+/// Byte range of each parameter's value in the text of a machine's file. Parameters with a default
+/// value are left out.
 pub fn places(text: &str, d: &Description) -> BTreeMap<String, Range<usize>> {
     let Ok(root) = DeTable::parse(text) else { return BTreeMap::new() };
     let place = |name: String| Some((written(root.get_ref(), &name)?.span(), name));
@@ -127,7 +125,7 @@ fn written<'t>(root: &'t DeTable<'t>, name: &str) -> Option<&'t Spanned<DeValue<
     };
     let named = || in_table(root.get("parameters")?.get_ref().as_table()?, name);
     let found = below().or_else(named)?;
-    // A friction's level may be a table that has only a constant.
+    // The level of a friction element may be a table with only a constant.
     found.get_ref().as_table().map_or(Some(found), |table| table.get("constant"))
 }
 
@@ -140,7 +138,7 @@ fn in_table<'t>(table: &'t DeTable<'t>, part: &str) -> Option<&'t Spanned<DeValu
     item(table.get(key).or_else(harmonic).or_else(offset)?, &places)
 }
 
-/// The key of a part of a name, and its places: one in a list, two in a matrix.
+/// The key of a part of a name, and its indices: one in a list, two in a matrix.
 fn split(part: &str) -> Option<(&str, Vec<usize>)> {
     let Some((key, places)) = part.split_once('[') else { return Some((part, Vec::new())) };
     let places = places.trim_end_matches(']').split(',').map(|place| place.parse().ok());
@@ -164,7 +162,7 @@ fn step<'t>(value: &'t Spanned<DeValue<'t>>, part: &str) -> Option<&'t Spanned<D
             };
             item(pair.get(place)?, &places)
         }
-        // A signal that is a number.
+        // A signal given as a number.
         _ => item(Some(value).filter(|_| key == "constant")?, &places),
     }
 }
@@ -204,7 +202,7 @@ mod tests {
         harmonics = [{ amplitude = "7 mN", frequency = "6 rad/s" }]
     "#;
 
-    /// For each number that the text writes with a unit, the parameter that it is.
+    /// Each number that the text writes with a unit belongs to this parameter.
     #[test]
     fn a_bare_number_is_in_the_unit_of_the_files_number() {
         let machine = Machine::parse(TEXT, "m.toml", &no_records).unwrap();
@@ -222,7 +220,7 @@ mod tests {
             ("load.two.harmonics[1].amplitude", "3", 3000.0),
             ("load.one.amplitude", "7", 0.007),
             ("play", "8", 0.008),
-            // No unit in the file.
+            // The file does not give a unit.
             ("spring.t.stiffness", "3", 3.0),
             ("load.two.harmonics[0].amplitude", "1", 1.0),
             ("body.disc.inertia", "2", 2.0),

@@ -1,4 +1,4 @@
-//! A model description of either version, reduced to what the checks read.
+//! A model description of either version, reduced to the data for the checks.
 
 use crate::xml::Element;
 use fmi_doors::Version;
@@ -53,7 +53,7 @@ impl<'a> Variable<'a> {
         self.of_type.attribute(name).or_else(|| self.element.attribute(name))
     }
 
-    /// Key of the state whose derivative this is.
+    /// Key of the state if this is its derivative.
     pub(super) fn derivative(&self) -> Option<u32> {
         self.get("derivative").map(|key| key.parse().unwrap_or(u32::MAX))
     }

@@ -1,4 +1,4 @@
-//! Checks of the model structure: which variables each list must name, and their dependencies.
+//! Checks of the model structure: the variables that each list must name, and their dependencies.
 
 use super::model::{Model, Variable, VariableType};
 use crate::xml::Element;
@@ -50,7 +50,7 @@ pub(super) fn check(model: &Model, found: &mut Vec<String>) {
     }
 }
 
-/// The variable that a row of the model structure names.
+/// The variable named by a row of the model structure.
 fn key(row: &Element) -> u32 {
     let key = row.attribute("index").or_else(|| row.attribute("valueReference"));
     key.and_then(|key| key.parse().ok()).unwrap_or_default()

@@ -30,7 +30,7 @@ type Plain = unsafe extern "C" fn(Handle) -> c_int;
 type DoStep =
     unsafe extern "C" fn(Handle, f64, f64, bool, *mut bool, *mut bool, *mut bool, *mut f64) -> c_int;
 
-/// The functions this host calls, copied out of the library, which [`Binary`] keeps loaded.
+/// The functions that this host calls, copied from the library, which [`Binary`] keeps loaded.
 #[derive(Clone, Copy)]
 struct Functions {
     instantiate: Instantiate,
@@ -95,8 +95,8 @@ impl Binary {
         let token = CString::new(token).unwrap_or_default();
         let (name, resources) = (c"fmu-build".as_ptr(), c"".as_ptr());
         let environment = &raw const *log;
-        // SAFETY: all pointers are valid for the call; the log lives in a box as long as the
-        // instance.
+        // SAFETY: all pointers are valid for the call; the log lives in a box while the instance
+        // lives.
         let handle = unsafe {
             let instantiate = self.functions.instantiate;
             let logger: Option<Logger> = Some(logger);
@@ -130,7 +130,7 @@ unsafe extern "C" fn logger(
     category: *const c_char,
     message: *const c_char,
 ) {
-    // SAFETY: the environment is the log we gave at instantiation, which outlives the instance; the
+    // SAFETY: the environment is the log passed at instantiation, which outlives the instance; the
     // others are C strings (FMI 3.0.2, 2.3.1).
     unsafe { Log::take(log, category, message) }
 }

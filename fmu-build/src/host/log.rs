@@ -26,7 +26,7 @@ impl Log {
         }
     }
 
-    /// The error of a call that did not return OK, with what was logged.
+    /// The error of a call that did not return OK, with the logged messages.
     pub(super) fn failure(&self, call: &'static str, returned: &'static str) -> Error {
         let lines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let log = if lines.is_empty() { "(nothing)".to_owned() } else { lines.join("; ") };

@@ -14,17 +14,17 @@ use vibro_paper_component::fmi3::description::{MAIN, instantiation_token};
 /// Request for a release.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Intent {
-    /// The tag that is released, e.g. `v0.1.0`.
+    /// The released tag, e.g. `v0.1.0`.
     pub tag: Option<String>,
-    /// Whether this is a preview: the changes are those under "Unreleased", and the work tree may
-    /// have uncommitted changes.
+    /// Whether this is a preview: the changes come from "Unreleased", and the work tree may have
+    /// uncommitted changes.
     pub preview: bool,
 }
 
 /// Version and changes on which all sources agree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Agreed {
-    /// The version of everything.
+    /// The common version.
     pub version: String,
     /// The version's section of the changelog.
     pub changes: ChangelogSection,
@@ -68,8 +68,8 @@ pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
     }
 }
 
-/// Model descriptions that are committed, each with the token of the library that this program was
-/// compiled with.
+/// Committed model descriptions, each with the token of the library that was compiled into this
+/// program.
 fn tokens() -> [(&'static str, String); 2] {
     [
         ("modelDescription/modelDescription.xml", guid()),
@@ -106,8 +106,8 @@ fn packages(folder: &Path, workspace: &Value) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// Checks that the Python package has the workspace's version: taken from its crate, or as an equal
-/// text.
+/// Checks that the Python package has the workspace's version: taken from its crate, or as an
+/// equal text.
 fn python(folder: &Path, version: &str) -> Result<Option<String>> {
     const NAME: &str = "python/pyproject.toml";
     let manifest = toml(folder, NAME)?;
@@ -124,7 +124,7 @@ fn python(folder: &Path, version: &str) -> Result<Option<String>> {
     })
 }
 
-/// The version by which the software is cited.
+/// The version in the software's citation.
 fn citation(folder: &Path, version: &str) -> Result<Option<String>> {
     let file = read(folder, "CITATION.cff")?;
     let cited = file.lines().find_map(|line| line.strip_prefix("version:")).unwrap_or("none").trim();

@@ -4,7 +4,7 @@
 /// One section.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChangelogSection {
-    /// What stands in the brackets: a version or "Unreleased".
+    /// Name in the brackets: a version or "Unreleased".
     pub name: String,
     /// Day of the release, as 2026-01-31.
     pub date: Option<String>,
@@ -14,10 +14,10 @@ pub struct ChangelogSection {
 
 const UNRELEASED: &str = "Unreleased";
 
-/// The section of a version. For a preview, the section "Unreleased" if the version has no section.
+/// The section of a version. For a preview, "Unreleased" if the version has no section.
 ///
 /// # Errors
-/// A sentence if there is no such section, if it has no day or no text, if it is below the section
+/// A sentence if the section is missing, if it has no day or no text, if it is below the section
 /// of another version, or if there are changes that are not assigned to the version.
 pub fn of(changelog: &str, version: &str, preview: bool) -> Result<ChangelogSection, String> {
     let sections = sections(changelog);

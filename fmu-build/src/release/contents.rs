@@ -23,8 +23,8 @@ pub fn archive_of(dist: &Path, version: Version) -> PathBuf {
     version.beside(&dist.join(format!("{MODEL_IDENTIFIER}.fmu")))
 }
 
-/// All disagreements in a release's folder: both archives, and the wheels and source distribution
-/// that are present.
+/// All disagreements in a release's folder: both archives, and the available wheels and source
+/// distribution.
 ///
 /// # Errors
 /// An error if a file cannot be read or is not an archive.
@@ -120,8 +120,8 @@ fn archives(dist: &Path, version: &str) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-/// Problems of a wheel, except those of the archives inside it. Its metadata must equal the source
-/// distribution's, if that is present.
+/// Problems of a wheel, except of the archives inside it. Its metadata must equal the source
+/// distribution's, if available.
 fn wheel(platform: &WheelPlatform, content: &Content, version: &str, described: Option<&str>) -> Vec<String> {
     let information = format!("vibro_impact-{}.dist-info", python_version(version));
     let about = text(content, &format!("{information}/METADATA"));
@@ -192,7 +192,7 @@ fn metadata(about: &str, version: &str) -> Option<String> {
         .then(|| format!("tells {name} {found}, where vibro-impact {expected} is expected"))
 }
 
-/// Whether the archives in a package equal those beside it.
+/// Whether the archives in a package equal the archives next to it.
 fn same_archives(dist: &Path, content: &Content, folder: &str, place: &str) -> Result<Vec<String>> {
     let mut wrong = Vec::new();
     for edition in Version::USUAL {

@@ -1,5 +1,5 @@
-//! Parts of a release for machines that text files describe: the examples with the library of
-//! which FMUs are made, and the prebuilt command line `vibro`.
+//! Parts of a release for machines described by text files: the examples with the library for
+//! their FMUs, and the prebuilt command line `vibro`.
 
 use crate::archive::{self, Content};
 use crate::compile::{PLATFORM_TUPLE, PROGRAM, workspace};
@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 /// Name of the file with the examples.
 pub const EXAMPLES: &str = "assembly-examples.zip";
 
-/// What the file with the examples says first.
+/// Introduction of the file with the examples.
 const READ_ME: &str = "Machines of text files, and the library of which their FMUs are made, for all platforms.\n\n\
                        With `vibro` of this release, in this folder:\n\n    \
                        vibro run damper_with_buffer.toml --until 2s --out results\n    \
@@ -21,8 +21,8 @@ const READ_ME: &str = "Machines of text files, and the library of which their FM
                        With its Python package: vibro_impact.Machine(\"damper_with_buffer.toml\").fmu()\n\n\
                        Each file says what it is held against.\n";
 
-/// The machine's files of `examples/assembly`, with their records and matrices, and the kit, once:
-/// name → content. An archive of each machine would hold the library again.
+/// The machine files of `examples/assembly`, with their records and matrices, and the kit, once:
+/// name → content. An archive of each machine would repeat the library.
 ///
 /// # Errors
 /// [`Error::File`]; as [`archive::to_bytes`].
@@ -40,7 +40,7 @@ pub fn examples(kit: &Kit) -> Result<Content> {
     Ok(content)
 }
 
-/// An archive with the command line for each platform, by its name: the program, what to call, and
+/// An archive with the command line for each platform, by its name: the program, instructions, and
 /// the licences.
 ///
 /// # Errors
@@ -62,7 +62,7 @@ pub fn programs(binaries: &Binaries, version: &str, texts: &Content) -> Result<C
     Ok(archives)
 }
 
-/// The licences of what is linked into the command line.
+/// The licences of all code linked into the command line.
 ///
 /// # Errors
 /// As [`licences::texts_of`].
@@ -70,7 +70,7 @@ pub fn licences_of_programs() -> Result<Content> {
     licences::texts_of(crate::compile::Product::CommandLine, false)
 }
 
-/// Runs the program for this platform on an example machine; returns a description of the trial.
+/// Runs the program for this platform on an example machine. Returns a description of the trial.
 ///
 /// # Errors
 /// [`Error::Release`] if it fails.

@@ -1,5 +1,5 @@
-//! `RELEASE_NOTES.md`: the files of the folder, the trial of each file, the parts left out, and the
-//! changes.
+//! `RELEASE_NOTES.md`: the files of the folder, the trial of each file, the parts left out, and
+//! the changes.
 
 use super::agreement::Agreed;
 use std::fmt::Write;
@@ -9,11 +9,11 @@ use std::fmt::Write;
 pub struct Part {
     /// Its name.
     pub file: String,
-    /// Bytes.
+    /// Size, bytes.
     pub size: u64,
-    /// What it is, and for whom.
+    /// Content and audience.
     pub what: String,
-    /// How it was tried.
+    /// How it was tested.
     pub tried: String,
 }
 
@@ -27,8 +27,8 @@ pub fn table(parts: &[Part]) -> String {
     text
 }
 
-/// Text of the notes. If the section of changes is not that of the version, the notes say that this
-/// is a preview.
+/// Text of the notes. If the section of changes does not belong to the version, the notes state
+/// that this is a preview.
 pub fn notes(agreed: &Agreed, parts: &[Part], left_out: &[String]) -> String {
     let Agreed { version, changes } = agreed;
     let mut text = match &changes.date {

@@ -12,11 +12,11 @@ use vibro_impact::{Parameters, Simulator, State};
 
 static SCRIPT: &str = include_str!("try_wheel.py");
 
-/// How many half seconds the script runs.
+/// Number of half seconds that the script runs.
 const HALF_SECONDS: u32 = 600;
 
-/// Installs a wheel of that folder and compares its results with the native library. Returns the
-/// interpreter's version, or the reason why there is no environment for the installation.
+/// Installs a wheel of a folder and compares its results with the native library. Returns the
+/// interpreter's version, or the reason why an environment for the installation is missing.
 ///
 /// # Errors
 /// [`Error::Release`] if the package cannot be imported or has other results.

@@ -1,6 +1,6 @@
-//! Source distribution and wheels of the Python package, by maturin. The wheels are built from the
-//! unpacked source distribution, so that a missing file is an error here and not at the user's
-//! installation.
+//! Source distribution and wheels of the Python package, built with maturin. The wheels are built
+//! from the unpacked source distribution, so that a missing file is an error here and not at the
+//! user's installation.
 
 use crate::archive::{Content, write_file};
 use crate::compile::{EPOCH, PLATFORM_TUPLE, cargo_home, output, remap, target, workspace};
@@ -22,7 +22,7 @@ pub struct WheelPlatform {
     pub target: &'static str,
     /// Platform in the wheel's name (the packaging specifications, "Platform compatibility tags").
     pub tag: &'static str,
-    /// In words.
+    /// Description.
     pub words: &'static str,
     /// Path of the native module in the wheel.
     pub module: &'static str,
@@ -30,7 +30,7 @@ pub struct WheelPlatform {
 
 const SO: &str = "vibro_impact/_native.abi3.so";
 
-/// Every platform for which a wheel is built, if that is possible.
+/// Every platform for which a wheel is built if possible.
 pub const WHEELS: [WheelPlatform; 5] = [
     WheelPlatform {
         tuple: "x86_64-linux",
@@ -75,13 +75,13 @@ impl WheelPlatform {
         format!("vibro_impact-{}-cp39-abi3-{}.whl", python_version(version), self.tag)
     }
 
-    /// Whether it is this machine's own.
+    /// Whether it is this machine's own platform.
     pub fn is_own(&self) -> bool {
         self.tuple == PLATFORM_TUPLE
     }
 }
 
-/// A version of Cargo's in Python's form (PEP 440): 0.2.0-rc.1 is 0.2.0rc1.
+/// A version in Python's form (PEP 440): 0.2.0-rc.1 is 0.2.0rc1.
 pub fn python_version(version: &str) -> String {
     [("-alpha.", "a"), ("-beta.", "b"), ("-rc.", "rc")]
         .into_iter()
@@ -109,8 +109,8 @@ fn flags(source: &Path) -> Vec<String> {
 
 /// Makes the linker of Windows libraries export the module's function. cargo-zigbuild leaves out
 /// the compiler's list of exports. maturin 1.16 instead writes a list with the module's full name,
-/// `PyInit_vibro_impact._native`, which is not the name of a function. A folder at the path of that
-/// list prevents maturin from writing it, and the linker gets the correct list.
+/// `PyInit_vibro_impact._native`, which is not the name of a function. A folder at the path of
+/// that list prevents maturin from writing it, and the linker gets the correct list.
 fn definitions() -> Result<String> {
     let place = built().join("maturin/vibro_impact._native.def");
     fs::create_dir_all(&place).map_err(Error::file("making the folder", &place))?;
@@ -119,10 +119,10 @@ fn definitions() -> Result<String> {
     Ok(format!("-Clink-arg={}", list.display()))
 }
 
-/// The function by which Python loads the native module.
+/// The function with which Python loads the native module.
 pub const ENTRY: &str = "PyInit__native";
 
-/// Where wheels are compiled.
+/// Folder in which wheels are compiled.
 fn built() -> PathBuf {
     target().join("dist/cargo")
 }
@@ -168,8 +168,8 @@ pub fn unpack(sdist: &Path, version: &str, folder: &Path) -> Result<PathBuf> {
     }
     let file = fs::File::open(sdist).map_err(Error::file("opening", sdist))?;
     let mut tar = tar::Archive::new(GzDecoder::new(file));
-    // All files have one date. Cargo compares dates and would mistake an earlier build for a build
-    // of these sources.
+    // All files have the same date. Cargo compares dates and would mistake an earlier build for a
+    // build of these sources.
     tar.set_preserve_mtime(false);
     tar.unpack(folder).map_err(Error::file("unpacking into", folder))?;
     Ok(folder.join(format!("vibro_impact-{}", python_version(version))))
@@ -178,7 +178,7 @@ pub fn unpack(sdist: &Path, version: &str, folder: &Path) -> Result<PathBuf> {
 /// Builds the wheel of a platform from the unpacked source distribution.
 ///
 /// # Errors
-/// The reason of the failure, and what to do.
+/// The reason of the failure, and the remedy.
 pub fn wheel(platform: &WheelPlatform, source: &Path, into: &Path) -> std::result::Result<(), String> {
     if !has_standard_library(platform.target) {
         return Err(format!("run `rustup target add {}`", platform.target));

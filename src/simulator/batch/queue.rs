@@ -34,8 +34,8 @@ pub struct Reports {
     pub first: u32,
     /// Weights of x1, x2 and x3 in the displacement whose maxima are reported; `None` for no
     /// maxima. The motion before the start is unknown. If the block rests at the upper stop at the
-    /// start, or is within rounding of its departure, the reports may contain one maximum of w more
-    /// or less at the start.
+    /// start, or is within rounding of its departure, the reports may contain one maximum of w
+    /// more or less at the start.
     pub maxima_of: Option<[f64; 3]>,
 }
 
@@ -62,9 +62,9 @@ pub trait MotionQueue {
     fn next(&mut self, lane: usize, simulators: &mut [Simulator], ended: Option<Result<()>>) -> Option<Plan>;
 
     /// Receives the state at sample `number`, counted from 1. If an impact occurs at exactly that
-    /// time, the state is that before the impact. Returns the number of the next sample, which must
-    /// be larger, or a break, which ends the motion without an error. After a break the simulator
-    /// does not stand at the sample's time: it must be [restarted](Simulator::restart) or given
+    /// time, the state is that before the impact. Returns the number of the next sample, which
+    /// must be larger, or a break, which ends the motion without an error. After a break the
+    /// simulator is not at the sample's time: it must be [restarted](Simulator::restart) or given
     /// another state before it is used.
     fn sample(&mut self, lane: usize, number: u32, state: &State) -> ControlFlow<(), u32> {
         let _ = (lane, state);
@@ -104,8 +104,8 @@ impl LaneUse {
         self.occupied as f64 / (self.rounds.max(1) * super::TOGETHER as u64) as f64
     }
 
-    /// Fraction of all lanes in all rounds that moved a motion. The other lanes were empty or their
-    /// motions were passed.
+    /// Fraction of all lanes in all rounds that moved a motion. The other lanes were empty or
+    /// their motions were passed.
     pub fn utilisation(&self) -> f64 {
         self.substeps as f64 / (self.rounds.max(1) * super::TOGETHER as u64) as f64
     }

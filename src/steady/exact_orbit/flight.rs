@@ -95,8 +95,8 @@ impl Transition {
     }
 }
 
-/// Flight over half a period and its periodic response to alternating unit impulses, docs/theory.md
-/// (72).
+/// Flight over half a period and its periodic response to alternating unit impulses,
+/// docs/theory.md (72).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfPeriod {
     /// M = exp(πA).
@@ -158,7 +158,7 @@ impl Flight {
         Ok(flight)
     }
 
-    /// Least power of two of Taylor pieces into which a span of the phase must be divided.
+    /// Smallest power of two of Taylor pieces into which a span of the phase must be divided.
     fn doubled_pieces(&self, span: f64) -> u32 {
         let mut pieces = 1;
         while span * self.rate > RATE_STEP * f64::from(pieces) && pieces < 1 << 31 {
@@ -167,7 +167,7 @@ impl Flight {
         pieces
     }
 
-    /// Least number of equal Taylor pieces of a span of the phase that are each exact to round-off.
+    /// Smallest number of equal Taylor pieces of a span of the phase, each exact to round-off.
     pub fn least_pieces(&self, span: f64) -> u32 {
         (span * self.rate / RATE_STEP).ceil().max(1.0) as u32
     }
@@ -240,7 +240,7 @@ impl Flight {
     /// (72).
     ///
     /// # Errors
-    /// [`Error::Undefined`] if an undamped mode oscillates an odd number of times per drive period.
+    /// [`Error::Undefined`] if an undamped mode has an odd number of cycles per drive period.
     pub(super) fn half_period(&self, p: &Parameters) -> Result<HalfPeriod> {
         let map = self.transition(PI);
         let first = (Matrix2::identity() + map.one).lu().solve(&Vector2::new(0.0, self.epsilon));

@@ -2,13 +2,13 @@
 //! and 7).
 //!
 //! With η = Ω1 τ - ψ and Z the sawtooth, the steady state is U ≈ B sin η, X2 ≈ (1-ε+ε²) C Z(η-Φ),
-//! X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3), docs/theory.md (32) and (33). Each fixed
-//! point of the slow flow is a root of a C² + b C + c = 0 (44). The error is O(ε) in every
+//! X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3), docs/theory.md (32) and (33). Each
+//! fixed point of the slow flow is a root of a C² + b C + c = 0 (44). The error is O(ε) in every
 //! amplitude.
 //!
-//! Beyond the paper, the eigenvalues of the slow flow have a closed form (51). It shows that on the
-//! right branch of the manifold, with damping, only the upper root of the quadratic is a stable
-//! fixed point.
+//! Beyond the paper, the eigenvalues of the slow flow have a closed form (51). It shows that on
+//! the right branch of the manifold, with damping, only the upper root of the quadratic is a
+//! stable fixed point.
 
 mod manifold;
 mod motion;
@@ -30,8 +30,8 @@ use std::f64::consts::PI;
 const SAWTOOTH_HARMONIC: f64 = 8.0 / (PI * PI);
 
 /// Slow flow of one parameter set, with all quantities that do not depend on the root. The weak
-/// coupling is α̂ = μ13 β², docs/theory.md (26). It equals [`Groups::alpha23`] for the paper's m3 =
-/// m2 and is also correct for other m3.
+/// coupling is α̂ = μ13 β², docs/theory.md (26). It equals [`Groups::alpha23`] for the paper's m3
+/// = m2 and is also correct for other m3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultipleScales {
     groups: Groups,
@@ -44,8 +44,8 @@ pub struct MultipleScales {
     a3_per_c: f64,
 }
 
-/// Fixed point of the slow flow, with its three tests. Amplitudes are in units of L, phases in rad,
-/// eigenvalues per unit of the slow time τ1 = ετ.
+/// Fixed point of the slow flow, with its three tests. Amplitudes are in units of L, phases in
+/// rad, eigenvalues per unit of the slow time τ1 = ετ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedPoint {
     /// C, the amplitude of the block's sawtooth.
@@ -78,12 +78,12 @@ pub struct FixedPoint {
 /// fixed. Unit 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceRange {
-    /// Least amplitude with real roots: the fold.
+    /// Smallest amplitude with real roots: the fold.
     pub real_from: f64,
-    /// Least amplitude with a root C > 0. There is no largest amplitude.
+    /// Smallest amplitude with a root C > 0. There is no largest amplitude.
     pub positive_from: f64,
-    /// Largest amplitude with two roots C > 0; equal to `positive_from` if there is never more than
-    /// one.
+    /// Largest amplitude with two roots C > 0; equal to `positive_from` if there is never more
+    /// than one.
     pub two_until: f64,
     /// Interval of amplitudes at which a root passes all three tests, if there is one. Its lower
     /// end is excluded.

@@ -1,4 +1,4 @@
-//! The studies made with a bifurcation diagram: branches of periodic orbits over it, spectra at
+//! The studies made from a bifurcation diagram: branches of periodic orbits over it, spectra at
 //! some of its values.
 
 use super::StudiedMachine;
@@ -12,7 +12,7 @@ use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::bifurcation::{Sweep, SweepPoint};
 use vibro_studies::{Diagram, Machine};
 
-/// What is found with a diagram of the paper's machine.
+/// Studies made from a diagram of the paper's machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct OverSweep {
     /// Values at which spectra are listed and running exponents shown.

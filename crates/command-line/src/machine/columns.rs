@@ -5,19 +5,19 @@ use vibro_machine::Description;
 use vibro_machine::quantity::NamedQuantity;
 use vibro_studies::unknown;
 
-/// The columns that were asked for.
+/// The requested columns.
 #[derive(Clone, Debug, Default)]
 pub struct Chosen {
-    /// Their names in order; empty for all columns that a record has by itself.
+    /// Their names in order; empty for all default columns of a record.
     pub names: Vec<String>,
-    /// Those of them that a record does not have by itself: coordinates of bodies with many,
-    /// states of blocks.
+    /// The requested columns that a record does not have by default: coordinates of bodies with
+    /// many, states of blocks.
     pub further: Vec<NamedQuantity>,
 }
 
 impl Chosen {
-    /// The columns of a machine that names stand for: a column (`box.s`, `tube.q[3].v`,
-    /// `pid.x[0]`), or a body or an element (`box`, `stop.steel`) for all of its columns.
+    /// The columns of a machine that names refer to: a column (`box.s`, `tube.q[3].v`,
+    /// `pid.x[0]`), or a body or an element (`box`, `stop.steel`) for all its columns.
     ///
     /// # Errors
     /// [`Error::Refused`] for an unknown name, with the nearest one, and for a column named twice.
@@ -32,7 +32,7 @@ impl Chosen {
             let plain = plain.map_or(name.as_str(), |element| element.name());
             let is_meant = |column: &&NamedQuantity| {
                 let of = column.name.rsplit_once('.').map_or("", |(of, _)| of);
-                // States of a block are many: each is named by itself.
+                // A block has many states, so each is named individually.
                 column.name == plain || (of == plain && !states.contains(column))
             };
             let found: Vec<_> = own.iter().chain(&inner).filter(is_meant).collect();

@@ -1,4 +1,4 @@
-//! Derivatives of a motion by parameters of its machine, as tables.
+//! Derivatives of a motion with respect to parameters of its machine, as tables.
 
 use super::MotionRecord;
 use crate::table::{CsvRows, exact};

@@ -65,7 +65,7 @@ fn curve<'a>(record: &'a MotionRecord, name: &'a str, quantity: Quantity) -> Opt
     Some(MotionCurve { name, column, extreme: record.extreme(quantity)? })
 }
 
-/// A quantity that is drawn: its name, its column in the samples, and its extremes between samples.
+/// A drawn quantity: its name, its column in the samples, and its extremes between samples.
 struct MotionCurve<'a> {
     name: &'a str,
     column: usize,
@@ -106,7 +106,7 @@ fn curves_over_time(
         "s (m)" if size < SHORT => Axis::new("s (mm)").times(1e3),
         _ => Axis::new(label),
     };
-    // Curves without a colour are left out; the title says so.
+    // Curves without a colour are left out, as the title states.
     let title = match curves.len() {
         all if all > COLOURS.len() => format!("{title}, the first {} of {all}", COLOURS.len()),
         _ => title.into(),

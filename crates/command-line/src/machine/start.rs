@@ -1,4 +1,4 @@
-//! The start of a motion as the command line gives it.
+//! The start of a motion as given on the command line.
 
 use super::note_of_unit;
 use crate::{Error, Result};
@@ -6,13 +6,13 @@ use std::path::Path;
 use vibro_machine::{Assembly, Start};
 use vibro_studies::Machine;
 
-/// Reads a start: numbers as `NAME=VALUE,…`, a start's file, or a file with numbers behind it that
-/// replace its own. Numbers are read as those of `--set`; `note` is called with the unit of a
-/// number that was read in another one than SI.
+/// Reads a start: numbers as `NAME=VALUE,…`, a start's file, or a file followed by numbers that
+/// replace its own. Numbers are read as in `--set`; `note` is called with the unit of a number
+/// that was read in a unit other than SI.
 ///
 /// # Errors
-/// [`Error::Refused`] for a number that is not allowed or given twice; [`Error::Refusal`] for a
-/// file that is not one of a start of this machine; an error if the machine cannot be built.
+/// [`Error::Refused`] for a number that is out of range or given twice; [`Error::Refusal`] for a
+/// file that is not a start of this machine; an error if the machine cannot be built.
 pub fn read_start(machine: &Machine, given: &str, note: &mut dyn FnMut(String)) -> Result<Start> {
     const FORM: &str = "NAME=VALUE,…, a start's file, or FILE,NAME=VALUE,…, e.g. box.s=5mm,box.v=1,time=0.2s or end.toml,box.v=0";
     let refused = |what: &str, problem: String| Error::Refused { what: format!("--start {what}"), problem };

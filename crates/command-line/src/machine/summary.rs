@@ -19,7 +19,7 @@ use vibro_studies::StopContact;
 use vibro_studies::natural::{Natural, natural};
 
 /// Real part or frequency, relative to the largest, below which it counts as zero. A double
-/// eigenvalue has an error of the square root of the rounding error.
+/// eigenvalue has the square root of the rounding error as its error.
 const ZERO: f64 = 1e-7;
 
 /// A number with six digits, for sentences.
@@ -41,7 +41,7 @@ fn units(dimension: Dimension) -> [&'static str; 3] {
     }
 }
 
-/// A count with its noun, the plural's first word in `s`: `1 modal body`, `2 bodies with matrices`.
+/// A count with its noun, given in the plural: `1 modal body`, `2 bodies with matrices`.
 fn in_words(count: usize, plural: &str) -> String {
     let Some(noun) = plural.split(' ').find(|word| word.ends_with('s')).filter(|_| count == 1) else {
         return format!("{count} {plural}");
@@ -102,7 +102,7 @@ pub fn summary(machine: Description) -> Result<String> {
     Ok(lines.join("\n"))
 }
 
-/// What follows from named parameters, in SI.
+/// Quantities that follow from named parameters, in SI.
 fn following(d: &Description) -> Vec<String> {
     let line = |own: Following| {
         let unit = if own.unit == "1" { String::new() } else { format!(" {}", own.unit.replace('.', "·")) };
@@ -156,7 +156,7 @@ fn elements(d: &Description, m: &Motion) -> Vec<String> {
     d.elements().enumerate().map(line).collect()
 }
 
-/// What a block is, and its outputs.
+/// Description of a block and its outputs.
 fn block(element: Element, name: &str, value: impl Fn(What) -> String) -> String {
     let Element::Block(own) = element else { return format!("  {name}") };
     let outputs = own.outputs.iter().enumerate();
@@ -197,7 +197,7 @@ fn of_friction(state: FrictionState) -> &'static str {
     }
 }
 
-/// What natural frequencies take of blocks.
+/// Note on how natural frequencies account for blocks.
 fn of_blocks(d: &Description) -> String {
     let has = |is_sampled: bool| d.blocks.iter().any(|block| block.sampling.is_some() == is_sampled);
     let words = [(false, "with continuous blocks"), (true, "with what sampled blocks put out held")];
@@ -225,7 +225,7 @@ fn equilibrium(assembly: &Assembly) -> String {
 fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     let system = assembly.system();
     let linear = system.linear(motion.mode());
-    // Numbers that sampled blocks keep have no rate.
+    // States of sampled blocks do not have a rate.
     let sampled = system.blocks.iter().filter(|block| block.sampler.is_some());
     let kept: Vec<_> = sampled.map(|block| block.first..block.first + block.kept()).collect();
     let places: Vec<usize> =

@@ -6,7 +6,7 @@ use vibro_studies::paper::ParameterSet;
 use vibro_studies::paper::basin::{InitialValueRange, in_the_middle};
 use vibro_studies::parts::{Shard, Task};
 
-/// The manifest of a study over so many discarded periods.
+/// The manifest of a study with `discard` discarded periods.
 fn manifest(discard: u32) -> Manifest {
     let axis = |text: &str| text.parse::<InitialValueRange>().unwrap().cells(32);
     let kind = StudyKind::Basin(BasinRequest {

@@ -1,4 +1,4 @@
-//! HTML pages in one file, without script and network, for light and dark, wide and narrow screens.
+//! HTML pages in a single file, without script or network, light or dark, for any width.
 
 use vibro_figures::html::escape;
 
@@ -24,7 +24,7 @@ pub(super) fn document(title: &str, body: &str) -> String {
     )
 }
 
-/// A table with a heading; cells are HTML, in columns that scroll where the page is narrow.
+/// A table with a heading. Cells are HTML, in columns that scroll if the page is narrow.
 pub(super) fn table(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let row = |cells: Vec<String>| {
         let cell = |(i, cell): (usize, &String)| match i {

@@ -45,7 +45,7 @@ fn introduction(set: &ParameterSet, quick: bool) -> String {
     )
 }
 
-/// Table of the paper's statements beside the results.
+/// Table of the paper's statements with the results.
 fn comparison(statements: &[Statement]) -> String {
     let row = |s: &Statement| {
         let class = match s.verdict {

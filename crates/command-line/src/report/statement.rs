@@ -1,4 +1,4 @@
-//! Statements of the paper and the results they are compared with.
+//! Statements of the paper and the results compared with them.
 
 use crate::studies::paper::{DiagramOrbits, Modulation};
 use vibro_studies::paper::ParameterSet;
@@ -16,7 +16,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// In words.
+    /// Text of the verdict.
     pub fn name(self) -> &'static str {
         match self {
             Self::Agrees => "agrees",
@@ -37,9 +37,9 @@ impl Verdict {
 /// A statement with the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
-    /// Where the paper makes it.
+    /// Place of the statement in the paper.
     pub place: &'static str,
-    /// What it says.
+    /// The statement.
     pub paper: &'static str,
     /// The results, in numbers.
     pub found: String,
@@ -52,7 +52,7 @@ pub(super) struct Findings<'a> {
     pub(super) set: &'a ParameterSet,
     pub(super) coarse: &'a Diagram,
     pub(super) fine: &'a Diagram,
-    /// The branches over the coarse diagram, where orbits can be followed.
+    /// The branches over the coarse diagram, if orbits can be followed.
     pub(super) orbits: Option<&'a DiagramOrbits>,
     pub(super) modulation: Modulation,
     /// The CSV of figure 17.

@@ -1,7 +1,7 @@
-//! The paper's statements of sections 3 to 5, each with a rule by which agreement is decided.
+//! The paper's statements of sections 3 to 5, each with a rule that decides agreement.
 //!
-//! The parameters are not the paper's own data set (docs/theory.md, end of section 4), so agreement
-//! means: the same kind of motion at about the same place.
+//! The parameters are not the paper's own data set (docs/theory.md, end of section 4), so
+//! agreement means: the same kind of motion at about the same place.
 
 use super::analytical::{accuracy, errors, figure_nine, limits, upper};
 use super::statement::{Findings, Statement, Verdict};
@@ -14,9 +14,9 @@ use vibro_studies::{MotionClass, ZERO_EXPONENT};
 
 /// Tolerance of the ends of windows in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;
-/// Least share of regular values at which a window of the paper counts as found.
+/// Smallest share of regular values at which a window of the paper counts as found.
 const MOSTLY: f64 = 0.85;
-/// Ratio of least to largest amplitude below which a modulation is strong.
+/// Ratio of smallest to largest amplitude below which a modulation is strong.
 const STRONG: f64 = 0.6;
 
 pub(super) fn all(found: &Findings) -> Result<Vec<Statement>> {
@@ -241,7 +241,7 @@ fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionC
     met
 }
 
-/// The sequence of period doublings in which the symmetric motion with two impacts per period ends.
+/// The period doublings in which the symmetric motion with two impacts per period ends.
 fn doublings(found: &Findings) -> Vec<Doubling> {
     let Some(orbits) = found.orbits else { return Vec::new() };
     let branches = &orbits.tree.branches;

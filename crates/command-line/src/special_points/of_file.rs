@@ -14,7 +14,7 @@ pub struct PointOfFile {
     pub special: Special,
     /// The parameter's value, SI.
     pub value: f64,
-    /// Value of the parameter, period (s) and start of an orbit of the branch beside it.
+    /// Value of the parameter, period (s) and start of an orbit of the branch next to the point.
     pub beside: (f64, f64, Start),
 }
 

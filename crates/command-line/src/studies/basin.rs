@@ -52,13 +52,13 @@ pub trait ShownBasins: BasinMachine + Labelled {
     const HAS_IMAGES: bool;
     /// Headings of the table of attractors after number and class.
     fn headings(basins: &Basins<Self::Attractor>) -> Vec<String>;
-    /// An attractor with the cells of its row; `shares` are those of it and of its image.
+    /// An attractor with the cells of its row; `shares` belong to it and to its image.
     fn listed(&self, found: &Self::Attractor, shares: [f64; 2]) -> Listed;
-    /// Title of the picture, its second line of caption, and what of the starts is on no axis.
+    /// Title of the picture, second line of its caption, and start numbers without an axis.
     fn titles(&self) -> [String; 3];
     /// Axis of the picture.
     fn start_axis(&self, axis: &StartAxis) -> Axis;
-    /// The share of the motions that came to rest, and where; `None` where none did.
+    /// The share of the motions that came to rest, and where; `None` if none did.
     fn rest_in_words(&self, basins: &Basins<Self::Attractor>) -> Option<String>;
 }
 
@@ -66,7 +66,7 @@ pub trait ShownBasins: BasinMachine + Labelled {
 pub struct Listed {
     /// Cells of its row after number and class.
     pub row: Vec<String>,
-    /// Its class with more, as the legend and as the remark say it.
+    /// Descriptions with the class for the legend and for the remark.
     pub words: [String; 2],
 }
 
@@ -190,9 +190,9 @@ fn remarks<M: ShownBasins>(machine: &M, basins: &Basins<M::Attractor>, listed: &
     lines
 }
 
-/// Code of a cell in the picture: its place in [`OTHERS`], after which each attractor of [`PAIRS`]
-/// and its image have theirs. Where attractors have no images, the second colours of the pairs are
-/// those of further attractors.
+/// Code of a cell in the picture: first the indices of [`OTHERS`], then two codes for each
+/// attractor of [`PAIRS`] and its image. If attractors have no images, the second colours of the
+/// pairs belong to further attractors.
 fn code<M: ShownBasins>(cell: BasinCell) -> u8 {
     let pairs = PAIRS.len();
     let of_pair = |pair: usize, second: usize| {
@@ -225,7 +225,7 @@ fn cells<M: ShownBasins>(request: &BasinRequest<M>, basins: &Basins<M::Attractor
     }
 }
 
-/// Entries of the legend: each attractor with a colour, its mirror image where there is one, all
+/// Entries of the legend: each attractor with a colour, its mirror image if it has one, all
 /// further attractors together, then cells without an attractor.
 fn legend<M: ShownBasins>(basins: &Basins<M::Attractor>, listed: &[Listed]) -> Vec<Layer> {
     let entry = |name: &str, colour| Layer::band(name, colour, 1.0, Vec::new());
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
-        /// Ratio of two luminances with stray light (WCAG) that the eye tells apart.
+        /// Ratio of two luminances with stray light (WCAG) that the eye can distinguish.
         const APART: f64 = 1.02;
         let mut light: Vec<f64> =
             PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();

@@ -9,7 +9,7 @@ use vibro_figures::canvas::palette::{BLACK, FAMILY, GREY};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, LINE, Layer, Mark, Panel, Path, THIN};
 use vibro_orbits::{Branch, Label, OrbitPoint, Special};
 
-/// Longest period that has a colour of its own.
+/// Longest period with its own colour.
 pub(super) const COLOURED: usize = FAMILY.len();
 /// Largest number of special points at which the picture marks all of them; more marks would cover
 /// the branches.
@@ -92,7 +92,7 @@ fn remarks<C>(branches: &[Branch<C>], certain: &str) -> Vec<String> {
     ]
 }
 
-/// Cell of a number; empty where it is not finite.
+/// Cell of a number; empty if it is not finite.
 pub(super) fn cell(value: f64) -> String {
     if value.is_finite() { exact(value) } else { String::new() }
 }
@@ -105,7 +105,7 @@ pub(super) fn or_empty<T: ToString>(value: Option<T>) -> String {
 /// Largest number of sequences of doublings, and of rows, listed on the screen.
 pub(super) const MAX_LISTED: usize = 12;
 
-/// Rows in words, with their number and what they are; `None` where there is none.
+/// Text with the number of rows, their description and the first rows; `None` if there are none.
 pub(super) fn listed(what: &str, rows: impl ExactSizeIterator<Item = String>) -> Option<String> {
     let count = rows.len();
     let listed: Vec<String> = rows.take(MAX_LISTED).collect();
@@ -118,8 +118,8 @@ pub(super) fn list(numbers: impl IntoIterator<Item = f64>) -> String {
     numbers.into_iter().map(exact).collect::<Vec<_>>().join(" ")
 }
 
-/// A table of all points of all branches, as in AUTO's b-files: the columns of any machine, then
-/// its own, of which `cells` gives those of a branch's points.
+/// A table of all points of all branches, as in AUTO's b-files: first the columns of any machine,
+/// then the machine's own, with `cells` for the points of a branch.
 pub(super) fn point_table<C>(
     parameter: &str,
     own: impl IntoIterator<Item = String>,
@@ -140,11 +140,11 @@ pub(super) fn point_table<C>(
     table.text()
 }
 
-/// The cells of a special point, by its place among the points of a branch.
+/// The cells of a special point, by its index among the points of a branch.
 pub(super) type SpecialCells<'a> = Box<dyn Fn(usize, &OrbitPoint, &Special) -> Vec<String> + 'a>;
 
-/// A table of the special points, with what another study needs to start from them: the columns of
-/// any machine, then its own.
+/// A table of the special points, with the data that another study needs to start from them: first
+/// the columns of any machine, then the machine's own.
 pub(super) fn special_table<'a, C: Sync>(
     parameter: &str,
     own: &[&str],
@@ -204,9 +204,9 @@ fn pieces<'a, C: 'a, T: AsRef<[f64]>>(
     found
 }
 
-/// The curves of branches, each with its values by point, and their colours by period. Values that
-/// are not finite are left out. Short periods are drawn above long ones, and stable pieces above
-/// all.
+/// The curves of branches, each with its values by point, coloured by period. Values that are not
+/// finite are left out. Short periods are drawn above long ones, and stable pieces above all
+/// others.
 pub(super) fn branch_layers<'a, C: 'a, T: AsRef<[f64]>>(
     curves: impl IntoIterator<Item = (&'a Branch<C>, T)>,
 ) -> Vec<Layer> {

@@ -10,7 +10,7 @@ use vibro_orbits::{Label, LocusEnd, LocusPoint};
 /// A curve and the special point from which it was followed.
 #[derive(Clone, Debug)]
 pub struct LocusCurve<S> {
-    /// File and row of its special point, in words.
+    /// Description of the file and row of its special point.
     pub from: String,
     /// The row.
     pub row: usize,
@@ -22,7 +22,7 @@ pub struct LocusCurve<S> {
     pub also: Vec<usize>,
 }
 
-/// The special point from which a curve was followed, as tables and pictures state it.
+/// The special point from which a curve was followed, for tables and pictures.
 pub trait CurveStart {
     /// Names of its columns after the word, after both parameters, and before the row.
     const COLUMNS: [&'static [&'static str]; 3];
@@ -39,7 +39,7 @@ pub trait CurveStart {
     /// The curve's name in pictures.
     fn drawn(&self, row: usize) -> String;
 
-    /// The curve's name in words.
+    /// Description of the curve.
     fn told(&self) -> String;
 }
 
@@ -49,13 +49,13 @@ pub(super) struct Texts<'a> {
     pub names: [&'a str; 2],
     /// The parameters as the first line names them.
     pub over: [&'a str; 2],
-    /// The plural of the points of which the curves consist.
+    /// The plural of the points on the curves.
     pub of: &'static str,
     pub title: String,
     /// The machine's other parameters, as a line of the caption.
     pub elsewhere: String,
     pub axes: [Axis; 2],
-    /// Values of both parameters in words.
+    /// Texts of values of both parameters.
     pub told: &'a dyn Fn([f64; 2]) -> [String; 2],
 }
 
@@ -85,7 +85,7 @@ pub(super) fn study<S: CurveStart>(
     })
 }
 
-/// A curve in words, with the special points at its ends and along it, except ends of the ranges.
+/// Description of a curve, with its special points except ends of the ranges.
 fn in_words<S: CurveStart>(curve: &LocusCurve<S>, told: &dyn Fn([f64; 2]) -> [String; 2]) -> String {
     let also: String = curve.also.iter().map(|row| format!(" = row {row}")).collect();
     let end = |point: &LocusPoint| {
@@ -98,7 +98,7 @@ fn in_words<S: CurveStart>(curve: &LocusCurve<S>, told: &dyn Fn([f64; 2]) -> [St
     format!("{} from {}{also}: {} points{ends}", curve.start.told(), curve.from, curve.points.len())
 }
 
-/// The kind of a special point in words; `None` for an end of the ranges.
+/// Description of the kind of a special point; `None` for an end of the ranges.
 fn end_in_words(end: LocusEnd) -> Option<&'static str> {
     Some(match end {
         LocusEnd::Range | LocusEnd::Closed => return None,

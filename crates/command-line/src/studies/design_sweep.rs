@@ -107,7 +107,7 @@ fn method<M: Labelled>(set: &M, request: &SweepRequest<M>, choice: Option<&Choic
     words
 }
 
-/// An axis of [`SweepRequest::over`] in words.
+/// Description of an axis of [`SweepRequest::over`].
 fn axis_in_words<M: Labelled>(set: &M, axis: &SampledAxis<M::Name>) -> String {
     let ends = (axis.values.iter().copied().reduce(f64::min), axis.values.iter().copied().reduce(f64::max));
     match ends {

@@ -9,7 +9,7 @@ use crate::table::{CsvRows, exact};
 use vibro_design::{DesignRequest, Designed, Value, Verdict};
 use vibro_studies::Machine;
 
-/// The study of a search: `design.csv` with all designs that were evaluated, and a picture.
+/// The study of a search: `design.csv` with all evaluated designs, and a picture.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -33,7 +33,7 @@ pub fn designed(request: &DesignRequest, found: &Designed) -> Result<Study> {
     })
 }
 
-/// The machine with the numbers of the best design; `None` where no design keeps the limits.
+/// The machine with the numbers of the best design; `None` if no design keeps the limits.
 ///
 /// # Errors
 /// An error if the machine refuses the numbers.
@@ -45,13 +45,13 @@ pub fn best_machine(request: &DesignRequest, found: &Designed) -> Result<Option<
     Ok(Some(request.machine.with(names.iter().map(String::as_str).zip(best.values.iter().copied()))?))
 }
 
-/// A row for each design.
+/// Table with one row per design.
 fn table(request: &DesignRequest, found: &Designed) -> Result<Vec<u8>> {
     let measures =
         || std::iter::once(&request.goal.measure).chain(request.limits.iter().map(|own| &own.measure));
     let mut names: Vec<String> = Vec::new();
     for measure in measures() {
-        // Two limits of one measure have columns of their own.
+        // Two limits of the same measure have separate columns.
         let count = names.iter().filter(|own| **own == measure.to_string()).count();
         names.push(if count == 0 { measure.to_string() } else { format!("{measure}.{}", count + 1) });
     }

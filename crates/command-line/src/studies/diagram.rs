@@ -11,7 +11,7 @@ use vibro_figures::canvas::palette::GREY;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, THIN};
 use vibro_studies::diagram::{Diagram, DiagramMachine, DiagramPoint, DiagramRequest};
 
-/// How the values of a diagram follow one another.
+/// Relation of successive values of a diagram.
 const CHAINED: &str = "rising and falling, the last state being the next start";
 
 /// Machine whose diagrams have tables and pictures.
@@ -23,9 +23,9 @@ pub trait ShownDiagram: DiagramMachine + Labelled {
     /// Titles of the panel of impacts and of its axis.
     const IMPACTS: [&'static str; 2];
 
-    /// Title of the picture; what is drawn, and over what, for the first line.
+    /// Title of the picture; drawn quantity and parameter, for the first line.
     fn titles(&self, request: &DiagramRequest<Self>) -> [String; 3];
-    /// Exponents in words for the caption, with a space before.
+    /// Description of exponents for the caption, with a leading space.
     fn exponents_in_words(exponents: &Self::Exponents) -> String;
     /// Quantity in the heading of a column.
     fn column(of: &Self::Of) -> String;
@@ -34,7 +34,7 @@ pub trait ShownDiagram: DiagramMachine + Labelled {
     /// Panel of the drawn values.
     ///
     /// # Errors
-    /// A quantity that the machine does not have.
+    /// Error for a quantity that the machine does not have.
     fn maxima_panel(
         &self,
         request: &DiagramRequest<Self>,
@@ -45,13 +45,13 @@ pub trait ShownDiagram: DiagramMachine + Labelled {
     fn exponent_titles() -> [&'static str; 2];
     /// Curves of the panel of exponents.
     fn exponent_curves(points: &[Option<Self::Point>]) -> Vec<Layer>;
-    /// Whether there is anything to touch.
+    /// Whether the machine has anything to touch.
     fn has_impacts(&self) -> bool;
     /// Cells of a point's row: class, period and impacts; the exponents.
     fn cells(point: &Self::Point) -> [Vec<String>; 2];
 }
 
-/// Method by which a diagram was computed, in words.
+/// Description of the method by which a diagram was computed.
 pub(super) fn method<M: ShownDiagram>(request: &DiagramRequest<M>) -> String {
     let up_to = if M::SETTLES_EARLY { "Up to " } else { "" };
     let chained = match (request.anew, request.start == M::Start::default()) {

@@ -17,13 +17,13 @@ use vibro_orbits::{
 use vibro_studies::diagram::{DescribedPoint, DiagramRequest};
 use vibro_studies::{Diagram, Machine, Maxima, Settled, Watcher, settled};
 
-/// Least and largest number of values, in each direction, at which settled motions start branches.
+/// Smallest and largest number of values per direction at which branches are started.
 const SEEDS: (usize, usize) = (24, 200);
 
 /// The family of machines over the axis of a diagram.
 ///
 /// # Errors
-/// As [`Family::new`], for machines and parameters that orbits cannot be followed over.
+/// As [`Family::new`], for machines and parameters over which orbits cannot be followed.
 pub fn diagram_family(machine: &Machine, request: &DiagramRequest<Machine>) -> Result<Family> {
     Ok(Family::new(machine, &request.axis.name, (request.axis.from, request.axis.to))?)
 }
@@ -36,14 +36,14 @@ struct Row {
     branch: Option<usize>,
 }
 
-/// A stable orbit at a value, as the diagram sees its motion.
+/// A stable orbit at a value, with its motion as classified in a diagram.
 struct Seen {
     branch: usize,
     settled: Settled,
 }
 
-/// The branches over the axis of a diagram, on the paths that are kept. `told` receives the number
-/// of branches, and that with the starts still known.
+/// The branches over the axis of a diagram, using the stored paths. `told` receives the number of
+/// branches, and this number plus the known remaining starts.
 ///
 /// # Errors
 /// As [`diagram_family`].
@@ -158,7 +158,7 @@ fn maxima(
     let of = |orbit: Orbit| -> Vec<f64> {
         let mut watcher = Watcher::of(&[], orbit.place().assembly.system().stops.len());
         watcher.maxima = Some(Maxima::new(quantity));
-        // The first period shows whether the quantity rises where the second begins.
+        // The first period shows whether the quantity is rising where the second one begins.
         orbit.observe(&mut [&mut watcher]);
         watcher.maxima.iter_mut().for_each(|m| m.found.clear());
         orbit.observe(&mut [&mut watcher]);
@@ -173,7 +173,7 @@ fn maxima(
     Ok(branches.par_iter().map(along).collect())
 }
 
-/// The curve of a branch's maximum number `k`; NaN where its maxima are others than at a neighbour.
+/// The curve of a branch's maximum number `k`; NaN if its maxima differ from a neighbour's.
 fn curve(maxima: &[Vec<f64>], k: usize) -> Vec<f64> {
     maxima.iter().map(|all| all.get(k).copied().unwrap_or(f64::NAN)).collect()
 }
@@ -246,7 +246,7 @@ fn row_table(family: &Family, branches: &[Branch], rows: &[Row]) -> Result<Vec<u
     table.text()
 }
 
-/// How many rows are explained, and which are not.
+/// Number of rows explained, and list of the others.
 fn remarks(machine: &Machine, parameter: &str, rows: &[Row]) -> Vec<String> {
     let missing: Vec<&Row> = rows.iter().filter(|row| row.branch.is_none()).collect();
     let covered = rows.len() - missing.len();

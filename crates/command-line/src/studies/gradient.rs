@@ -1,4 +1,4 @@
-//! Derivatives of an orbit's measure by every parameter of its machine, as a table.
+//! Derivatives of an orbit's measure with respect to every parameter of its machine, as a table.
 
 use super::Study;
 use crate::Result;
@@ -7,17 +7,17 @@ use vibro_orbits::{Orbit, ParameterDerivative};
 use vibro_studies::significant;
 use vibro_studies::{Machine, Measure};
 
-/// Number of parameters that are listed on the screen.
+/// Number of parameters listed on the screen.
 const SHOWN: usize = 5;
 
-/// Adds the table `gradient` to the study of an orbit, and what matters most to its remarks.
+/// Adds the table `gradient` to an orbit's study, and its main parameters to the remarks.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output); an error if the orbit does not have the measure.
 pub fn add_gradient(study: &mut Study, machine: &Machine, orbit: &Orbit, of: &Measure) -> Result<()> {
     let (own, unit) = (orbit.measure(of)?, of.unit(&machine.description));
     let rows = orbit.gradient(of)?;
-    // The change of the measure, in parts of it, for one of the parameter, in parts of it.
+    // Relative change of the measure per relative change of the parameter.
     let relative = |row: &ParameterDerivative| {
         let derivative = row.derivative.as_ref().ok()?;
         Some(derivative * row.value / own).filter(|x| x.is_finite())

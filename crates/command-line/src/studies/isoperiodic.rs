@@ -33,16 +33,16 @@ pub struct ClassifiedMotion {
 pub trait ShownPlane: PlaneMachine + Labelled {
     /// Name of motions of period one other than the motion of the closed forms.
     const ONE_PERIOD: &str;
-    /// Title of the second panel: what it counts.
+    /// Title of the second panel, the panel of contacts.
     const CONTACTS: &str;
-    /// Columns of the table after those of the parameters.
+    /// Columns of the table after the columns of the parameters.
     const COLUMNS: &[&str];
 
     /// The motion at a point, if any.
     fn motion(point: &Self::Point) -> Option<ClassifiedMotion>;
     /// Cells of the [`COLUMNS`](Self::COLUMNS); empty if there is no motion.
     fn cells(point: &Self::Point) -> Vec<Cow<'static, str>>;
-    /// How exponents were computed, for captions.
+    /// Description of how exponents were computed, for captions.
     fn exponents_in_words(periods: u32) -> String;
     /// Layers over the colours: the machine's own values, limits.
     fn over(&self, request: &IsoperiodicRequest<Self>, plane: &Isoperiodic<Self::Point>) -> Vec<Layer>;
@@ -60,7 +60,7 @@ type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 /// [`ShownPlane::ONE_PERIOD`].
 const ONE_PERIOD: &str = "1T";
 
-/// Kinds of motion in the first panel; the last takes all others.
+/// Kinds of motion in the first panel; the last one takes all others.
 const KINDS: [Entry<ClassifiedMotion>; 11] = [
     ("without impacts", PALE, |m| m.contacts == 0.0 && !m.rests),
     ("1T, two symmetric impacts", BLUE, |m| m.is_two_impact),
@@ -75,7 +75,7 @@ const KINDS: [Entry<ClassifiedMotion>; 11] = [
     ("not settled", VERMILLION, |_| true),
 ];
 
-/// Impacts per period in the second panel, darker where there are more.
+/// Impacts per period in the second panel; darker colours mean more.
 const IMPACTS: [Entry<f64>; 8] = [
     ("none", PALE, |n| n == 0.0),
     ("under 2", Colour(253, 231, 37), |n| n < 2.0),
@@ -87,8 +87,8 @@ const IMPACTS: [Entry<f64>; 8] = [
     ("over 4", Colour(68, 1, 84), |_| true),
 ];
 
-/// Largest size of a point in the table and in the codes of the two pictures, bytes: a row with all
-/// digits has 167.
+/// Largest size of a point in the table and in the codes of the two pictures, bytes: a row with
+/// all digits has 167.
 pub const POINT_IN_TABLE: usize = 180;
 
 /// Largest number of classes listed on the screen.
@@ -132,7 +132,7 @@ pub fn isoperiodic<M: ShownPlane>(
     })
 }
 
-/// How the motions were computed, for captions.
+/// Description of how the motions were computed, for captions.
 fn method<M: ShownPlane>(request: &IsoperiodicRequest<M>) -> String {
     let mut method = format!(
         "{} × {} motions, start {}; {} periods discarded.",
@@ -144,14 +144,14 @@ fn method<M: ShownPlane>(request: &IsoperiodicRequest<M>) -> String {
     method
 }
 
-/// Panels of classes and of impacts per period, and those of the machine.
+/// Panels of classes and of impacts per period, followed by the machine's own panels.
 fn panels<M: ShownPlane>(
     machine: &M,
     request: &IsoperiodicRequest<M>,
     plane: &Isoperiodic<M::Point>,
 ) -> Vec<Panel> {
     let over = machine.over(request, plane);
-    // The last entry of either list takes every motion, so that there always is a code.
+    // The last entry of either list takes every motion, so there is always a code.
     let kind = |m: ClassifiedMotion| KINDS.iter().take_while(|k| !k.2(m)).count();
     let impacts = |m: ClassifiedMotion| IMPACTS.iter().take_while(|k| !k.2(m.contacts)).count();
     let kinds = KINDS.iter().map(|k| (if k.0 == ONE_PERIOD { M::ONE_PERIOD } else { k.0 }, k.1));
@@ -170,7 +170,7 @@ fn plane_axis<M: Labelled>(machine: &M, axis: &ParameterAxis<M::Name>) -> Axis {
     Axis { range: Some(axis.edges()), ..machine.axis(&axis.name) }
 }
 
-/// A panel whose cells have the colour of the entry that `code` gives; points without a motion stay
+/// A panel whose cells have the colour of the entry given by `code`. Points without a motion stay
 /// white. The entries' names begin with the panel's letter.
 fn coloured<M: ShownPlane>(
     (machine, request, plane): (&M, &IsoperiodicRequest<M>, &Isoperiodic<M::Point>),

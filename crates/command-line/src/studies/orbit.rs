@@ -13,7 +13,7 @@ use vibro_orbits::Orbit;
 use vibro_studies::significant;
 use vibro_studies::{Machine, Measure, QuantityName, columns, named};
 
-/// Samples of a period in pictures.
+/// Number of samples per period in pictures.
 const SAMPLES: u32 = 800;
 
 /// The study of one orbit: events, multipliers, energies, a start on it, history and portrait.
@@ -101,7 +101,7 @@ fn energy_table(energies: &[(String, f64)]) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// History and portrait of the first free body, from samples of the machine's own motion by
+/// History and portrait of the first free body, from samples of the machine's motion along its
 /// flights.
 fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
     let d = &machine.description;
@@ -137,8 +137,8 @@ fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
     ])
 }
 
-/// The columns at instants of a period. Each flight is followed from its begin, so that instability
-/// has no time to grow.
+/// The columns at instants of a period. Each flight is followed from its beginning, so that
+/// instability has no time to grow.
 fn samples(orbit: &Orbit) -> Result<Vec<(f64, Vec<f64>)>> {
     let mut rows = Vec::new();
     for leg in orbit.legs() {

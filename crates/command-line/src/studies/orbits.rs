@@ -10,7 +10,7 @@ use vibro_figures::chart::Axis;
 use vibro_orbits::{Branch, Family, LocusStart, Orbit, OrbitPoint, check_measure};
 use vibro_studies::{Machine, Measure};
 
-/// Lengths below this, m, are shown in mm, angles, rad, in mrad.
+/// Lengths below this, m, are shown in mm, and angles below this, rad, in mrad.
 const SMALL: f64 = 0.1;
 
 /// The study of a machine's branches over a parameter: tables of points and special points, and a
@@ -29,7 +29,7 @@ pub fn orbits(
     study_of(machine, family, branches, (measure, &measured(branches, measure)), name)
 }
 
-/// A measure of each orbit of branches; NaN where it has none.
+/// A measure of each orbit of branches; NaN if it has none.
 pub(super) fn measured(branches: &[Branch], measure: &Measure) -> Vec<Vec<f64>> {
     let value = |branch: &Branch, point: &OrbitPoint| {
         branch.orbit(point).and_then(|orbit| orbit.measure(measure).ok()).unwrap_or(f64::NAN)
@@ -37,7 +37,7 @@ pub(super) fn measured(branches: &[Branch], measure: &Measure) -> Vec<Vec<f64>> 
     branches.par_iter().map(|b| b.points.iter().map(|p| value(b, p)).collect()).collect()
 }
 
-/// Number of units in one of SI in which a picture shows values, and their symbol.
+/// Factor from SI to the unit in which a picture shows values, and the unit's symbol.
 pub(super) fn shown_unit(unit: &str, largest: f64) -> (f64, String) {
     match unit {
         "m" if largest < SMALL => (1e3, "mm".to_owned()),
@@ -78,7 +78,7 @@ pub(super) fn study_of(
     Ok(Study { subject, ..branches::study(all, tops, texts, tables) })
 }
 
-/// The events of a branch in words.
+/// Description of the events of a branch.
 pub(super) fn words(family: &Family, branch: &Branch) -> String {
     let place = family.place(branch.points[0].value);
     place.map_or_else(|_| String::new(), |place| branch.word().in_words(&place.assembly))
@@ -102,8 +102,8 @@ fn point_table(family: &Family, all: &[Branch], (measure, tops): (&Measure, &[Ve
     })
 }
 
-/// Table of the special points, each with an orbit of its branch beside it, from which a curve over
-/// two parameters starts.
+/// Table of the special points, each with a neighbouring orbit of its branch, from which a curve
+/// over two parameters starts.
 pub(super) fn special_table(family: &Family, all: &[Branch]) -> Result<Vec<u8>> {
     let own = [
         "value_error",

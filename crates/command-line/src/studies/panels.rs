@@ -1,5 +1,5 @@
-//! Panels, tables and remarks that are common to all bifurcation diagrams: those with exponents,
-//! those with orbits, and those of described machines.
+//! Panels, tables and remarks common to all bifurcation diagrams: with exponents, with orbits, and
+//! of described machines.
 
 use crate::Result;
 use crate::table::{CsvRows, TextTable, exact};

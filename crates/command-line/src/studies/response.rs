@@ -1,5 +1,5 @@
-//! Response curves of described machines: the branches of settled motions over a parameter, with
-//! where each begins and ends and where it is largest.
+//! Response curves of described machines: branches of settled motions over a parameter, with their
+//! ends and largest values.
 
 use super::Study;
 use super::orbits::{measured, shown_unit, study_of, words};
@@ -17,8 +17,8 @@ const SPELLED: usize = 4;
 /// of a measure.
 ///
 /// # Errors
-/// [`Error::Described`] where no settled motion is periodic;
-/// [`Error::Output`](crate::Error::Output); an error if the machine does not have the measure.
+/// [`Error::Described`] if no settled motion is periodic; [`Error::Output`](crate::Error::Output);
+/// an error if the machine does not have the measure.
 pub fn response(
     machine: &Machine,
     family: &Family,
@@ -54,7 +54,7 @@ pub fn response(
     Ok(study)
 }
 
-/// A branch in words: its events, its ends by name, its largest and its largest stable value.
+/// Description of a branch: events, names of its ends, largest and largest stable value.
 fn in_words(
     machine: &Machine,
     family: &Family,
@@ -95,7 +95,7 @@ fn in_words(
     format!("{head}{ends}{}{}", told("largest", false), told("largest stable", true))
 }
 
-/// An end of a branch in words: its label, the element that is meant, and the parameter.
+/// Description of an end of a branch: its label, its element, and the parameter.
 fn end_in_words(machine: &Machine, parameter: &str, point: &OrbitPoint) -> String {
     let value = machine.told(parameter, point.value);
     match &point.special {

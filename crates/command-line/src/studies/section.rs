@@ -26,7 +26,7 @@ enum Number {
     Column(usize),
 }
 
-/// What a section's picture shows across and up.
+/// Quantities on the axes of a section's picture, horizontal first.
 #[derive(Clone, Debug)]
 pub struct SectionAxes {
     numbers: [Number; 2],
@@ -40,7 +40,7 @@ impl fmt::Display for SectionAxes {
 }
 
 impl SectionAxes {
-    /// The axes by their names with a comma between, or those of the machine's section.
+    /// Axes from two names with a comma between, or the default axes of the section.
     ///
     /// # Errors
     /// [`Error::Refused`] for another form and names that the section does not have.
@@ -155,7 +155,7 @@ pub fn section(
     })
 }
 
-/// Number of distinct points, where it is small.
+/// Number of distinct points, if it is small.
 fn distinct(points: &[(f64, f64)], sizes: (f64, f64)) -> Option<usize> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     for point in points {
@@ -172,7 +172,7 @@ fn distinct(points: &[(f64, f64)], sizes: (f64, f64)) -> Option<usize> {
     Some(found.len())
 }
 
-/// Table of the points: time, phase and closing speed where the section has them, all columns.
+/// Table of the points: time, phase and closing speed if the section has them, and all columns.
 fn table(machine: &Machine, points: &[SectionPoint]) -> Result<Vec<u8>> {
     let cell = |value: Option<f64>| value.map_or(String::new(), exact);
     let header = ["point", "time", "phase", "speed"].map(String::from);

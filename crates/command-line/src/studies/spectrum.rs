@@ -9,7 +9,7 @@ use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 use vibro_studies::significant;
 use vibro_studies::{Machine, Spectrum, Start, runs_on, settle, settled};
 
-/// Most points of a curve in the picture.
+/// Largest number of points of a curve in the picture.
 const POINTS: usize = 2000;
 
 /// Table of the largest exponent of a machine's motion from a start, over `periods` returns after

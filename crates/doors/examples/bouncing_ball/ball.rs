@@ -1,6 +1,6 @@
-//! A ball that falls on a floor and bounces: a table of its variables, and its motion from impact
-//! to impact, which is exact. `main.rs` makes an FMU of it, for both interface types of both
-//! versions, with event mode, intermediate update, an event indicator and saved states.
+//! A ball that falls on a floor and bounces: a table of its variables, and its exact motion from
+//! impact to impact. `main.rs` makes an FMU of it, for both interface types of both versions, with
+//! event mode, intermediate update, an event indicator and saved states.
 
 use fmi_doors::description::Experiment;
 use fmi_doors::tabular::{Row, Tabular};

@@ -15,13 +15,13 @@ impl Element {
         Self { name, ..Self::default() }
     }
 
-    /// With an attribute.
+    /// Adds an attribute.
     pub(super) fn with(mut self, name: &'static str, value: impl Display) -> Self {
         self.attributes.push((name, value.to_string()));
         self
     }
 
-    /// With an attribute that may be left out.
+    /// Adds an attribute if it has a value.
     pub(super) fn maybe(self, name: &'static str, value: Option<impl Display>) -> Self {
         match value {
             Some(value) => self.with(name, value),
@@ -29,13 +29,13 @@ impl Element {
         }
     }
 
-    /// With further children.
+    /// Adds children.
     pub(super) fn children(mut self, children: impl IntoIterator<Item = Element>) -> Self {
         self.children.extend(children);
         self
     }
 
-    /// As a document, each element on a line of its own.
+    /// The element as a document, each element on its own line.
     pub(super) fn document(&self) -> String {
         let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         self.write(&mut text, 0);
@@ -62,8 +62,8 @@ impl Element {
 }
 
 /// Writes a character of an attribute's value. Characters with a meaning in XML, and white space
-/// that XML would turn into blanks, are written by number or name. Characters that XML 1.0 does not
-/// allow become a question mark.
+/// that XML would turn into blanks, are written by number or name. Characters that XML 1.0 does
+/// not allow become a question mark.
 fn escape(text: &mut String, c: char) {
     match c {
         '<' => text.push_str("&lt;"),

@@ -1,4 +1,4 @@
-//! A description as FMI 2.0 writes it (FMI 2.0, 2.2, 3.3 and 4.3).
+//! Text of a description in FMI 2.0 (FMI 2.0, 2.2, 3.3 and 4.3).
 
 use super::element::Element;
 use super::{Capabilities, Description, Kind, Text, Type, TypeKind, Unit, Unknown, Variable};
@@ -36,7 +36,7 @@ pub(super) fn root(of: &Description) -> Element {
             .children(some("InitialUnknowns", unknowns(&of.initial_unknowns, of, true)))])
 }
 
-/// The root with the attributes that both versions have; `token` is the attribute for the token.
+/// The root with the attributes common to both versions; `token` is the attribute for the token.
 pub(super) fn named(version: &'static str, token: &'static str, of: &Description) -> Element {
     Element::new("fmiModelDescription")
         .with("fmiVersion", version)
@@ -58,7 +58,7 @@ pub(super) fn some(name: &'static str, children: impl Iterator<Item = Element>) 
     (!children.is_empty()).then(|| Element::new(name).children(children))
 }
 
-/// An interface type; `own` adds its own attributes at the place that the schema requires.
+/// An interface type; `own` adds its own attributes at the position that the schema requires.
 fn interface(name: &'static str, of: &Description, own: impl FnOnce(Element) -> Element) -> Element {
     let Capabilities {
         can_get_and_set_fmu_state,

@@ -1,4 +1,4 @@
-//! A description as FMI 3.0 writes it (FMI 3.0.2, 2.4, 3.4 and 4.4).
+//! Text of a description in FMI 3.0 (FMI 3.0.2, 2.4, 3.4 and 4.4).
 
 use super::element::Element;
 use super::fmi2::{experiment, items, log_categories, named, some, unit, with_dependencies};
@@ -77,8 +77,8 @@ fn nominal_value(v: &Variable) -> Option<(&str, f64)> {
     Some((v.declared_type.as_deref()?, nominal.filter(|nominal| *nominal != 1.0)?))
 }
 
-/// The nominal values that variables of each declared type have. For each there is a type of its
-/// own: a variable takes the attribute from its type (FMI 3.0.2, `TypeDefinitions`).
+/// The nominal values of variables with a declared type. Each needs a separate type, since a
+/// variable takes the attribute from its type (FMI 3.0.2, `TypeDefinitions`).
 fn nominal_values(of: &Description) -> Vec<(&str, f64)> {
     let mut all: Vec<(&str, f64)> = Vec::new();
     for value in of.variables.iter().filter_map(nominal_value) {
@@ -89,7 +89,7 @@ fn nominal_values(of: &Description) -> Vec<(&str, f64)> {
     all
 }
 
-/// The name of the declared type of a nominal value, by its place among all.
+/// The name of the declared type for a nominal value, from its index among all.
 fn name_with_nominal(nominals: &[(&str, f64)], value: (&str, f64)) -> Option<String> {
     let place = nominals.iter().position(|own| *own == value)?;
     Some(format!("{}.nominal{}", value.0, place + 1))
@@ -117,7 +117,7 @@ fn variable(v: &Variable, nominals: &[(&str, f64)]) -> Element {
         (None, None, None, None, None);
     if let Kind::Real { unit, display_unit, nominal, derivative_of, reinit } = &v.kind {
         // A declared type gives unit, display unit and nominal value, so these attributes are left
-        // out: fmi-sim (fmi-schema 0.8) does not open an archive in which a variable has one of the
+        // out: fmi-sim (fmi-schema 0.8) does not open an archive if a variable has one of the
         // three.
         own_unit = unit.as_ref().filter(|_| v.declared_type.is_none());
         own_display = display_unit.as_ref().filter(|_| v.declared_type.is_none());

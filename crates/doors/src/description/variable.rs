@@ -3,7 +3,7 @@
 use super::{Text, Type};
 use crate::values::DependencyKind;
 
-/// Who sets a variable, and what it is for.
+/// Role of a variable: who sets it and who reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Causality {
     /// Set by the environment, constant during simulation.
@@ -21,7 +21,7 @@ pub enum Causality {
 }
 
 impl Causality {
-    /// As the standard writes it.
+    /// Name in the standard.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Parameter => "parameter",
@@ -34,7 +34,7 @@ impl Causality {
     }
 }
 
-/// When a variable changes.
+/// Times at which a variable changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variability {
     /// Constant after initialization.
@@ -48,7 +48,7 @@ pub enum Variability {
 }
 
 impl Variability {
-    /// As the standard writes it.
+    /// Name in the standard.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fixed => "fixed",
@@ -59,17 +59,17 @@ impl Variability {
     }
 }
 
-/// Where the initial value comes from.
+/// Origin of the initial value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initial {
-    /// Has a start value that is its initial value.
+    /// Has a start value, which is its initial value.
     Exact,
     /// Computed.
     Calculated,
 }
 
 impl Initial {
-    /// As the standard writes it.
+    /// Name in the standard.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -89,7 +89,7 @@ pub enum Kind {
         display_unit: Option<Text>,
         /// Nominal value.
         nominal: Option<f64>,
-        /// Value reference of the state whose time derivative this is.
+        /// Value reference of the state, if this is its time derivative.
         derivative_of: Option<u32>,
         /// Whether events may change this continuous state.
         reinit: bool,
@@ -111,13 +111,13 @@ pub struct Variable {
     pub name: Text,
     /// Value reference, unique among the variables.
     pub reference: u32,
-    /// What it is.
+    /// Description.
     pub description: Text,
     /// Causality.
     pub causality: Causality,
     /// Variability.
     pub variability: Variability,
-    /// Where the initial value comes from; none for inputs and time.
+    /// Origin of the initial value; `None` for inputs and time.
     pub initial: Option<Initial>,
     /// Type.
     pub kind: Kind,
@@ -129,11 +129,11 @@ pub struct Variable {
     pub max: Option<f64>,
     /// Start value. A variable that can be set has one. Booleans are 0 and 1.
     pub start: Option<f64>,
-    /// FMI 3.0: lengths of an array, the slowest index first; none of a scalar.
+    /// FMI 3.0: lengths of an array, the slowest index first; empty for a scalar.
     pub dimensions: Vec<usize>,
-    /// FMI 3.0: whether it can be read or set within a step.
+    /// FMI 3.0: whether the variable can be read or set within a step.
     pub intermediate_update: bool,
-    /// FMI 3.0: value reference of the clock that it belongs to.
+    /// FMI 3.0: value reference of its clock.
     pub clock: Option<u32>,
     /// FMI 3.0: another name.
     pub alias: Option<Text>,
@@ -158,7 +158,7 @@ impl Variable {
         variable
     }
 
-    /// A Real with a unit or without one, and without a declared type; otherwise as
+    /// A Real with or without a unit, and without a declared type; otherwise as
     /// [`real`](Self::real).
     pub fn of_unit(
         reference: u32,
@@ -193,14 +193,14 @@ impl Variable {
         }
     }
 
-    /// With a start value, which is its initial value unless it is an input.
+    /// Adds a start value, which is the initial value unless the variable is an input.
     #[must_use]
     pub fn starting_at(self, start: f64) -> Self {
         let initial = if self.causality == Causality::Input { None } else { Some(Initial::Exact) };
         Self { start: Some(start), initial, ..self }
     }
 
-    /// The derivative of a state, by the state's value reference.
+    /// Marks the derivative of a state, given by the state's value reference.
     #[must_use]
     pub fn derivative_of(mut self, state: u32) -> Self {
         if let Kind::Real { derivative_of, .. } = &mut self.kind {
@@ -209,7 +209,7 @@ impl Variable {
         self
     }
 
-    /// A state that events change.
+    /// Marks a state that events change.
     #[must_use]
     pub fn reinitialized(mut self) -> Self {
         if let Kind::Real { reinit, .. } = &mut self.kind {
@@ -218,7 +218,7 @@ impl Variable {
         self
     }
 
-    /// An Integer that changes at events only.
+    /// Makes it an Integer that changes at events only.
     #[must_use]
     pub fn counting(self) -> Self {
         let variability = Variability::Discrete;
@@ -231,13 +231,13 @@ impl Variable {
 pub struct Unknown {
     /// Its value reference.
     pub reference: u32,
-    /// The knowns on which it depends, with the kind of dependency. `None` means that it may depend
-    /// on all knowns.
+    /// The knowns on which it depends, with the kind of dependency. `None` means that it may
+    /// depend on all knowns.
     pub dependencies: Option<Vec<(u32, DependencyKind)>>,
 }
 
 impl Unknown {
-    /// An unknown that depends on these knowns, without a particular kind of dependency.
+    /// An unknown that depends on these knowns, with [`DependencyKind::Dependent`].
     pub fn on(reference: u32, knowns: impl IntoIterator<Item = u32>) -> Self {
         let dependencies = knowns.into_iter().map(|known| (known, DependencyKind::Dependent)).collect();
         Self { reference, dependencies: Some(dependencies) }

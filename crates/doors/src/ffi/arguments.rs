@@ -1,5 +1,5 @@
-//! Kinds of arguments of the exported functions: their C types, and how they become safe types. The
-//! macros are expanded where a component is exported, and are useful only there.
+//! Kinds of arguments of the exported functions: their C types and conversion to safe types. Only
+//! the library that exports a component expands these macros.
 
 /// C type of an argument of this kind.
 #[doc(hidden)]
@@ -25,7 +25,7 @@ macro_rules! __checked {
     ($instance:ident flag $name:ident) => { $name != 0 };
     ($instance:ident value $name:ident) => { $name };
     ($instance:ident state $name:ident) => { $name.addr() };
-    // SAFETY (all below): null or valid for that count, as the exported function's caller says.
+    // SAFETY (all below): null or valid for that count, as the exported function's caller ensures.
     ($instance:ident array $name:ident $count:expr) => {
         unsafe { $crate::ffi::pointers::array($name, $count, (stringify!($name), $instance.max_count())) }?
     };

@@ -1,5 +1,5 @@
-//! Values that a host holds by handle. A handle is the address of a value on the heap. It is looked
-//! up among the handles in use and never followed, so a wrong handle is an error and not a crash.
+//! Values that a host holds by handle. A handle is the address of a value on the heap. It is
+//! compared, never followed, so a wrong handle is an error and not a crash.
 
 use super::Fault;
 
@@ -23,8 +23,8 @@ fn address<T>(value: &Box<T>) -> usize {
 }
 
 impl<T> Handles<T> {
-    /// Stores a value and returns its handle. If `handle` is not zero, the value replaces that of
-    /// `handle`, without a new allocation.
+    /// Stores a value and returns its handle. If `handle` is not zero, the value replaces the
+    /// value of `handle`, without a new allocation.
     ///
     /// # Errors
     /// [`Fault::Handle`] if the handle is neither zero nor in use.
@@ -50,34 +50,34 @@ impl<T> Handles<T> {
         self.keep(value, if known { handle } else { 0 })
     }
 
-    /// The value of that handle.
+    /// The value of the handle.
     ///
     /// # Errors
-    /// [`Fault::Handle`] when there is none.
+    /// [`Fault::Handle`] if the handle is not in use.
     pub fn get(&self, handle: usize) -> Result<&T, Fault> {
         Ok(&self.given[self.place(handle)?])
     }
 
-    /// The value of that handle, to be changed.
+    /// The value of the handle, mutable.
     ///
     /// # Errors
-    /// [`Fault::Handle`] when there is none.
+    /// [`Fault::Handle`] if the handle is not in use.
     pub fn get_mut(&mut self, handle: usize) -> Result<&mut T, Fault> {
         let place = self.place(handle)?;
         Ok(&mut self.given[place])
     }
 
-    /// Frees the value of that handle.
+    /// Frees the value of the handle.
     ///
     /// # Errors
-    /// [`Fault::Handle`] when there is none.
+    /// [`Fault::Handle`] if the handle is not in use.
     pub fn free(&mut self, handle: usize) -> Result<(), Fault> {
         let place = self.place(handle)?;
         self.given.swap_remove(place);
         Ok(())
     }
 
-    /// Place of a handle. The search begins at the last one, since hosts mostly restore their
+    /// Index of a handle. The search begins at the last one, since hosts mostly restore their
     /// latest states.
     fn place(&self, handle: usize) -> Result<usize, Fault> {
         self.given.iter().rposition(|kept| address(kept) == handle).ok_or(Fault::Handle)
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(handles.get(first), Err(Fault::Handle));
         assert_eq!(handles.get(12345), Err(Fault::Handle));
         assert_eq!(others.keep(4, second), Err(Fault::Handle));
-        // A variable that is only written to may hold anything.
+        // A variable that is only written may hold any value.
         let new = others.keep_new(5, second).unwrap();
         assert_eq!(others.get(new), Ok(&5));
     }

@@ -1,5 +1,5 @@
-//! Path of the library that contains this code. An FMU has its resources at a fixed place relative
-//! to it.
+//! Path of the library that contains this code. The resources of an FMU are at a fixed location
+//! relative to it.
 
 #![allow(unsafe_code)] // the system is asked by its C functions
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -32,7 +32,7 @@ fn mapped_at(line: &[u8], address: usize) -> Option<PathBuf> {
     within.then(|| PathBuf::from(std::ffi::OsStr::from_bytes(&line[path..])))
 }
 
-/// A WebAssembly module has no place among files.
+/// A WebAssembly module does not have a path.
 #[cfg(target_family = "wasm")]
 fn of_address(_address: usize) -> Option<PathBuf> {
     None
@@ -45,7 +45,7 @@ fn of_address(address: usize) -> Option<PathBuf> {
     let null = std::ptr::null_mut::<core::ffi::c_void>();
     let mut info =
         libc::Dl_info { dli_fname: null.cast(), dli_fbase: null, dli_sname: null.cast(), dli_saddr: null };
-    // SAFETY: dladdr takes any address, and writes an `Info` to a place that is one.
+    // SAFETY: dladdr takes any address, and writes an `Info` to a variable of this type.
     let found = unsafe { libc::dladdr(address as *const core::ffi::c_void, &mut info) } != 0
         && !info.dli_fname.is_null();
     // SAFETY: if a library was found, `dli_fname` is a C string that lives as long as the library
@@ -69,8 +69,8 @@ fn of_address(address: usize) -> Option<PathBuf> {
         fn GetModuleFileNameW(module: *mut c_void, name: *mut u16, size: u32) -> u32;
     }
     let (mut module, mut name) = (std::ptr::null_mut(), vec![0u16; LONGEST]);
-    // SAFETY: with this flag any address may be asked for; `module` and `name` are places of the
-    // type and size that are told.
+    // SAFETY: with this flag any address may be given; `module` and `name` have the type and size
+    // that are passed.
     let length = unsafe {
         if GetModuleHandleExW(FROM_ADDRESS_UNCHANGED, address as *const c_void, &mut module) == 0 {
             return None;

@@ -1,6 +1,6 @@
 //! Parts that every C interface needs: pointers that are checked before they are followed, panics
-//! that do not leave the library, and handles that are looked up. Nothing here depends on FMI or a
-//! component.
+//! that do not leave the library, and handles that are searched, not followed. Nothing here
+//! depends on FMI or a component.
 
 mod arguments;
 pub mod handles;
@@ -8,10 +8,10 @@ pub mod library;
 pub mod panics;
 pub mod pointers;
 
-/// Why an argument was refused, or the error inside the library.
+/// Reason why an argument was refused, or the error inside the library.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
-    /// A pointer that is null, or not aligned for what it should point to.
+    /// A pointer that is null, or misaligned for its type.
     #[error("{argument} is null or misaligned: allowed is a valid pointer")]
     Pointer {
         /// The argument.
@@ -24,17 +24,17 @@ pub enum Fault {
         argument: &'static str,
         /// Its value.
         value: usize,
-        /// What is allowed.
+        /// The valid values.
         allowed: String,
     },
-    /// Text that is not allowed.
+    /// A text that is not valid.
     #[error("{argument} = \"{value}\": allowed is {allowed}")]
     Text {
         /// The argument.
         argument: &'static str,
         /// Its value.
         value: String,
-        /// What is allowed.
+        /// The valid texts.
         allowed: String,
     },
     /// A handle that the library has not returned, or has freed.

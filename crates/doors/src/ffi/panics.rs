@@ -1,10 +1,10 @@
 //! Panics at the C interface: caught, turned into a problem, and kept from printing.
 //!
-//! The default hook of std would write to the host's standard error and, with `RUST_BACKTRACE` set,
-//! read the debug information of every loaded library. It also leaves a thread-local value with a
-//! destructor behind, which pins the library in memory. The hook installed here ignores panics
-//! inside a call from C and passes all others to the previous hook. The packaged library has its
-//! own std, so no other panics occur there. A Rust program that links this crate keeps the
+//! The default hook of std would write to the host's standard error and, with `RUST_BACKTRACE`
+//! set, read the debug information of every loaded library. It also leaves a thread-local value
+//! with a destructor behind, which pins the library in memory. The hook installed here ignores
+//! panics inside a call from C and passes all others to the previous hook. The packaged library
+//! has its own std, so no other panics occur there. A Rust program that links this crate keeps the
 //! behaviour of its hook.
 
 use super::Fault;
@@ -20,7 +20,7 @@ thread_local! {
 
 type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Sync + Send>;
 
-// A static, and not captured: so neither hook takes memory that unloading would leave behind.
+// A static instead of a capture: neither hook then takes memory that would remain after unloading.
 static PREVIOUS: OnceLock<Hook> = OnceLock::new();
 static INSTALL: Once = Once::new();
 

@@ -10,7 +10,7 @@ use std::ffi::CStr;
 use std::mem::MaybeUninit;
 use std::ptr;
 
-/// Whether the address of a pointer allows an access: it is neither null nor misaligned.
+/// Whether an address can be accessed: it is neither null nor misaligned.
 #[inline]
 fn can_be_followed<T>(pointer: *const T) -> bool {
     !pointer.is_null() && pointer.is_aligned()
@@ -34,12 +34,11 @@ pub fn aligned<T>(pointer: *mut T, argument: &'static str) -> Result<*mut T, Fau
     if pointer.is_aligned() { Ok(pointer) } else { Err(Fault::Pointer { argument }) }
 }
 
-/// Check of a host array: a count above `limit` and an invalid pointer are refused; an empty array
-/// may have any pointer. Because of the limit a wrong count does not lead to reads far outside the
-/// array.
+/// Checks a host array: a count above `limit` and an invalid pointer are refused; an empty array
+/// may have any pointer. The limit prevents reads far outside the array if a count is wrong.
 ///
 /// # Errors
-/// [`Fault`] for more elements than any call has, or a pointer that cannot be followed.
+/// [`Fault`] for more elements than any call has, or an invalid pointer.
 #[inline]
 pub fn check_array<T>(
     pointer: *const T,
@@ -62,8 +61,8 @@ pub fn check_count(number: &'static str, value: usize, count: usize) -> Result<(
     if value == count { Ok(()) } else { Err(problem()) }
 }
 
-/// The host's array as a slice; empty when `count` is 0, whatever the pointer. `argument` is
-/// the array's name and the largest count that any call allows.
+/// The host's array as a slice; empty if `count` is 0, whatever the pointer. `argument` is the
+/// array's name and the largest count that any call allows.
 ///
 /// # Errors
 /// [`Fault`] for an invalid pointer or count.
@@ -78,11 +77,11 @@ pub unsafe fn array<'a, T>(
     argument: (&'static str, usize),
 ) -> Result<&'a [T], Fault> {
     check_array(pointer, count, argument)?;
-    // SAFETY: not null, aligned, of `count` elements as the caller says.
+    // SAFETY: not null, aligned, of `count` elements as the caller ensures.
     Ok(if count == 0 { &[] } else { unsafe { std::slice::from_raw_parts(pointer, count) } })
 }
 
-/// Host array of exactly `expected` elements; the names are those of the array and of its count.
+/// Host array of exactly `expected` elements; the two names are the array's and its count's.
 ///
 /// # Errors
 /// [`Fault`] for an invalid pointer or count.
@@ -97,7 +96,7 @@ pub unsafe fn vector<'a, T>(
     (argument, number): (&'static str, &'static str),
 ) -> Result<&'a [T], Fault> {
     check_count(number, count, expected)?;
-    // SAFETY: of so many elements as the caller says.
+    // SAFETY: `count` elements, as the caller ensures.
     unsafe { array(pointer, count, (argument, count)) }
 }
 
@@ -111,7 +110,7 @@ pub unsafe fn vector<'a, T>(
 /// used.
 pub unsafe fn c_str<'a>(pointer: *const c_char, argument: &'static str) -> Result<&'a CStr, Fault> {
     check_pointer(pointer, argument)?;
-    // SAFETY: not null, ends with a null byte as the caller says.
+    // SAFETY: not null, ends with a null byte as the caller ensures.
     Ok(unsafe { CStr::from_ptr(pointer) })
 }
 
@@ -138,15 +137,15 @@ pub unsafe fn out<'a, T>(
 /// `pointer` is null or points to a variable that lives and is not read while this is used.
 #[inline]
 pub unsafe fn variable<'a, T>(pointer: *mut T) -> Option<&'a Cell<MaybeUninit<T>>> {
-    // SAFETY: not null, aligned, living as the caller says; any bytes are valid as this cell.
+    // SAFETY: not null, aligned, living as the caller ensures; any bytes are valid as this cell.
     can_be_followed(pointer).then(|| unsafe { &*pointer.cast() })
 }
 
-/// The host's array, or its single value: only written, never read, since it may hold anything.
+/// The host's array, or its single value: only written, never read, since it may hold any bytes.
 pub struct Out<'a, T>(pub &'a [Cell<MaybeUninit<T>>]);
 
 impl<T: Copy> Out<'_, T> {
-    /// Puts value `i`.
+    /// Writes value `i`.
     #[inline]
     pub fn put(&self, i: usize, value: T) {
         if let Some(cell) = self.0.get(i) {
@@ -164,8 +163,8 @@ impl<T: Copy> Out<'_, T> {
         Ok(())
     }
 
-    /// Puts all values of an array that must have exactly as many elements; `number` is the name of
-    /// its count.
+    /// Writes all values of an array that must have exactly this number of elements; `number` is
+    /// the name of its count.
     ///
     /// # Errors
     /// [`Fault::Count`] for any other number of elements.
@@ -187,13 +186,12 @@ pub struct Handle<'a> {
 /// The host's variable for a handle.
 ///
 /// # Errors
-/// [`Fault::Pointer`] for a pointer that is not aligned; null is an error only when the variable is
-/// needed.
+/// [`Fault::Pointer`] for a misaligned pointer; null is an error only when the variable is needed.
 ///
 /// # Safety
-/// `pointer` is null or points to a pointer that lives and is not used elsewhere while this is.
+/// `pointer` is null or points to a pointer that lives and is not used elsewhere meanwhile.
 pub unsafe fn handle<'a>(pointer: *mut *mut c_void, argument: &'static str) -> Result<Handle<'a>, Fault> {
-    // SAFETY: null, or aligned and valid as the caller says.
+    // SAFETY: null, or aligned and valid as the caller ensures.
     Ok(Handle { variable: unsafe { aligned(pointer, argument)?.as_mut() }, argument })
 }
 
@@ -202,17 +200,17 @@ impl Handle<'_> {
     /// null).
     ///
     /// # Errors
-    /// Those of `new`; [`Fault::Pointer`] if there is no variable.
+    /// Errors of `new`; [`Fault::Pointer`] if there is no variable.
     pub fn replace<E: From<Fault>>(self, new: impl FnOnce(usize) -> Result<usize, E>) -> Result<(), E> {
         let variable = self.variable.ok_or(Fault::Pointer { argument: self.argument })?;
         *variable = ptr::without_provenance_mut(new(variable.addr())?);
         Ok(())
     }
 
-    /// Frees the state at the present address, if any, and puts null in its place.
+    /// Frees the state at the present address, if any, and replaces it by null.
     ///
     /// # Errors
-    /// Those of `free`.
+    /// Errors of `free`.
     pub fn free<E>(self, free: impl FnOnce(usize) -> Result<(), E>) -> Result<(), E> {
         match self.variable {
             Some(variable) if !variable.is_null() => {

@@ -3,11 +3,11 @@
 //! The macro [`export_fmi2!`](crate::export_fmi2) makes the functions for one component. It is
 //! expanded in the component's library, which exports the functions by name. It declares each
 //! function as in the C prototype of the standard, and adds the kind of each argument. By these
-//! kinds the function checks handle, state, pointers and counts, turns pointers into safe types and
-//! calls the [`Instance`]. The outcome becomes a status and a log message. This module makes no
-//! decisions about the model. A panic does not leave a function: it becomes `fmi2Fatal` and marks
-//! the instance unusable. C enumerations arrive as integers and are checked, never taken as Rust
-//! enums.
+//! kinds the function checks handle, state, pointers and counts, turns pointers into safe types
+//! and calls the [`Instance`]. The outcome becomes a status and a log message. This module makes
+//! no decisions about the model. A panic does not leave a function: it becomes `fmi2Fatal` and
+//! marks the instance unusable. C enumerations arrive as integers and are checked, never taken as
+//! Rust enums.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -51,12 +51,12 @@ pub struct FmiCallbackFunctions {
     pub component_environment: *mut c_void,
 }
 
-/// Target of a host's `fmi2Component`. It is borrowed while a call runs, so that a call from inside
-/// the logger is refused.
+/// Target of a host's `fmi2Component`. It is borrowed while a call runs, so that a call from
+/// inside the logger is refused.
 #[doc(hidden)]
 pub type Shared<C> = RefCell<(Instance<C>, Host)>;
 
-/// Where log messages go.
+/// Destination of log messages.
 #[derive(Debug)]
 pub struct Host {
     name: CString,
@@ -68,9 +68,9 @@ impl Sink for Host {
     fn send(&mut self, status: Status, category: Category, message: &str) {
         let Some(logger) = self.logger else { return };
         let (category, message) = (c_text(messages::name(category)), status::finished(message));
-        // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI
-        // 2.0, 2.1.5); all strings live until it returns; no % in the message asks for a further
-        // argument.
+        // SAFETY: the host ensures that its logger and environment stay valid until the instance
+        // is freed (FMI 2.0, 2.1.5); all strings live until it returns; no % in the message
+        // requires a further argument.
         unsafe {
             let (name, category, message) = (self.name.as_ptr(), category.as_ptr(), message.as_ptr());
             logger(self.environment, name, status as c_int, category, message);
@@ -90,8 +90,8 @@ pub unsafe fn call<C: Component>(
     function: Function,
     body: impl FnOnce(&mut Instance<C>, &mut Host) -> Outcome<C>,
 ) -> FmiStatus {
-    // SAFETY: null or from `Box::into_raw` in `instantiate`; only shared, so a second call at a
-    // time finds it borrowed.
+    // SAFETY: null or from `Box::into_raw` in `instantiate`; only shared, so a second simultaneous
+    // call finds it borrowed.
     let component = aligned(c.cast::<Shared<C>>(), "c").map(|c| unsafe { c.as_ref() });
     let Ok(Some(Ok(mut component))) = component.map(|c| c.map(RefCell::try_borrow_mut)) else {
         return Status::Error as FmiStatus;
@@ -125,11 +125,11 @@ fn refuse<C: Component>(
 }
 
 /// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. Name, GUID and
-/// the place of the resources are handed to the component; visibility is not used.
+/// location of the resources are passed to the component; visibility is not used.
 ///
 /// # Safety
 /// `name`, `guid` and `resources` are null or C strings; `functions` is null or points to the
-/// callbacks, of which logger and environment stay valid until the instance is freed.
+/// callbacks, with a logger and an environment that stay valid until the instance is freed.
 pub unsafe fn instantiate<C: Component>(
     (name, kind, guid, resources): (*const c_char, c_int, *const c_char, *const c_char),
     functions: *const FmiCallbackFunctions,
@@ -185,8 +185,8 @@ pub unsafe fn free<C: Component>(c: FmiComponent) {
 }
 
 /// Makes the functions of a table, for `export_fmi2!`. The table is ordered by the clauses of the
-/// standard. An entry has the function's name, its row of the state tables, the arguments after the
-/// component as `kind name: type[count]`, and the body.
+/// standard. An entry has the function's name, its row of the state tables, the arguments after
+/// the component as `kind name: type[count]`, and the body.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __functions_of_fmi2 {
@@ -198,8 +198,8 @@ macro_rules! __functions_of_fmi2 {
         ///
         /// # Safety
         /// The component is null or from [`fmi2Instantiate`] and not freed, and no call on it is
-        /// running in another thread. Every other pointer is null or valid for the type that the
-        /// standard gives, with as many elements as the count says.
+        /// running in another thread. Every other pointer is null or valid for the standard's type
+        /// and the given count.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn $name(
@@ -220,8 +220,8 @@ macro_rules! __functions_of_fmi2 {
     )*)*};
 }
 
-/// Exports a [`Component`] by FMI 2.0: the 44 functions of the standard, each a public function by
-/// its C name. The macro belongs into a module of the library that hosts load, where the type is in
+/// Exports a [`Component`] by FMI 2.0: the 44 functions of the standard, each a public function
+/// with its C name. The macro belongs in a module of the library that hosts load, with the type in
 /// scope.
 #[macro_export]
 macro_rules! export_fmi2 {
@@ -240,14 +240,14 @@ macro_rules! export_fmi2 {
             c"2.0".as_ptr()
         }
 
-        /// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message. Instances
-        /// are independent of each other and may be used from different threads, each from one at a
-        /// time.
+        /// `fmi2Instantiate` (FMI 2.0, 2.1.5): a new instance, or null and a log message.
+        /// Instances are independent and may be used from different threads, each from one thread
+        /// at a time.
         ///
         /// # Safety
         /// `instanceName`, `fmuGUID` and `fmuResourceLocation` are null or C strings; `functions`
-        /// is null or points to the callbacks, of which logger and environment stay valid until the
-        /// instance is freed.
+        /// is null or points to the callbacks, with a logger and an environment that stay valid
+        /// until the instance is freed.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi2Instantiate(
@@ -260,20 +260,20 @@ macro_rules! export_fmi2 {
             loggingOn: $crate::fmi2::types::FmiBoolean,
         ) -> $crate::fmi2::abi::FmiComponent {
             let who = (instanceName, fmuType, fmuGUID, fmuResourceLocation);
-            // SAFETY: as the caller says.
+            // SAFETY: as the caller ensures.
             unsafe { $crate::fmi2::abi::instantiate::<$component>(who, functions, loggingOn) }
         }
 
-        /// `fmi2FreeInstance` (FMI 2.0, 2.1.5); also frees FMU states that were not. Null is
+        /// `fmi2FreeInstance` (FMI 2.0, 2.1.5). It also frees the remaining FMU states. Null is
         /// ignored, and so is a call from inside the instance's own logger.
         ///
         /// # Safety
-        /// `c` is null or from [`fmi2Instantiate`] and not freed; nothing uses it or its FMU states
-        /// afterwards.
+        /// `c` is null or from [`fmi2Instantiate`] and not freed; nothing uses it or its FMU
+        /// states afterwards.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi2FreeInstance(c: $crate::fmi2::abi::FmiComponent) {
-            // SAFETY: as the caller says.
+            // SAFETY: as the caller ensures.
             unsafe { $crate::fmi2::abi::free::<$component>(c) }
         }
 
@@ -314,7 +314,7 @@ macro_rules! export_fmi2 {
                 |instance, _| instance.set_any($crate::fmi2::instance::STRING, vr, &|_| 0.0);
 
             "2.1.8":
-            /// Writes into a new FMU state, or over one that this instance gave out.
+            /// Writes into a new FMU state, or over one that this instance has returned.
             fmi2GetFMUstate, GetFMUstate(handle FMUstate)
                 |instance, _| FMUstate.replace(|old| instance.save(old));
             /// Any address is safe: only addresses that this instance has returned are accepted.
@@ -323,10 +323,10 @@ macro_rules! export_fmi2 {
             fmi2FreeFMUstate, FreeFMUstate(handle FMUstate) |instance, _| FMUstate.free(|old| instance.free(old));
             fmi2SerializedFMUstateSize, SerializedFMUstateSize(state FMUstate, out size: usize[1])
                 |instance, _| size.give(instance.serialized(FMUstate).map(|bytes| bytes.len()));
-            /// Into as many bytes as `fmi2SerializedFMUstateSize` says.
+            /// The array must have the size that `fmi2SerializedFMUstateSize` returns.
             fmi2SerializeFMUstate, SerializeFMUstate(state FMUstate, out serializedState: u8[size], value size: usize)
                 |instance, _| serializedState.copy(&instance.serialized(FMUstate)?, "size");
-            /// Writes into a new FMU state, or over one that this instance gave out.
+            /// Writes into a new FMU state, or over one that this instance has returned.
             fmi2DeSerializeFMUstate, DeSerializeFMUstate(array serializedState: u8[size], value size: usize, handle FMUstate)
                 |instance, _| FMUstate.replace(|old| instance.deserialize(serializedState, old));
 
@@ -383,7 +383,7 @@ macro_rules! export_fmi2 {
             fmi2CancelStep, CancelStep() |instance, _| instance.cancel_step();
 
             "4.2.3":
-            /// The status of asynchronous steps, of which there are none.
+            /// The status of an asynchronous step; there are none.
             fmi2GetStatus, GetStatus(value s: ::core::ffi::c_int, out value: $crate::fmi2::types::FmiStatus[1])
                 |instance, _| instance.no_status(s);
             /// `fmi2LastSuccessfulTime`.
@@ -395,7 +395,7 @@ macro_rules! export_fmi2 {
             /// `fmi2Terminated`.
             fmi2GetBooleanStatus, GetBooleanStatus(value s: ::core::ffi::c_int, out value: $crate::fmi2::types::FmiBoolean[1])
                 |instance, _| value.give(instance.boolean_status(s).map(Into::into));
-            /// The status of asynchronous steps, of which there are none.
+            /// The status of an asynchronous step; there are none.
             fmi2GetStringStatus, GetStringStatus(value s: ::core::ffi::c_int, out value: *const ::core::ffi::c_char[1])
                 |instance, _| instance.no_status(s);
         }

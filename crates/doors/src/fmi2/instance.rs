@@ -1,4 +1,4 @@
-//! The functions of FMI 2.0 as calls of the component. Before any of them the C interface calls
+//! The functions of FMI 2.0 as calls of the component. Before each of them the C interface calls
 //! [`guard`](Instance::guard), which alone checks whether the function is allowed in the present
 //! state.
 
@@ -22,7 +22,7 @@ pub const REAL: Bases = Bases::REAL;
 pub const INTEGER: Bases = Bases::new("Integer", &[Base::Integer, Base::Enumeration]);
 /// Types of `fmi2GetBoolean` and `fmi2SetBoolean`.
 pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]);
-/// Types of `fmi2GetString` and `fmi2SetString`: there are none.
+/// Types of `fmi2GetString` and `fmi2SetString`: none.
 pub const STRING: Bases = Bases::new("String", &[]);
 
 /// One instance.
@@ -103,7 +103,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.exit_initialization(&mut log)?)
     }
 
-    /// `fmi2NewDiscreteStates` (FMI 2.0, 3.2.2): returns what has changed.
+    /// `fmi2NewDiscreteStates` (FMI 2.0, 3.2.2): returns the changes.
     ///
     /// # Errors
     /// As [`handle_events`](Component::handle_events).
@@ -127,7 +127,7 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// `fmi2CancelStep` (FMI 2.0, 4.2.2): steps are synchronous, so there is never one to cancel.
+    /// `fmi2CancelStep` (FMI 2.0, 4.2.2): steps are synchronous, so none can be cancelled.
     ///
     /// # Errors
     /// Always.
@@ -138,7 +138,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2GetRealStatus` (FMI 2.0, 4.2.3).
     ///
     /// # Errors
-    /// [`CallProblem::StatusNotAvailable`] for all but the last successful time.
+    /// [`CallProblem::StatusNotAvailable`] for all kinds except the last successful time.
     pub fn real_status(&self, kind: i32) -> Outcome<C, f64> {
         match StatusKind::from_number(kind).map_err(common)? {
             StatusKind::LastSuccessfulTime => Ok(self.component.time()),
@@ -149,7 +149,7 @@ impl<C: Component> Instance<C> {
     /// `fmi2GetBooleanStatus` (FMI 2.0, 4.2.3).
     ///
     /// # Errors
-    /// [`CallProblem::StatusNotAvailable`] for all kinds but `fmi2Terminated`, which is false.
+    /// [`CallProblem::StatusNotAvailable`] for all kinds except `fmi2Terminated`, which is false.
     pub fn boolean_status(&self, kind: i32) -> Outcome<C, bool> {
         match StatusKind::from_number(kind).map_err(common)? {
             StatusKind::Terminated => Ok(false),
@@ -157,8 +157,8 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// The error for a status that is read by the wrong function, and for a status that only
-    /// asynchronous steps have (FMI 2.0, 4.2.3).
+    /// The error for a status that is read with the wrong function, or that only asynchronous
+    /// steps have (FMI 2.0, 4.2.3).
     ///
     /// # Errors
     /// Always.
@@ -176,7 +176,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.get(bases, references, write)?)
     }
 
-    /// [`get`](Self::get) for the types that are seldom asked for, compiled once for all of them.
+    /// [`get`](Self::get) for rarely used types, compiled once for all of them.
     ///
     /// # Errors
     /// As [`get`](Self::get).
@@ -199,7 +199,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.set(bases, references, read)?)
     }
 
-    /// [`set`](Self::set) for the types that are seldom set, compiled once for all of them.
+    /// [`set`](Self::set) for rarely used types, compiled once for all of them.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -209,7 +209,7 @@ impl<C: Component> Instance<C> {
     }
 }
 
-/// A problem as a refusal by the component.
+/// Makes a problem a refusal by the component.
 fn common<P: crate::problem::Refusal>(problem: crate::problem::Problem) -> CallProblem<P> {
     Refused::Component(P::from(problem)).into()
 }

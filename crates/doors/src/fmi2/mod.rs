@@ -10,7 +10,7 @@
 //!                     states, status, types, description, problem: what the standard says
 //! ```
 //!
-//! Clauses are those of *Functional Mock-up Interface for Model Exchange and Co-Simulation*,
+//! Clause numbers refer to *Functional Mock-up Interface for Model Exchange and Co-Simulation*,
 //! version 2.0.x.
 
 pub mod abi;

@@ -1,4 +1,4 @@
-//! Why a call was refused, and the status that says so.
+//! Reasons why a call was refused, and the corresponding status.
 
 use super::states::{Function, Stage};
 use crate::events::EarlyEnd;
@@ -11,8 +11,8 @@ use crate::problem::{Refusal, Refused};
 /// Outcome of a call on a component `C`.
 pub type Outcome<C, T = ()> = Result<T, CallProblem<<C as Model>::Problem>>;
 
-/// Why a call was refused. Each text names the thing, its value and what is allowed; the function's
-/// name is put before it when it is logged.
+/// Reason why a call was refused. Each text states the name, its value and the valid values; the
+/// log puts the function's name before it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CallProblem<P: Refusal> {
@@ -21,11 +21,11 @@ pub enum CallProblem<P: Refusal> {
     State {
         /// The call.
         function: Function,
-        /// The state it met.
+        /// The state of the instance.
         stage: Stage,
         /// Interface type.
         interface: Interface,
-        /// Words of the component about steps that end early.
+        /// Texts of the component about steps that end early.
         early: EarlyEnd,
     },
     /// An error that both versions have.
@@ -34,7 +34,7 @@ pub enum CallProblem<P: Refusal> {
     /// Another call must come first, or the call is never possible.
     #[error("{what}")]
     Sequence {
-        /// What.
+        /// The required order.
         what: &'static str,
     },
     /// The step ended at an event before its end.
@@ -42,13 +42,13 @@ pub enum CallProblem<P: Refusal> {
     Stopped {
         /// Time of the event.
         time: f64,
-        /// What the component says of it.
+        /// Texts of the component about the event.
         early: EarlyEnd,
     },
     /// A status that is not available (FMI 2.0, 4.2.3).
     #[error("{what}")]
     StatusNotAvailable {
-        /// Which and why.
+        /// The status, and why it is not available.
         what: &'static str,
     },
 }
@@ -65,7 +65,7 @@ impl<P: Refusal> From<Fault> for CallProblem<P> {
     }
 }
 
-/// How a host can continue from a state in which few calls are allowed.
+/// Text on how a host can continue from a state in which few calls are allowed.
 fn way_on(stage: Stage, early: &EarlyEnd) -> String {
     match stage {
         Stage::StepFailed => {

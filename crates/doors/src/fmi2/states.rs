@@ -1,5 +1,5 @@
-//! Which function may be called in which state: the two state machines as one table (FMI 2.0, 3.2.3
-//! and 4.2.4).
+//! The functions allowed in each state: the two state machines as one table (FMI 2.0, 3.2.3 and
+//! 4.2.4).
 
 use crate::allowed::function_table;
 use crate::life::{Interface, Phase};
@@ -19,7 +19,7 @@ pub fn interface(number: i32) -> Result<Interface, Problem> {
     }
 }
 
-/// The states of both state machines, as the standard names them (FMI 2.0, 3.2.3 and 4.2.4).
+/// The states of both state machines, named as in the standard (FMI 2.0, 3.2.3 and 4.2.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Just instantiated or reset.
@@ -40,13 +40,13 @@ pub enum Stage {
     StepCanceled,
     /// After `fmi2Terminate`.
     Terminated,
-    /// Never reached: a refused call leaves an instance as it was.
+    /// Never reached: a refused call leaves an instance unchanged.
     Error,
     /// After a panic.
     Fatal,
 }
 
-/// All of them.
+/// All states.
 pub const STAGES: [Stage; 11] = [
     Stage::Instantiated,
     Stage::InitializationMode,
@@ -79,7 +79,7 @@ impl Stage {
     }
 }
 
-// One letter a state, in the order of the standard's tables.
+// One letter per state, in the order of the standard's tables.
 const I: u16 = 1 << Stage::Instantiated as u16;
 const N: u16 = 1 << Stage::InitializationMode as u16;
 const E: u16 = 1 << Stage::EventMode as u16;
@@ -155,7 +155,7 @@ mod tests {
     use super::*;
     use crate::allowed::assert_is_the_standards;
 
-    /// What is allowed beside the standard, in `StepFailed`.
+    /// Functions allowed in addition to the standard, in `StepFailed`.
     const BESIDE: [Function; 6] = [
         Function::SetReal,
         Function::SetInteger,

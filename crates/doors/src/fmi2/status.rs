@@ -9,18 +9,18 @@ use std::ffi::CString;
 /// `fmi2StatusKind` (FMI 2.0, 4.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StatusKind {
-    /// Of an asynchronous step; there are none.
+    /// Status of an asynchronous step; there are none.
     DoStepStatus,
-    /// Of an asynchronous step; there are none.
+    /// Pending status of an asynchronous step; there are none.
     PendingStatus,
-    /// Time up to which the last step was computed.
+    /// Time reached by the last step.
     LastSuccessfulTime,
     /// Whether the instance wants to end the simulation; it never does.
     Terminated,
 }
 
 impl StatusKind {
-    /// From the C enumeration.
+    /// The kind for a number of the C enumeration.
     ///
     /// # Errors
     /// [`Problem::Value`] for any other number.
@@ -38,7 +38,7 @@ impl StatusKind {
         }
     }
 
-    /// The message for a status that is read by the wrong function.
+    /// The message for a status that is read with the wrong function.
     pub fn not_available(self) -> &'static str {
         match self {
             Self::DoStepStatus => "fmi2DoStepStatus is not available: steps are synchronous",
@@ -49,8 +49,8 @@ impl StatusKind {
     }
 }
 
-/// Categories enabled at instantiation. With debug logging these are all; otherwise those that a
-/// user should always see (FMI 2.0, 2.1.3): warnings, errors and fatal errors.
+/// Categories enabled at instantiation. With debug logging all are enabled; otherwise the ones
+/// that a user should always see (FMI 2.0, 2.1.3): warnings, errors and fatal errors.
 pub fn enabled_at_start(logging_on: bool) -> Categories {
     if logging_on {
         return Categories::ALL;
@@ -59,8 +59,8 @@ pub fn enabled_at_start(logging_on: bool) -> Categories {
     always.into_iter().fold(Categories::NONE, |set, category| set.with(category, true))
 }
 
-/// A message as the host's logger takes it: the host formats it as printf does, with no arguments,
-/// and reads # as the start of a variable reference (FMI 2.0, 2.1.5).
+/// A message for the host's logger: the host formats it as printf does, without arguments, and
+/// reads # as the start of a variable reference (FMI 2.0, 2.1.5).
 pub fn finished(message: &str) -> CString {
     c_text(&message.replace('%', "%%").replace('#', "##"))
 }

@@ -1,5 +1,5 @@
-//! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2), by the names
-//! that std has for the C types.
+//! C types of the standard that are plain numbers (FMI 2.0, 2.1.2, 2.1.3 and 3.2.2), with std's
+//! names for the C types.
 
 use crate::events::Handled;
 use core::ffi::c_int;

@@ -1,15 +1,15 @@
-//! The C interface of FMI 3.0: the code that every `extern "C"` function of this door uses, and the
-//! functions that make and free instances (FMI 3.0.2, 2.2 and 2.3). The other functions are in the
-//! modules below.
+//! The C interface of FMI 3.0: the code that every `extern "C"` function of this door uses, and
+//! the functions that make and free instances (FMI 3.0.2, 2.2 and 2.3). The other functions are in
+//! the modules below.
 //!
 //! The macro [`export_fmi3!`](crate::export_fmi3) makes the functions for one component. It is
 //! expanded in the component's library, which exports the functions by name. It declares each
 //! function as in the C prototype of the standard, and adds the kind of each argument. By these
-//! kinds the function checks handle, state, pointers and counts, turns pointers into safe types and
-//! calls the [`Instance`]. The outcome becomes a status and a log message. This module makes no
-//! decisions about the model. A panic does not leave a function: it becomes `fmi3Fatal` and marks
-//! the instance unusable. C enumerations and Booleans arrive as integers, never as Rust's own
-//! types.
+//! kinds the function checks handle, state, pointers and counts, turns pointers into safe types
+//! and calls the [`Instance`]. The outcome becomes a status and a log message. This module makes
+//! no decisions about the model. A panic does not leave a function: it becomes `fmi3Fatal` and
+//! marks the instance unusable. C enumerations and Booleans arrive as integers, never as Rust's
+//! own types.
 
 #![allow(unsafe_code)]
 #![deny(unsafe_op_in_unsafe_fn)]
@@ -67,7 +67,7 @@ pub struct Shared<C: Component> {
     intermediate_update: Option<FmiIntermediateUpdate>,
 }
 
-/// Where log messages go.
+/// Destination of log messages.
 #[derive(Debug)]
 pub struct Host {
     logger: Option<FmiLogMessage>,
@@ -78,8 +78,8 @@ impl Sink for Host {
     fn send(&mut self, status: Status, category: Category, message: &str) {
         let Some(logger) = self.logger else { return };
         let (category, message) = (c_text(messages::name(category)), status::finished(message));
-        // SAFETY: the host vouches for its logger and environment until the instance is freed (FMI
-        // 3.0.2, 2.3.1); all strings live until it returns.
+        // SAFETY: the host ensures that its logger and environment stay valid until the instance
+        // is freed (FMI 3.0.2, 2.3.1); all strings live until it returns.
         unsafe { logger(self.environment, status as FmiStatus, category.as_ptr(), message.as_ptr()) }
     }
 }
@@ -90,7 +90,7 @@ impl Sink for Host {
 /// `instance` is null or from an instantiation and not freed.
 #[inline]
 unsafe fn shared<'a, C: Component>(instance: FmiInstance) -> Option<&'a Shared<C>> {
-    // SAFETY: null or from `Box::into_raw`; only shared, so a second call at a time finds it
+    // SAFETY: null or from `Box::into_raw`; only shared, so a second simultaneous call finds it
     // borrowed.
     aligned(instance.cast::<Shared<C>>(), "instance").ok().and_then(|shared| unsafe { shared.as_ref() })
 }
@@ -116,7 +116,7 @@ pub unsafe fn call<C: Component>(
     }
 }
 
-/// Runs `body` as [`call`] does, without asking the state machine: for the later parts of a call
+/// Runs `body` as [`call`] does, without checking the state machine: for the later parts of a call
 /// that it has allowed.
 ///
 /// # Safety
@@ -134,7 +134,7 @@ unsafe fn go_on<C: Component>(
         return Status::Error as FmiStatus;
     };
     let (instance, host) = &mut *borrowed;
-    // The result is matched in place: moving it would cost a step more than all its checks.
+    // The result is matched in place: moving it would cost more per step than all its checks.
     match guarded(|| body(instance, host)) {
         Ok(Ok(())) => Status::Ok as FmiStatus,
         Ok(Err(problem)) => refuse(instance, host, function, &problem),
@@ -142,7 +142,7 @@ unsafe fn go_on<C: Component>(
     }
 }
 
-/// Logs a problem, and leaves the instance in the state that its status means.
+/// Logs a problem, and puts the instance into the state that its status implies.
 #[cold]
 #[inline(never)]
 fn refuse<C: Component>(
@@ -157,12 +157,12 @@ fn refuse<C: Component>(
     status as FmiStatus
 }
 
-/// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1). It also frees the FMU states that the host has not freed.
-/// Null is ignored, and so is a call from inside the instance's logger or callback.
+/// `fmi3FreeInstance` (FMI 3.0.2, 2.3.1). It also frees the FMU states that the host has not
+/// freed. Null is ignored, and so is a call from inside the instance's logger or callback.
 ///
 /// # Safety
-/// `instance` is null or from an instantiation of the same component and not freed; nothing uses it
-/// or its FMU states afterwards.
+/// `instance` is null or from an instantiation of the same component and not freed; nothing uses
+/// it or its FMU states afterwards.
 pub unsafe fn free<C: Component>(instance: FmiInstance) {
     // SAFETY: as above.
     let free = unsafe { shared::<C>(instance) }
@@ -176,8 +176,8 @@ pub unsafe fn free<C: Component>(instance: FmiInstance) {
 }
 
 /// Makes the functions of a table, for `export_fmi3!`. The table is ordered by the clauses of the
-/// standard. An entry has the function's name, its row of the state tables, the arguments after the
-/// instance as `kind name: type[count]`, and the body.
+/// standard. An entry has the function's name, its row of the state tables, the arguments after
+/// the instance as `kind name: type[count]`, and the body.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __functions_of_fmi3 {
@@ -189,8 +189,8 @@ macro_rules! __functions_of_fmi3 {
         ///
         /// # Safety
         /// The instance is null or from an instantiation and not freed, and no call on it is
-        /// running in another thread. Every other pointer is null or valid for the type that the
-        /// standard gives, with as many elements as the count says.
+        /// running in another thread. Every other pointer is null or valid for the standard's type
+        /// and the given count.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn $name(

@@ -1,4 +1,4 @@
-//! The functions of FMI 3.0 as calls of the component. Before any of them the C interface calls
+//! The functions of FMI 3.0 as calls of the component. Before each of them the C interface calls
 //! [`guard`](Instance::guard), which alone checks whether the function is allowed in the present
 //! state.
 
@@ -27,8 +27,8 @@ pub const BOOLEAN: Bases = Bases::new("Boolean", &[Base::Boolean]);
 /// Variables of the type `Clock`.
 pub const CLOCK: Bases = Bases::new("Clock", &[Base::Clock]);
 
-/// Smallest time from the present to an announced event, relative to max(1, |t|). fmusim takes a
-/// nearer event for one in the past, and stops.
+/// Smallest time from now to an announced event, relative to max(1, |t|). fmusim takes a nearer
+/// event for a past one, and stops.
 const LATER: f64 = 1e-9;
 
 /// Types without variables.
@@ -57,7 +57,7 @@ pub struct Instance<C: Component> {
     /// The update in progress while the host's callback runs.
     #[doc(hidden)]
     pub update: Option<Update>,
-    /// The function whose error has terminated it, if one has.
+    /// The function whose error has terminated the instance, if any.
     failed: Option<Function>,
 }
 
@@ -178,7 +178,7 @@ impl<C: Component> Instance<C> {
     /// `fmi3Get{VariableType}` (FMI 3.0.2, 2.2.7.2): hands value `i` to `write`.
     ///
     /// # Errors
-    /// If the number of values differs from that of the variables; otherwise as
+    /// If the number of values differs from the variables' number of values; otherwise as
     /// [`get`](crate::Model::get).
     #[inline]
     pub fn get(
@@ -197,7 +197,7 @@ impl<C: Component> Instance<C> {
         Ok(check_count("nValues", count, written)?)
     }
 
-    /// [`get`](Self::get) for the types that are seldom asked for, compiled once for all of them.
+    /// [`get`](Self::get) for rarely used types, compiled once for all of them.
     ///
     /// # Errors
     /// As [`get`](Self::get).
@@ -215,7 +215,7 @@ impl<C: Component> Instance<C> {
     /// `fmi3Set{VariableType}` (FMI 3.0.2, 2.2.7.2): takes value `i` from `read`.
     ///
     /// # Errors
-    /// If the number of values differs from that of the variables; otherwise as
+    /// If the number of values differs from the variables' number of values; otherwise as
     /// [`set`](crate::Model::set).
     #[inline]
     pub fn set(
@@ -230,7 +230,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.set(bases, references, read)?)
     }
 
-    /// [`set`](Self::set) for the types that are seldom set, compiled once for all of them.
+    /// [`set`](Self::set) for rarely used types, compiled once for all of them.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -248,7 +248,7 @@ impl<C: Component> Instance<C> {
     /// `fmi3EnterEventMode` (FMI 3.0.2, 3.2.1 and 4.2.1).
     ///
     /// # Errors
-    /// [`CallProblem::Sequence`] in Co-Simulation where `eventModeUsed` is false.
+    /// [`CallProblem::Sequence`] in Co-Simulation if `eventModeUsed` is false.
     pub fn enter_event_mode(&mut self) -> Outcome<C> {
         if !self.component.life().handling.event_mode {
             return Err(CallProblem::Sequence { what: "eventModeUsed was false at the instantiation" });
@@ -266,8 +266,8 @@ impl<C: Component> Instance<C> {
         Ok(DiscreteStates { changed, next_event_time: self.next_event_time() })
     }
 
-    /// `nextEventTime`: the time of the next event, if it is later than the present by more than
-    /// the tolerance with which hosts compare times.
+    /// `nextEventTime`: the time of the next event, if it is later than now by more than the
+    /// tolerance with which hosts compare times.
     fn next_event_time(&mut self) -> Option<f64> {
         let time = self.component.next_event_time()?;
         let now = self.component.time();

@@ -55,7 +55,7 @@ enum Asked {
 }
 
 impl<C: Component> Instance<C> {
-    /// Takes note of `requiredIntermediateVariables` (FMI 3.0.2, 2.3.1).
+    /// Registers `requiredIntermediateVariables` (FMI 3.0.2, 2.3.1).
     ///
     /// # Errors
     /// If no variable has the reference.
@@ -82,7 +82,7 @@ impl<C: Component> Instance<C> {
         Ok(())
     }
 
-    /// Whether the host's callback runs.
+    /// Whether the host's callback is running.
     pub fn in_callback(&self) -> bool {
         self.update.is_some()
     }
@@ -132,7 +132,7 @@ impl<C: Component> Instance<C> {
     /// `fmi3DoStep` with a callback: begins the step.
     ///
     /// # Errors
-    /// As [`step_as_agreed`](Component::step_as_agreed); nothing has changed then.
+    /// As [`step_as_agreed`](Component::step_as_agreed); then nothing has changed.
     pub fn begin_step(
         &mut self,
         point: f64,
@@ -157,7 +157,7 @@ impl<C: Component> Instance<C> {
         Ok((progress, turn))
     }
 
-    /// Reads the required inputs as set, and uses them as their values from the `n`th on.
+    /// Reads the required inputs as set, and uses them as their values from index `n` on.
     fn read_inputs(&mut self, progress: &mut Progress<C>, n: usize) -> Outcome<C> {
         let inputs = &mut progress.inputs;
         Ok(self.common.component.get(FLOAT64, &self.required, |i, value| inputs[i][n..].fill(value))?)
@@ -168,7 +168,7 @@ impl<C: Component> Instance<C> {
     ///
     /// # Errors
     /// As [`step_as_agreed`](Component::step_as_agreed), and if a call inside the callback was
-    /// refused; the step has been undone then.
+    /// refused; the step has then been undone.
     pub fn answered(
         &mut self,
         progress: &mut Progress<C>,

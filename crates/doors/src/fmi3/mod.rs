@@ -10,7 +10,7 @@
 //!                     states, status, types, description, problem: what the standard says
 //! ```
 //!
-//! Clauses are those of *Functional Mock-up Interface Specification*, version 3.0.2.
+//! Clause numbers refer to *Functional Mock-up Interface Specification*, version 3.0.2.
 
 pub mod abi;
 pub mod instance;

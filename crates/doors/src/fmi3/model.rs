@@ -9,11 +9,11 @@ use crate::problem::Refusal;
 use crate::values::Dependency;
 
 impl<C: Component> Instance<C> {
-    /// `fmi3GetDirectionalDerivative` (FMI 3.0.2, 2.2.12), with the numbers of elements of seed and
-    /// sensitivity.
+    /// `fmi3GetDirectionalDerivative` (FMI 3.0.2, 2.2.12), with the numbers of elements of seed
+    /// and sensitivity.
     ///
     /// # Errors
-    /// If the numbers of elements differ from those of the knowns and unknowns; otherwise as
+    /// If the numbers of elements differ from the numbers of knowns and unknowns; otherwise as
     /// [`directional_derivative`](crate::Model::directional_derivative).
     pub fn directional_derivative(
         &mut self,
@@ -32,7 +32,7 @@ impl<C: Component> Instance<C> {
     ///
     /// # Errors
     /// As [`directional_derivative`](Self::directional_derivative), and if a seed or a sum is not
-    /// finite. Nothing is written then.
+    /// finite. Then nothing is written.
     pub fn adjoint_derivative(
         &mut self,
         (unknowns, knowns): (&[u32], &[u32]),
@@ -77,7 +77,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.output_derivatives(references, orders, write)?)
     }
 
-    /// What a variable depends on now, by `fmi3GetVariableDependencies` (FMI 3.0.2, 2.2.9).
+    /// Present dependencies of a variable, for `fmi3GetVariableDependencies` (FMI 3.0.2, 2.2.9).
     ///
     /// # Errors
     /// As [`dependencies`](crate::Model::dependencies).
@@ -85,7 +85,7 @@ impl<C: Component> Instance<C> {
         Ok(self.component.dependencies(reference)?)
     }
 
-    /// [`dependencies`](Self::dependencies) for a host that has room for `count` of them.
+    /// [`dependencies`](Self::dependencies) for a host with room for `count` of them.
     ///
     /// # Errors
     /// If `count` differs from the number of dependencies.
@@ -95,7 +95,7 @@ impl<C: Component> Instance<C> {
         Ok(list)
     }
 
-    /// A function that is never allowed, whatever it is called with.
+    /// A function that is never allowed, with any arguments.
     ///
     /// # Errors
     /// None: [`guard`](Self::guard) has refused it.
@@ -104,7 +104,7 @@ impl<C: Component> Instance<C> {
     }
 }
 
-/// A number that is not finite, refused in the component's name.
+/// Refusal, by the component, of a number that is not finite.
 fn refused<P: Refusal>(what: String, value: f64, allowed: &'static str) -> CallProblem<P> {
     P::from(crate::Problem::value(what, value, allowed)).into()
 }

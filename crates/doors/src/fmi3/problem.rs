@@ -1,4 +1,4 @@
-//! Why a call was refused, and the status that says so.
+//! Reasons why a call was refused, and the corresponding status.
 
 use super::states::{Function, Stage};
 use crate::ffi::Fault;
@@ -10,19 +10,19 @@ use crate::problem::{Refusal, Refused};
 /// Outcome of a call on a component `C`.
 pub type Outcome<C, T = ()> = Result<T, CallProblem<<C as Model>::Problem>>;
 
-/// Why a call was refused. Each text names the thing, its value and what is allowed; the function's
-/// name is put before it when it is logged.
+/// Reason why a call was refused. Each text states the name, its value and the valid values; the
+/// log puts the function's name before it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CallProblem<P: Refusal> {
     /// The call is not allowed in this state (FMI 3.0.2, 2.3, 3.2 and 4.2).
     #[error("not allowed in state {stage:?} of {}{}{}", interface.name(), led_there(*failed), way_on(*stage))]
     State {
-        /// The state it met.
+        /// The state of the instance.
         stage: Stage,
         /// Interface type.
         interface: Interface,
-        /// The function whose error has led there, if one has.
+        /// The function whose error has led to this state, if any.
         failed: Option<Function>,
     },
     /// An error that both versions have.
@@ -31,7 +31,7 @@ pub enum CallProblem<P: Refusal> {
     /// Another call must come first, or the call is never possible.
     #[error("{what}")]
     Sequence {
-        /// What.
+        /// The required order.
         what: &'static str,
     },
     /// A variable that must not be accessed in Intermediate Update Mode (FMI 3.0.2, 4.2.2).
@@ -39,7 +39,7 @@ pub enum CallProblem<P: Refusal> {
     Intermediate {
         /// The access.
         what: String,
-        /// What is allowed.
+        /// The valid accesses.
         allowed: &'static str,
     },
 }
@@ -56,12 +56,12 @@ impl<P: Refusal> From<Fault> for CallProblem<P> {
     }
 }
 
-/// The error that has led to the state, in words; empty if there was none.
+/// Text about the error that has led to the state; empty if there was none.
 fn led_there(failed: Option<Function>) -> String {
     failed.map_or_else(String::new, |function| format!(", after an error in {}", function.name()))
 }
 
-/// How a host can continue from a state in which few calls are allowed.
+/// Text on how a host can continue from a state in which few calls are allowed.
 fn way_on(stage: Stage) -> &'static str {
     match stage {
         Stage::Terminated => ": restore a saved state or reset the instance",

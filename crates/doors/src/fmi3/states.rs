@@ -1,10 +1,10 @@
-//! Which function may be called in which state: the common states, those of Model Exchange and
-//! those of Co-Simulation as one table (FMI 3.0.2, 2.3, 3.2 and 4.2).
+//! The functions allowed in each state: the common states and the states of Model Exchange and
+//! Co-Simulation as one table (FMI 3.0.2, 2.3, 3.2 and 4.2).
 
 use crate::allowed::function_table;
 use crate::life::Phase;
 
-/// The states of both state machines, as the standard names them. Configuration Mode and
+/// The states of both state machines, named as in the standard. Configuration Mode and
 /// Reconfiguration Mode never occur, since there are no structural parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
@@ -26,7 +26,7 @@ pub enum Stage {
     Fatal,
 }
 
-/// All of them.
+/// All states.
 pub const STAGES: [Stage; 8] = [
     Stage::Instantiated,
     Stage::InitializationMode,
@@ -39,8 +39,8 @@ pub const STAGES: [Stage; 8] = [
 ];
 
 impl Stage {
-    /// State of the standard's state machines that corresponds to a phase of the component, outside
-    /// the host's callback.
+    /// State of the standard's state machines that corresponds to a phase of the component,
+    /// outside the host's callback.
     pub fn of(phase: Phase) -> Self {
         match phase {
             Phase::Instantiated => Self::Instantiated,
@@ -55,7 +55,7 @@ impl Stage {
     }
 }
 
-// One letter a state.
+// One letter per state.
 const I: u16 = 1 << Stage::Instantiated as u16;
 const N: u16 = 1 << Stage::InitializationMode as u16;
 const E: u16 = 1 << Stage::EventMode as u16;
@@ -98,7 +98,7 @@ function_table! {
     GetBoolean:                      GET_EXCHANGE,  GET_COSIMULATION;
     GetString:                       GET_EXCHANGE,  GET_COSIMULATION;
     GetBinary:                       GET_EXCHANGE,  GET_COSIMULATION;
-    // Outside Event Mode it shows that no clock is active.
+    // Outside Event Mode no clock is active.
     GetClock:                        GET_EXCHANGE,  GET_COSIMULATION;
     SetFloat32:                      SET_EXCHANGE,  SET_COSIMULATION;
     SetFloat64:                      SET_EXCHANGE,  SET_COSIMULATION;
@@ -153,7 +153,7 @@ function_table! {
     GetNumberOfContinuousStates:     ANY_EXCHANGE,  0;
 
     EnterStepMode:                   0,             E;
-    // In Event Mode it shows the derivatives after the event.
+    // In Event Mode these are the derivatives after the event.
     GetOutputDerivatives:            0,             E | S | U | T;
     DoStep:                          0,             S;
 
@@ -162,8 +162,8 @@ function_table! {
 }
 
 impl Function {
-    /// Whether it passes values to the model, or evaluates the model at values passed before. If
-    /// the model cannot take these values, the call returns `fmi3Discard`.
+    /// Whether the function passes values to the model, or evaluates the model at values passed
+    /// before. If the model cannot take these values, the call returns `fmi3Discard`.
     pub fn takes_values(self) -> bool {
         let name = self.name();
         (name.starts_with("fmi3Set")

@@ -5,14 +5,14 @@ use crate::messages::c_text;
 use std::ffi::CString;
 
 /// Categories enabled at instantiation. If the host has switched logging off, none is enabled, not
-/// even errors: FMI 3.0.2, 2.3.1 forbids any call of the logger then. The later main branch of the
+/// even errors: FMI 3.0.2, 2.3.1 then forbids any call of the logger. The later main branch of the
 /// standard (pull request 2097) requires messages about errors in every case.
 pub fn enabled_at_start(logging_on: bool) -> Categories {
     if logging_on { Categories::ALL } else { Categories::NONE }
 }
 
-/// A message in the format of the host's logger. There # starts the reference of a variable, so
-/// each # is doubled (FMI 3.0.2, 2.3.1).
+/// A message in the format of the host's logger, in which # starts the reference of a variable.
+/// Each # is therefore doubled (FMI 3.0.2, 2.3.1).
 pub fn finished(message: &str) -> CString {
     c_text(&message.replace('#', "##"))
 }

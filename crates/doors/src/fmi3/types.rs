@@ -1,12 +1,12 @@
-//! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.3 and 2.2.4), by the names that
-//! std has for the C types.
+//! C types of the standard that are plain numbers (FMI 3.0.2, 2.2.3 and 2.2.4), with std's names
+//! for the C types.
 
 use crate::events::Handled;
 use crate::values::DependencyKind;
 use ::core::ffi::c_int;
 
-/// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have put any byte
-/// there.
+/// `fmi3Boolean` and `fmi3Clock`: `bool` in C, read as a byte, since a host may have written any
+/// byte.
 pub type FmiBoolean = u8;
 /// `fmi3Status`, as an integer.
 pub type FmiStatus = c_int;
@@ -29,8 +29,8 @@ pub fn dependency_kind(kind: DependencyKind) -> FmiDependencyKind {
 /// The returned arguments of `fmi3UpdateDiscreteStates` (FMI 3.0.2, 2.3.5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscreteStates {
-    /// What the event has changed.
+    /// Changes by the event.
     pub changed: Handled,
-    /// The time of the next event, s, where it is known.
+    /// The time of the next event, s, if known.
     pub next_event_time: Option<f64>,
 }

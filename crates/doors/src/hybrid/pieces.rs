@@ -13,7 +13,7 @@ use crate::problem::Problem;
 pub struct Pieces<H: Hybrid> {
     end: StepEnd,
     at_event: AtEvent,
-    /// State before the step, by which the step is undone.
+    /// State before the step, used to undo it.
     before: H::State,
     undo: Option<H::Undo>,
     /// Values that change at events only, as shown at the start of the step; `None` if the host
@@ -26,7 +26,7 @@ pub struct Pieces<H: Hybrid> {
 }
 
 impl<H: Hybrid> Pieces<H> {
-    /// Begins a step as [`step_as_agreed`](crate::Component::step_as_agreed) would make it.
+    /// Begins a step with the behaviour of [`step_as_agreed`](crate::Component::step_as_agreed).
     ///
     /// # Errors
     /// As [`step_as_agreed`](crate::Component::step_as_agreed).
@@ -59,7 +59,7 @@ impl<H: Hybrid> Pieces<H> {
     /// the step ends here.
     ///
     /// # Errors
-    /// If a value that was set is not possible; the step has been undone then.
+    /// If a value that was set is not possible; then the step has been undone.
     pub fn start(&mut self, h: &mut H, log: &mut dyn Log) -> Result<Piece, H::Problem> {
         match h.take_over(self.end, log) {
             Err(problem) => Err(self.taken_back(h, problem)),
@@ -73,11 +73,11 @@ impl<H: Hybrid> Pieces<H> {
         }
     }
 
-    /// Advances to the next event, or to `until` (s; by default the end of the step) if no event
-    /// comes before.
+    /// Advances to the next event, or to `until` (s; by default the end of the step) if there is
+    /// no event before it.
     ///
     /// # Errors
-    /// As [`step_as_agreed`](crate::Component::step_as_agreed); the step has been undone then.
+    /// As [`step_as_agreed`](crate::Component::step_as_agreed); then the step has been undone.
     pub fn next(&mut self, h: &mut H, until: Option<f64>, log: &mut dyn Log) -> Result<Piece, H::Problem> {
         let end = until.map_or(self.end, |point| StepEnd { point, size: 0.0 });
         let met = match self.failed.take() {
@@ -93,12 +93,12 @@ impl<H: Hybrid> Pieces<H> {
         }
     }
 
-    /// Whether a step that meets an event ends before its law.
+    /// Whether a step ends before the law of an event.
     pub fn ends_before_event(&self) -> bool {
         self.at_event == AtEvent::EndBefore
     }
 
-    /// Applies the law of the event before which the last piece has ended. Returns whether the step
+    /// Applies the law of the event before which the last piece ended. Returns whether the step
     /// ends after it. If the law fails, the next piece returns the error.
     pub fn pass_event(&mut self, h: &mut H, log: &mut dyn Log) -> bool {
         self.failed = h.apply_law(log).err();
@@ -119,7 +119,7 @@ impl<H: Hybrid> Pieces<H> {
         StepOutcome { time: h.time(), event, early }
     }
 
-    /// Goes back to before the step.
+    /// Returns to the state before the step.
     ///
     /// # Errors
     /// As [`restore`](crate::Model::restore).
@@ -127,8 +127,8 @@ impl<H: Hybrid> Pieces<H> {
         h.restore(&self.before)
     }
 
-    /// Undoes a step because of `problem`. Returns `problem`, or a problem that says that undoing
-    /// the step failed.
+    /// Undoes a step because of `problem`. Returns `problem`, or a problem that states that
+    /// undoing failed.
     fn taken_back(&mut self, h: &mut H, problem: H::Problem) -> H::Problem {
         let problem = match self.undo.take() {
             Some(undo) => h.undo(undo, problem),
@@ -144,7 +144,7 @@ impl<H: Hybrid> Pieces<H> {
 /// Value and derivatives at 0 of the cubic through `values` at 0, 1/3, 2/3 and 3/3 of `span` s, at
 /// a time of the motion.
 fn cubic([u0, u1, u2, u3]: [f64; 4], span: f64, time: f64) -> [f64; 4] {
-    // Newton's forward differences at the first value; three intervals to the span.
+    // Newton's forward differences at the first value; three intervals in the span.
     let (first, second, third) = (u1 - u0, (u2 - u1) - (u1 - u0), (u3 - u2) - 2.0 * (u2 - u1) + (u1 - u0));
     let rate = 3.0 / span;
     let slopes = [first - 0.5 * second + third / 3.0, second - third, third];
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn closed_form_derivatives_of_a_cubic() {
-        // 1 - 2 t + 3 t² - 4 t³ over 3 s, of which all numbers are exact.
+        // 1 - 2 t + 3 t² - 4 t³ over 3 s; all numbers are exact.
         let values = [0.0, 1.0, 2.0, 3.0].map(|t: f64| 1.0 - 2.0 * t + 3.0 * t * t - 4.0 * t * t * t);
         assert_eq!(cubic(values, 3.0, 0.0), [1.0, -2.0, 6.0, -24.0]);
         assert_eq!(cubic(values, 1e-17, 0.0), [1.0, 0.0, 0.0, 0.0]);

@@ -5,7 +5,7 @@ use crate::events::StepOutcome;
 use crate::life::{EventHandling, Phase};
 use crate::log::Log;
 
-/// What a step does at an event inside it.
+/// Behaviour of a step at an event inside it.
 ///
 /// | event mode | may end early, and ends at events | at an event |
 /// |---|---|---|
@@ -15,9 +15,9 @@ use crate::log::Log;
 /// | yes | no | [`Latch`](Self::Latch) |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AtEvent {
-    /// Applies its law and goes on.
+    /// Applies its law and continues.
     Pass,
-    /// Applies its law and goes on. Values that change at events only are shown when the host
+    /// Applies its law and continues. Values that change at events only are shown when the host
     /// handles events.
     Latch,
     /// Applies its law and ends.
@@ -27,7 +27,7 @@ pub enum AtEvent {
 }
 
 impl AtEvent {
-    /// By the event handling agreed with the host, and by whether the model's steps end at events.
+    /// The behaviour for an event handling; `ends` is whether the model's steps end at events.
     pub(crate) fn of(handling: EventHandling, ends: bool) -> Self {
         match (handling.event_mode, handling.early_return && ends) {
             (false, false) => Self::Pass,
@@ -48,22 +48,22 @@ pub struct StepEnd {
 }
 
 impl StepEnd {
-    /// As a double, s.
+    /// The end as a double, s.
     pub fn value(self) -> f64 {
         self.point + self.size
     }
 
-    /// Whether the host has chosen this end during the step. Events past such an end do not belong
-    /// to the step.
+    /// Whether the host has chosen this end during the step. Later events do not belong to the
+    /// step.
     pub fn is_chosen(self) -> bool {
         self.size == 0.0
     }
 }
 
-/// How far a run goes.
+/// Distance of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Until {
-    /// To the end, over all events.
+    /// To the end, past all events.
     End,
     /// To the first event, before its law.
     Event,
@@ -76,13 +76,13 @@ pub enum Until {
 pub struct Met {
     /// Whether the law of an event is still to be applied.
     pub due: bool,
-    /// Events whose laws it has applied.
+    /// Number of events whose laws were applied.
     pub events: usize,
     /// Whether the run has ended early, after the law of an event.
     pub stopped: bool,
 }
 
-/// How a step has ended.
+/// State at the end of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ended {
     /// Whether the host must handle an event.
@@ -101,7 +101,7 @@ pub(super) fn is_early<H: Hybrid>(h: &H, end: StepEnd) -> bool {
     end.value() - h.time() > H::ROUNDING * f64::EPSILON * end.value().abs()
 }
 
-/// What changes at events only, where the host handles events.
+/// Values that change at events only, if the host handles events.
 pub(super) fn shown<H: Hybrid>(h: &H) -> Option<H::Shown> {
     h.life().handling.event_mode.then(|| h.shown())
 }

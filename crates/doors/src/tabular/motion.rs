@@ -11,7 +11,7 @@ use crate::problem::Problem;
 use crate::values::Bases;
 
 /// Number of parts of a step. In each part an input that follows a polynomial is held at its value
-/// in the middle, with an error of the square of the length of a part.
+/// in the middle; the error is proportional to the square of the length of a part.
 const PARTS: f64 = 16.0;
 
 /// An input that follows a polynomial.
@@ -128,8 +128,8 @@ impl<T: Tabular> Hybrid for FromTable<T> {
     }
 
     fn end_step(&mut self, _: Ended) {
-        // If the value of an input makes a value that is not finite, the input keeps its value of
-        // the last part.
+        // If an input would lead to a value that is not finite, the input keeps its value of the
+        // last part.
         let _ = self.follow(self.time());
         self.courses.clear();
     }
@@ -140,12 +140,12 @@ impl<T: Tabular> Hybrid for FromTable<T> {
         if polynomial[1..] != [0.0; 3] {
             self.courses.push(InputPolynomial { place, since: self.time(), polynomial });
         }
-        // The host has set this value itself before, and all values were finite then.
+        // The host has set this value before, and all values were finite then.
         let _ = self.change(|values| values[place] = polynomial[0]);
     }
 
-    /// In Model Exchange the host finds the events by the indicators. An event is due if the time
-    /// of the next event is not in the future.
+    /// In Model Exchange the host finds the events from the indicators. An event is due if the
+    /// time of the next event is not in the future.
     fn carry_out(&mut self, log: &mut dyn Log) -> Result<Handled, Problem> {
         let come = T::next_event(&self.state.values) <= self.time();
         let states = self.state.due || come && self.state.life.interface == Interface::ModelExchange;

@@ -18,9 +18,9 @@ pub enum Role {
     Input,
     /// A continuous state and output, whose start may be set; events may change it.
     State,
-    /// The time derivative of the state at this place of the table.
+    /// The time derivative of the state with this index in the table.
     Derivative(usize),
-    /// A Real that follows from others.
+    /// A Real that is computed from other variables.
     Output,
     /// An Integer that changes at events.
     Counter,
@@ -32,7 +32,7 @@ impl Role {
         if matches!(self, Self::Counter) { Base::Integer } else { Base::Real }
     }
 
-    /// Whether a host may set it now.
+    /// Whether a host may set the variable now.
     pub(super) fn is_settable(self, phase: Phase) -> bool {
         match self {
             Self::Parameter | Self::State => [Phase::Instantiated, Phase::Initialization].contains(&phase),
@@ -96,7 +96,7 @@ impl Row {
         Self::new(Role::State, name, unit, start, description)
     }
 
-    /// The derivative of the state at a place of the table.
+    /// The derivative of the state with an index in the table.
     pub const fn derivative(
         name: &'static str,
         unit: &'static str,
@@ -111,7 +111,7 @@ impl Row {
         Self::new(Role::Output, name, unit, 0.0, description)
     }
 
-    /// A number of events, from 0 on.
+    /// A number of events, starting from 0.
     pub const fn counter(name: &'static str, description: &'static str) -> Self {
         Self::new(Role::Counter, name, "", 0.0, description).within(0.0, i32::MAX as f64)
     }
@@ -126,8 +126,8 @@ impl Row {
         Self { name, unit, start, description, role, min: f64::MIN, max: f64::MAX }
     }
 
-    /// Sets the range of allowed values. The lower bound `f64::MIN_POSITIVE` means more than 0; the
-    /// upper bound `f64::MAX` means no bound.
+    /// Sets the range of allowed values. The lower bound `f64::MIN_POSITIVE` means more than 0;
+    /// the upper bound `f64::MAX` means no bound.
     #[must_use]
     pub const fn within(self, min: f64, max: f64) -> Self {
         Self { min, max, ..self }
@@ -159,7 +159,7 @@ impl Row {
     }
 }
 
-/// The place of the row of time. It is found at compile time; a table without such a row does not
+/// The index of the row of time. It is found at compile time; a table without such a row does not
 /// compile.
 pub(super) const fn place_of_time(rows: &[Row]) -> usize {
     let mut place = 0;

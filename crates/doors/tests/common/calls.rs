@@ -1,6 +1,6 @@
-//! Random calls with random arguments on a component, by both doors: no crash, no panic, and the
-//! instance answers afterwards. What is called comes from a seed, or from the bytes of a fuzzer.
-//! The component is what stands beside this module under this name.
+//! Random calls with random arguments on a component, through both doors: no crash, no panic, and
+//! the instance still answers afterwards. A seed or the bytes of a fuzzer choose the calls. The
+//! component is the neighbouring module with this name.
 
 use super::component::*;
 use fmi_doors::fmi2::abi::FmiComponent;
@@ -11,19 +11,19 @@ use std::ptr::{null, null_mut};
 
 const OK: c_int = 0;
 
-/// What an instance is made of.
+/// Arguments that make an instance.
 pub struct Target {
     /// The token of its description.
     pub token: CString,
-    /// Where its resources are, as a path; none where it has none.
+    /// Path of its resources; `None` if it has none.
     pub resources: Option<CString>,
     /// Value references are drawn below this.
     pub references: u64,
-    /// An input that is asked for within steps of FMI 3.0, by a callback that reads as well.
+    /// An input that is requested within steps of FMI 3.0, by a callback that reads as well.
     pub input: Option<u32>,
 }
 
-/// What is drawn: bytes while there are any, then SplitMix64.
+/// Source of choices: bytes while there are any, then SplitMix64.
 pub struct Random<'a> {
     pub bytes: &'a [u8],
     pub seed: u64,
@@ -58,7 +58,7 @@ impl Random<'_> {
     }
 }
 
-/// Buffers of a call, of eight elements each.
+/// Buffers of a call, with eight elements each.
 struct Call {
     references: [u32; 8],
     reals: [f64; 8],
@@ -131,8 +131,8 @@ unsafe fn call_fmi2(
     }
 }
 
-/// Further functions, and null pointers, which a fuzzer's bytes do not choose: the inputs that are
-/// kept would get another meaning.
+/// Further functions, and null pointers. A fuzzer's bytes do not choose these, since stored fuzzer
+/// inputs would change their meaning.
 unsafe fn further_fmi2(c: FmiComponent, random: &mut Random<'_>, references: u64) -> c_int {
     let mut call = Call::new(random, references);
     let absent = random.below(8);
@@ -238,14 +238,14 @@ unsafe fn call_fmi3(
     }
 }
 
-/// What a host's callback is given.
+/// Data of a host's callback.
 struct Within {
     instance: std::cell::Cell<FmiInstance>,
     input: u32,
 }
 
-/// A callback that sets the input where it is asked for, else reads a few variables, and ends steps
-/// early here and there.
+/// A callback that sets the input when it is requested, otherwise reads a few variables, and
+/// sometimes ends steps early.
 unsafe extern "C-unwind" fn update(
     host: *mut c_void,
     time: f64,
@@ -256,7 +256,7 @@ unsafe extern "C-unwind" fn update(
     early: *mut u8,
     end: *mut f64,
 ) {
-    // SAFETY: the host's own data, which live as long as the instance, and places for two values.
+    // SAFETY: the host's own data, which live as long as the instance, and two valid variables.
     unsafe {
         let host = &*host.cast::<Within>();
         let (c, ends) = (host.instance.get(), may_return != 0 && time.to_bits().is_multiple_of(3));
@@ -281,13 +281,13 @@ fn assert_finite(target: &Target, mut get: impl FnMut(*const u32, *mut f64) -> c
 /// Calls of FMI 2.0 on an instance of the interface type 0 or 1.
 ///
 /// # Panics
-/// At a status that says a panic was caught, at a value that is NaN or infinite, and if the
-/// instance does not answer afterwards.
+/// If a status reports a caught panic, a value is NaN or infinite, or the instance does not answer
+/// afterwards.
 pub fn run_fmi2(target: &Target, random: &mut Random<'_>, kind: c_int, calls: usize) {
     let mut states = [null_mut(); 2];
     let resources = target.resources.as_ref().map_or(null(), |path| path.as_ptr());
-    // SAFETY: the instance is the one made here, and all buffers are of eight elements, which
-    // counts of more make the door refuse.
+    // SAFETY: the instance is the one made here, and all buffers have eight elements; the door
+    // refuses larger counts.
     unsafe {
         let c = fmi2Instantiate(c"any".as_ptr(), kind, target.token.as_ptr(), resources, null(), 0, 0);
         assert!(!c.is_null());

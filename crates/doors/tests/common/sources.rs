@@ -1,5 +1,5 @@
-//! Source files as text, for tests of what the source of a package promises: of this one, and of
-//! those whose tests name this file.
+//! Source files as text, for tests of promises about a package's source: of this package, and of
+//! packages whose tests include this file.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ pub fn sources(package: &str, under: &str) -> Vec<(String, String)> {
     found
 }
 
-/// Words without which there is no unsafe code.
+/// Words of which unsafe code needs at least one.
 const UNSAFE: [&str; 5] = ["unsafe ", "unsafe(", "unsafe{", "unsafe_code", "extern \"C\""];
 
 /// The source files of a package that have unsafe code.

@@ -1,5 +1,5 @@
-//! Wrong arguments and calls at wrong times by both doors: each is an error with a message, nothing
-//! is followed or changed, and no panic leaves a function.
+//! Wrong arguments and calls at wrong times through both doors: each is an error with a message,
+//! no pointer is followed, nothing is changed, and no panic leaves a function.
 
 use super::bouncing_ball::*;
 use super::host::Host;
@@ -65,8 +65,8 @@ fn null_and_misaligned_pointers_and_impossible_counts_are_errors_of_fmi2() {
     }
 }
 
-/// FMI 3.0: the text of each error; then the instance is Terminated, and names the call that led
-/// there. Reset leads out.
+/// FMI 3.0: the text of each error; then the instance is Terminated, and names the call that
+/// caused it. Reset ends this state.
 #[test]
 fn wrong_calls_are_errors_of_fmi3_that_terminate_and_are_named() {
     let mut values = [0.0; 2];
@@ -129,7 +129,7 @@ fn wrong_calls_are_errors_of_fmi3_that_terminate_and_are_named() {
                 "{}",
                 host.last()
             );
-            // Getters answer; a step does not, and names the first error, however often.
+            // Getters work; a step does not, and always names the first error.
             assert_eq!(fmi3GetFloat64(c, &HEIGHT, 1, &mut height, 1), OK);
             assert_eq!(height, 1.0 - 0.5 * 9.81 * FALL * FALL);
             for _ in 0..2 {
@@ -156,7 +156,7 @@ pub unsafe fn step(c: *mut c_void, point: f64, size: f64) -> (c_int, u8, u8, f64
     (status, event, early, time)
 }
 
-/// By FMI 3.0 as well, an error of a step returns the time reached.
+/// In FMI 3.0 as well, an error of a step returns the time reached.
 #[test]
 fn steps_that_cannot_be_made_are_errors_at_the_time_reached() {
     for (point, size, text) in [
@@ -216,7 +216,7 @@ fn statuses_of_fmi2_are_those_of_synchronous_steps() {
     }
 }
 
-/// By FMI 2.0, and with the sizes and handles of another instance and of a freed state.
+/// In FMI 2.0, and with the sizes and handles of another instance and of a freed state.
 #[test]
 fn states_belong_to_their_instance_and_have_their_size() {
     let (host, other) = (Host::begun(), Host::of_fmi2(c"b", 1, &token()));

@@ -1,4 +1,4 @@
-//! Hosts of both versions whose logger keeps the messages.
+//! Hosts of both versions with a logger that keeps the messages.
 
 use super::bouncing_ball::*;
 use super::{OK, token};
@@ -66,7 +66,7 @@ impl Host {
         Self { messages, c, free }
     }
 
-    /// Of FMI 2.0, by a `fmi2Type`.
+    /// An instance of FMI 2.0 for a `fmi2Type`.
     pub fn of_fmi2(name: &CStr, kind: c_int, guid: &CStr) -> Self {
         let name = name.to_owned(); // freed after the call
         let make = |environment| unsafe {
@@ -76,7 +76,7 @@ impl Host {
         Self::made(make, fmi2FreeInstance)
     }
 
-    /// Of FMI 3.0, with event mode and steps that may end early.
+    /// An instance of FMI 3.0, with event mode and steps that may end early.
     pub fn of_fmi3(interface: Interface) -> Self {
         let (name, token) = (c"ball".as_ptr(), token());
         let make = |environment| unsafe {
@@ -89,7 +89,7 @@ impl Host {
         Self::made(make, fmi3FreeInstance)
     }
 
-    /// Of FMI 2.0 for Co-Simulation, at the start of the motion.
+    /// An instance of FMI 2.0 for Co-Simulation, at the start of the motion.
     pub fn begun() -> Self {
         let host = Self::of_fmi2(c"ball %d", 1, &token());
         unsafe {

@@ -1,4 +1,4 @@
-//! Instantiation, and what the logger gets of it and of calls, by both doors.
+//! Instantiation, and the log messages about it and about calls, through both doors.
 
 use super::arguments::step;
 use super::bouncing_ball::*;

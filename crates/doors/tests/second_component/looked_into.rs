@@ -1,5 +1,5 @@
-//! Steps of the bouncing ball that a host looks into by its callback, and counters that it is shown
-//! once it has handled the events of a step.
+//! Steps of the bouncing ball that a host observes with its callback, and counters that are shown
+//! once the host has handled the events of a step.
 
 use super::bouncing_ball::*;
 use super::{OK, ROUNDING, assert_near, closed_form, height, of_fmi3, token};
@@ -30,7 +30,7 @@ fn closed_form_counters_are_shown_once_the_events_of_a_step_are_handled() {
         let (shown, bounces) = height(c);
         assert!((shown - expected).abs() < ROUNDING && count > 1, "{shown} {expected} {count}");
         assert_eq!(bounces, 0);
-        // What is shown goes through saved states.
+        // Saved states contain the shown values.
         let mut state = null_mut();
         assert_eq!(fmi3GetFMUState(c, &mut state), OK);
         assert_eq!(fmi3EnterEventMode(c), OK);
@@ -44,12 +44,12 @@ fn closed_form_counters_are_shown_once_the_events_of_a_step_are_handled() {
     }
 }
 
-/// What the callback sees.
+/// Observations of the callback.
 struct Seen {
     instance: Cell<FmiInstance>,
     /// Time, height and bounces of each call.
     calls: RefCell<Vec<(f64, f64, i32)>>,
-    /// After so many calls the step is to end.
+    /// Number of calls after which the step is to end.
     ends_after: usize,
 }
 
@@ -63,7 +63,7 @@ unsafe extern "C-unwind" fn look(
     early: *mut u8,
     end: *mut f64,
 ) {
-    // SAFETY: the host's own data, which live as long as the instance, and places for two values.
+    // SAFETY: the host's own data, which live as long as the instance, and two valid variables.
     unsafe {
         let seen = &*host.cast::<Seen>();
         assert_eq!((set, may_return), (0, 1));

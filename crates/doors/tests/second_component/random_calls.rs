@@ -1,12 +1,12 @@
-//! Random calls with random arguments on the bouncing ball, by both doors: no crash, no panic, and
-//! the instance answers afterwards.
+//! Random calls with random arguments on the bouncing ball, through both doors: no crash, no
+//! panic, and the instance still answers afterwards.
 
 use super::bouncing_ball::Ball;
 use super::calls::{Random, Target, run_fmi2, run_fmi3};
 use fmi_doors::tabular::FromTable;
 use std::ffi::CString;
 
-/// Calls a run.
+/// Calls per run.
 const CALLS: usize = if cfg!(miri) { 60 } else { 4000 };
 
 fn ball() -> Target {

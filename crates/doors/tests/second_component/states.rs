@@ -169,7 +169,7 @@ fn has_no_elements(function: fmi3::states::Function) -> bool {
     is_typed("fmi3Get") || is_typed("fmi3Set")
 }
 
-/// An instance of FMI 2.0 of a phase, reached by calls where there is a way.
+/// An instance of FMI 2.0 in a phase, reached by calls if possible.
 fn brought_to2(interface: Interface, phase: Phase) -> Host {
     use fmi2::states::Function as F;
     let host = Host::of_fmi2(c"ball", c_int::from(interface == Interface::CoSimulation), &token());
@@ -220,8 +220,8 @@ fn every_cell_of_both_state_machines_of_fmi2() {
     }
 }
 
-/// An instance of FMI 3.0 of a state, reached by calls where there is a way; `None` if the
-/// interface type does not have the state.
+/// An instance of FMI 3.0 in a state, reached by calls if possible; `None` if the interface type
+/// does not have the state.
 fn brought_to3(interface: Interface, stage: fmi3::states::Stage) -> Option<Host> {
     use fmi3::states::{Function as F, Stage as S};
     let (phase, calls) = match (interface, stage) {
@@ -288,7 +288,7 @@ fn every_cell_of_both_state_machines_of_fmi3() {
     }
 }
 
-/// After an error only the row of Terminated answers; a saved state and Reset lead out.
+/// After an error only the functions of Terminated work; a saved state and Reset end this state.
 #[test]
 fn an_error_of_fmi3_leaves_terminated() {
     use fmi3::states::{Function as F, Stage as S};

@@ -1,5 +1,5 @@
-//! A steady state played in time: clock, drive phase, impacts and energies counted as a simulation
-//! would.
+//! A steady state played in time: clock, drive phase, and the impacts and energies that a
+//! simulation would count.
 
 use super::problem::ComponentProblem;
 use super::settings::SolutionMode;
@@ -24,8 +24,8 @@ const PIECE: f64 = 0.5;
 /// would need more.
 const MAX_PIECES: f64 = 4096.0;
 
-/// Largest number of impacts that one step reports. A closed form passes over any number of impacts
-/// in one step, and the log must stay bounded.
+/// Largest number of impacts that one step reports. A closed form passes over any number of
+/// impacts in one step, and the log must stay bounded.
 pub(crate) const MOST_REPORTED: f64 = 1000.0;
 
 /// Rounding of a drive phase, relative to itself: a few units in the last place from time,
@@ -37,7 +37,7 @@ fn phase_rounding(angle: f64) -> f64 {
     PHASE_ROUNDING * (angle.abs() + TAU)
 }
 
-/// What changes in time, as plain data; the solution follows from it.
+/// Data that change in time; the solution follows from them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Data {
     mode: SolutionMode,
@@ -45,7 +45,7 @@ pub(crate) struct Data {
     time: DoubleDouble,
     phase: DrivePhase,
     /// Time from which the solution applies. The next four fields hold the impacts and energies up
-    /// to it.
+    /// to this time.
     from: DoubleDouble,
     record: ImpactRecord,
     input: f64,
@@ -78,7 +78,8 @@ impl Data {
 /// One-sided limit that is shown at an impact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Limit {
-    /// The side that follows from the rounded time, which is not known to be the time of an impact.
+    /// The side that follows from the rounded time, which is not known to be the time of an
+    /// impact.
     #[default]
     Any,
     /// The limit before the impact that is due now; this impact is not counted yet.
@@ -87,7 +88,7 @@ enum Limit {
     After,
 }
 
-/// A steady state that is played.
+/// A steady state that is played in time.
 #[derive(Clone, Debug)]
 pub(crate) struct ClosedForm {
     data: Data,
@@ -96,10 +97,9 @@ pub(crate) struct ClosedForm {
     speed: f64,
     impulse: f64,
     lost: f64,
-    /// Drive phase since the last impact on the upper stop when the solution came into force, in
-    /// [0, 2π).
+    /// Drive phase since the last upper impact when the solution began to apply, in [0, 2π).
     offset: f64,
-    /// Input and damped energy from an impact to each knot of the half period that follows.
+    /// Input and damped energy from an impact to each knot of the following half period.
     knots: Vec<[f64; 2]>,
 }
 
@@ -152,10 +152,10 @@ impl ClosedForm {
         Ok(form)
     }
 
-    /// Goes back to given [`data`](Self::data); solves again only if the parameters differ.
+    /// Returns to given [`data`](Self::data). Solves again only if the parameters differ.
     ///
     /// # Errors
-    /// As [`Solution::new`]; nothing has changed then.
+    /// As [`Solution::new`]; then nothing has changed.
     pub(crate) fn restore(&mut self, data: Data) -> Result<(), ComponentProblem> {
         let same = data.mode == self.data.mode
             && data.parameters == self.data.parameters
@@ -186,11 +186,11 @@ impl ClosedForm {
         self.data.time.value()
     }
 
-    /// Changes to the steady state of other parameters from now on; the drive's phase stays
+    /// Changes to the steady state of other parameters from now on. The drive's phase stays
     /// continuous.
     ///
     /// # Errors
-    /// As [`Solution::new`]; nothing has changed then.
+    /// As [`Solution::new`]; then nothing has changed.
     pub(crate) fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), ComponentProblem> {
         let old = self.data.parameters;
         if *parameters == old {
@@ -221,8 +221,8 @@ impl ClosedForm {
     /// [`MOST_REPORTED`] impacts, and also returns the number of impacts not reported.
     ///
     /// # Errors
-    /// [`PrecisionLost`](vibro_impact::Error::PrecisionLost) for a time that a double no longer
-    /// tells from a moment later.
+    /// [`PrecisionLost`](vibro_impact::Error::PrecisionLost) for a time at which a double cannot
+    /// distinguish two moments of the motion.
     pub(crate) fn advance(
         &mut self,
         begin: f64,
@@ -258,9 +258,9 @@ impl ClosedForm {
         Ok((AdvanceOutcome::End, 0.0))
     }
 
-    /// Advances to `begin + step` or to the first impact, which is then due; the limit before it is
-    /// shown. An impact at most `late` (s) after the end counts as well. Returns whether an impact
-    /// is due.
+    /// Advances to `begin + step` or to the first impact, which is then due; the limit before it
+    /// is shown. An impact at most `late` (s) after the end counts as well. Returns whether an
+    /// impact is due.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
@@ -313,17 +313,17 @@ impl ClosedForm {
         }
     }
 
-    /// Time of the next impact (s), by formula; it may round to the present time. An impact that is
-    /// due is the next impact.
+    /// Time of the next impact (s), by formula; it may round to the present time. An impact that
+    /// is due is the next impact.
     pub(crate) fn next_impact(&self) -> f64 {
         let now = self.halves(self.data.time).0;
         self.impact_time(if self.is_due() { now } else { now + 1.0 }).value().max(self.time())
     }
 
-    /// Displacements and velocities; at an impact, those of the limit that is shown. An impact that
+    /// Displacements and velocities; at an impact, for the limit that is shown. An impact that
     /// counts as past by the rounding of the phase shows the limit after it. If the rounded phase
-    /// lies on the other side of the impact, the velocities that jump are taken at a phase twice
-    /// the rounding away.
+    /// is on the other side of the impact, the velocities that jump are taken at a phase twice the
+    /// rounding away.
     fn state(&self) -> State {
         let (theta, side) = (self.theta(), self.last_side());
         let (halves, since) = self.halves(self.data.time);
@@ -343,7 +343,7 @@ impl ClosedForm {
         State { x: state.x, v: [beside[0], beside[1], state.v[2]] }
     }
 
-    /// The stop of the last impact, or of the impact that is due: +1 the upper, -1 the lower.
+    /// The stop of the last impact, or of the impact that is due: +1 upper, -1 lower.
     fn last_side(&self) -> f64 {
         if self.halves(self.data.time).0 % 2.0 == 0.0 { 1.0 } else { -1.0 }
     }
@@ -354,13 +354,13 @@ impl ClosedForm {
         if self.is_due() { -self.last_side() } else { self.last_side() }
     }
 
-    /// Half periods since the last upper impact before the solution came into force, as a whole
-    /// number, and the drive phase since the last impact, rad. Whole numbers above 0 count impacts,
-    /// odd ones on the lower stop.
+    /// Half periods since the last upper impact before the solution applied, as a whole number,
+    /// and the drive phase since the last impact, rad. Whole numbers above 0 count impacts; odd
+    /// numbers are on the lower stop.
     fn halves(&self, time: DoubleDouble) -> (f64, f64) {
         let total = self.offset + self.data.parameters.drive_frequency * time.minus(self.data.from).value();
-        // An impact a rounding error ahead has happened: a step that ends at an impact must not
-        // meet it again.
+        // An impact that is a rounding error ahead has happened, so that a step that ends at an
+        // impact does not meet it again.
         let whole = ((total + phase_rounding(total)) / PI).floor();
         (whole, (total - whole * PI).max(0.0))
     }
@@ -384,7 +384,7 @@ impl ClosedForm {
         self.solution.derivatives(self.theta(), &self.state())
     }
 
-    /// What the outputs read now.
+    /// Present values of the outputs.
     pub(crate) fn values(&self) -> OutputValues {
         let (data, p) = (&self.data, &self.data.parameters);
         let d = self.derivatives();
@@ -438,7 +438,7 @@ impl ClosedForm {
             .clamp(1.0, MAX_PIECES) as usize;
         let piece = PI / pieces as f64;
         let mut knots = vec![[0.0; 2]; pieces + 1];
-        // One pass along the orbit for all pieces: each state computed alone would start again at
+        // One pass along the orbit for all pieces: computing each state alone would start again at
         // the impact.
         self.solution.with_states(|states| {
             for i in 0..pieces {
@@ -458,8 +458,8 @@ impl ClosedForm {
         [self.knots[index][0] + rest[0], self.knots[index][1] + rest[1]]
     }
 
-    /// Integrals of the powers between two phases after the upper impact. The half period after the
-    /// lower impact is the mirror image and has the same powers.
+    /// Integrals of the powers between two phases after the upper impact. The half period after
+    /// the lower impact is the mirror image and has the same powers.
     fn integrate(&self, states: &mut dyn FnMut(f64) -> State, from: f64, to: f64) -> [f64; 2] {
         let p = &self.data.parameters;
         let mut sums = [0.0; 2];

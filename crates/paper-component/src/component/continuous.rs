@@ -1,5 +1,4 @@
-//! The model for a host's own solver: states, derivatives, event indicators, and what happens at
-//! events.
+//! The model for a host's own solver: states, derivatives, event indicators, and laws at events.
 
 mod law;
 mod varied;
@@ -18,7 +17,7 @@ use vibro_impact::simulator::{Contact, ImpactRecord, Simulator, State, check_tim
 use vibro_numerics::double_double::DoubleDouble;
 use vibro_numerics::drive_phase::DrivePhase;
 
-/// Everything that changes, as plain data.
+/// All changing data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Data {
     parameters: Parameters,
@@ -64,7 +63,7 @@ struct Point {
     forces: [f64; 3],
 }
 
-/// The model as a host's solver sees it.
+/// The model for a host's solver.
 #[derive(Clone, Debug)]
 pub(crate) struct Continuous {
     data: Data,
@@ -80,7 +79,7 @@ impl Continuous {
         Self::at(simulator.parameters(), simulator.state(), simulator.time(), simulator.contact(), forces)
     }
 
-    /// A motion that begins in a given contact; also for what-if evaluations at the start.
+    /// A motion that begins in a given contact; also for trial evaluations at the start.
     pub(crate) fn at(
         parameters: &Parameters,
         state: State,
@@ -112,10 +111,10 @@ impl Continuous {
         Ok(Self { data, model: Model::new(&data.parameters)? })
     }
 
-    /// Goes back to given [`data`](Self::data).
+    /// Returns to given [`data`](Self::data).
     ///
     /// # Errors
-    /// As [`of`](Self::of); nothing has changed then.
+    /// As [`of`](Self::of); then nothing has changed.
     pub(crate) fn restore(&mut self, data: Data) -> Result<(), Error> {
         data.check()?;
         if data.parameters != self.data.parameters {
@@ -142,7 +141,7 @@ impl Continuous {
     }
 
     /// # Errors
-    /// [`Error::PrecisionLost`]; nothing has changed then.
+    /// [`Error::PrecisionLost`]; then nothing has changed.
     pub(crate) fn set_time(&mut self, time: f64) -> Result<(), Error> {
         check_time(self.model.rate, time)?;
         self.data.time = time;
@@ -161,12 +160,12 @@ impl Continuous {
         self.data.forces = forces;
     }
 
-    /// Sets the parameters at once; the drive's phase stays continuous. The energy that the change
-    /// adds to springs and masses counts as input, since the input is the remainder of the energy
-    /// balance.
+    /// Sets the parameters immediately; the drive's phase stays continuous. The energy that the
+    /// change adds to springs and masses counts as input, since the input is the remainder of the
+    /// energy balance.
     ///
     /// # Errors
-    /// As [`Simulator::set_parameters`]; nothing has changed then.
+    /// As [`Simulator::set_parameters`]; then nothing has changed.
     pub(crate) fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), Error> {
         let old = self.data.parameters;
         let model = Model::new(parameters)?;
@@ -245,7 +244,7 @@ impl Continuous {
         self.anchor();
     }
 
-    /// Makes the present point the start of the next interval of the damped energy.
+    /// Makes the present point the beginning of the next interval of the damped energy.
     fn anchor(&mut self) {
         let Data { time, state, forces, .. } = self.data;
         self.data.accepted = Point { time, state, forces };
@@ -258,7 +257,8 @@ impl Continuous {
     }
 
     /// Damped energy up to now. The open interval is integrated by two-point Hermite quadrature
-    /// with three derivatives at each end (an error of h⁹); the forces are linear between its ends.
+    /// with three derivatives at each end (an error of h⁹); the forces are linear between its
+    /// ends.
     fn damped(&self) -> f64 {
         let (from, now) = (self.data.accepted, self.now());
         let h = now.time - from.time;
@@ -282,8 +282,8 @@ impl Continuous {
         power
     }
 
-    /// Values of the outputs at the present point. In rest the relative displacement is exactly one
-    /// gap, free of the solver's rounding.
+    /// Values of the outputs at the present point. In rest the relative displacement is exactly
+    /// one gap, free of the solver's rounding.
     pub(crate) fn values(&self) -> OutputValues {
         let (data, (a, free)) = (&self.data, self.accelerations());
         let z = self.augmented();

@@ -8,13 +8,13 @@ use vibro_impact::simulator::{Contact, ImpactRecord, Simulator};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct EventState {
     /// Values of the discrete outputs shown until the host handles the events that a step has
-    /// passed over.
+    /// passed.
     pub(crate) latched: Option<Discrete>,
-    /// Whether the host was told of an event and must handle it before the next step.
+    /// Whether the host was told about an event that it must handle before the next step.
     pub(crate) pending: bool,
-    /// The stop of the last impact that a step has passed over: +1 the upper, -1 the lower.
+    /// The stop of the last impact that a step has passed: +1 upper, -1 lower.
     pub(crate) side: i8,
-    /// Whether the event has been carried out since the host came to it, and nothing was set since.
+    /// Whether the event was carried out, and nothing was set since then.
     pub(crate) carried_out: bool,
 }
 

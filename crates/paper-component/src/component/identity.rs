@@ -16,11 +16,11 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Name of the model, and of the library's file.
 pub const MODEL_IDENTIFIER: &str = "VibroImpact3DOF";
 
-/// What the model is.
+/// Description of the model.
 pub const MODEL_DESCRIPTION: &str = "Three-degree-of-freedom vibro-impact system: a driven box, a block free between two stops inside it, \
      and a secondary oscillator coupled to the block; exact event-driven simulation and closed-form steady states";
 
-/// What is logged of events.
+/// Description of the logged events.
 pub const EVENTS: &str = "Each impact, rest and release";
 
 /// Author of the model.
@@ -32,20 +32,20 @@ pub const COPYRIGHT: &str = "Copyright (c) 2026 the vibro-impact contributors";
 /// Licence of the component.
 pub const LICENSE: &str = env!("CARGO_PKG_LICENSE");
 
-/// How the names of the variables are made: dots between the levels.
+/// Form of the names of the variables: dots between the levels.
 pub const NAMING_CONVENTION: &str = "structured";
 
 /// The default experiment of a host: 100 periods of the default drive, with 200 steps each. The
-/// step is a reporting interval in Co-Simulation, but in Model Exchange hosts use it as the step of
-/// their solver, and Euler's method needs a short step (docs/theory.md (115)). The quotient of
-/// duration and step is a whole number, as some hosts demand.
+/// step is a reporting interval in Co-Simulation, but in Model Exchange hosts use it as the step
+/// of their solver, and Euler's method needs a short step (docs/theory.md (115)). The quotient of
+/// duration and step is a whole number, as some hosts require.
 pub fn default_experiment() -> Experiment {
     let period = Parameters::default().period();
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 200.0 }
 }
 
-/// The number of this build. Computed anew on each call, so that the library keeps nothing between
-/// loads.
+/// The number of this build. Computed again on each call, so that the library keeps nothing
+/// between loads.
 pub fn number() -> u128 {
     fnv1a(text().as_bytes())
 }

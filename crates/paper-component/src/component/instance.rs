@@ -1,10 +1,9 @@
 //! One component as a safe object with methods to set, initialize, step or integrate, read, save
 //! and restore it.
 //!
-//! Each method checks everything it was given and only then changes anything: a refused call leaves
-//! the component as it was. The FMI layer (the door) decides which call is allowed
-//! in which state of its protocol; the component knows only [`Phase`]s, which decide which
-//! variables may be set.
+//! Each method checks all its arguments before it changes anything: a refused call leaves the
+//! component unchanged. The FMI layer (the door) decides which call is allowed in which state of
+//! its protocol; the component knows only [`Phase`]s, which decide which variables may be set.
 
 mod access;
 mod arrival;
@@ -37,7 +36,7 @@ use fmi_doors::{Interface, Life, Phase};
 use last_step::LastStep;
 use vibro_impact::simulator::Simulator;
 
-/// The motion and how it is computed.
+/// The motion and its method of computation.
 #[derive(Debug)]
 enum Engine {
     /// No motion: not initialized yet.
@@ -60,8 +59,8 @@ pub struct Instance {
     initial: Settings,
     settings: Settings,
     engine: Engine,
-    /// Loads whose derivatives were set since the last step. Setting the value of such a load keeps
-    /// its derivatives.
+    /// Loads whose derivatives were set since the last step. Setting the value of such a load
+    /// keeps its derivatives.
     slopes_set: [bool; 3],
     /// Whether parameters or loads were set since the last step.
     parameters_set: bool,
@@ -79,7 +78,7 @@ pub struct Instance {
     step_matrices: Option<StepMatrices>,
     /// Values of the clock of impacts.
     tick: Tick,
-    /// Nominal values of the states, as last reported to the host.
+    /// Nominal values of the states last reported to the host.
     nominals_told: Option<[f64; 6]>,
     /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
     given: u16,
@@ -118,7 +117,7 @@ impl Instance {
         }
     }
 
-    /// What is set.
+    /// The present settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -152,7 +151,7 @@ impl Instance {
         }
     }
 
-    /// Adapts a state saved by a host with another event handling: without an event mode, pending
+    /// Adapts a state saved by a host with another event handling. Without an event mode, pending
     /// events are dropped, and an event that is due is handled in the next step.
     fn meet_own_protocol(&mut self) {
         if self.life.interface == Interface::CoSimulation && !self.life.handling.event_mode {
@@ -178,10 +177,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Present values of the outputs; before initialization, those of the start.
+    /// Present values of the outputs; before initialization, the values at the start.
     ///
     /// # Errors
-    /// [`ComponentProblem::Overflow`] when a value is not finite; outputs are always finite.
+    /// [`ComponentProblem::Overflow`] if a value is not finite; outputs are always finite.
     fn present_values(&self) -> Outcome<OutputValues> {
         let mut values = match self.present()? {
             Present::Simulation(simulator) => OutputValues::of(&simulator),
@@ -205,7 +204,7 @@ impl Instance {
     }
 }
 
-/// The values, each of them finite.
+/// The values, if all are finite.
 fn finite(values: OutputValues) -> Outcome<OutputValues> {
     if values.is_finite() { Ok(values) } else { Err(overflow(&values)) }
 }

@@ -1,6 +1,6 @@
-//! Time derivatives of the quantities from which outputs are computed, inside a smooth piece of the
-//! motion. Each output is evaluated on truncated Taylor series, which are added, subtracted and
-//! multiplied like numbers (products by Leibniz' rule).
+//! Time derivatives of the quantities from which outputs are computed, within a smooth piece of
+//! the motion. Each output is evaluated on truncated Taylor series, which are added, subtracted
+//! and multiplied like numbers (products by Leibniz' rule).
 
 use super::values::OutputValues;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -82,7 +82,7 @@ pub(crate) fn jets(course: &MotionJet<'_>) -> OutputValues<Jet> {
     let coupling_force = (x[1] - x[2]).times(p.coupling_stiffness);
     let mut contact_force = Jet::default();
     if values.contact != Contact::Flight {
-        // The force that the block needs, in addition to load and coupling, to move with the box.
+        // The force, besides load and coupling, with which the block moves with the box.
         let push = load[1] - coupling_force - acceleration[1].times(p.block_mass);
         contact_force = push.times(values.contact.side());
         contact_force.0[0] = values.contact_force;

@@ -1,9 +1,9 @@
 //! The vibro-impact machine as a component that a host can set, step, read, save and restore. It
-//! does not depend on a version of FMI: it follows the rules that all versions share. A door maps
+//! does not depend on a version of FMI: it follows the rules common to all versions. A door maps
 //! its calls, phases and outcomes to the functions, states and statuses of one version.
 //!
 //! ```text
-//! instance ── variables, units, structure    one table: names, units, ranges, dependencies, access
+//! instance ── variables, units, structure one table: names, units, ranges, dependencies, access
 //!    │
 //!    ├─ simulator (vibro_impact)             it steps itself, event by event
 //!    ├─ closed_form, steady                  it plays a steady state in time

@@ -3,17 +3,17 @@
 /// Outcome of a call.
 pub type Outcome<T = ()> = Result<T, ComponentProblem>;
 
-/// Why a call was refused; the component is then unchanged. Each text names the variable, its value
-/// and what is allowed. Errors that any component may have are in [`Door`](Self::Door).
+/// Reason why a call was refused; the component is then unchanged. Each text states the variable,
+/// its value and the valid values. Errors that any component may have are in [`Door`](Self::Door).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ComponentProblem {
-    /// The variable does not have the derivative that was asked for or given.
+    /// The variable does not have the requested or given derivative.
     #[error("{name} has no such derivative: allowed are {allowed}")]
     NoDerivative {
         /// The variable.
         name: &'static str,
-        /// What has one.
+        /// The variables with derivatives.
         allowed: &'static str,
     },
     /// A step after one that stopped early at an impact begins neither at that impact nor, after a
@@ -34,11 +34,11 @@ pub enum ComponentProblem {
          large together"
     )]
     Overflow {
-        /// What it is.
+        /// The quantity.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// When, s.
+        /// Time, s.
         time: f64,
     },
     /// A derivative that is not a finite double.
@@ -60,15 +60,15 @@ pub enum ComponentProblem {
          0.999, so that bouncing ends sooner"
     )]
     WorkLimit {
-        /// Where the step began and the component still stands, s.
+        /// Beginning of the step, where the component still is, s.
         own: f64,
-        /// Where the limit was reached, s.
+        /// Time at which the limit was reached, s.
         time: f64,
-        /// Events (impacts and releases) up to there.
+        /// Number of events (impacts and releases) up to that time.
         events: u64,
         /// Restitution coefficient.
         restitution: f64,
-        /// The block's relative speed there times a sub-step's length over the gap.
+        /// The block's relative speed there, times a sub-step's length, over the gap.
         path: f64,
     },
     /// The model refuses.
@@ -77,7 +77,7 @@ pub enum ComponentProblem {
     /// A closed-form mode cannot be played.
     #[error("{what}")]
     ClosedForm {
-        /// Why.
+        /// The reason.
         what: String,
     },
     /// An error that any component may have.
@@ -91,7 +91,7 @@ impl ComponentProblem {
         fmi_doors::Problem::value(name, value, allowed).into()
     }
 
-    /// Something must be done first.
+    /// Error for an action that must be preceded by another one.
     pub(crate) fn sequence(what: &'static str) -> Self {
         fmi_doors::Problem::Sequence { what: what.into() }.into()
     }

@@ -4,16 +4,16 @@ use super::settings::Settings;
 use super::variables::{Edition, Numbering};
 use fmi_doors::EventHandling;
 
-/// The properties in which protocols differ.
+/// Properties that differ between protocols.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Protocol {
-    /// Which variable a value reference stands for.
+    /// The variable of each value reference.
     pub numbering: Numbering,
-    /// What the host does about events.
+    /// Event handling by the host.
     pub handling: EventHandling,
     /// Start values of the settings.
     pub start: Settings,
-    /// The variables that its description has.
+    /// The variables of its description.
     pub edition: Edition,
 }
 

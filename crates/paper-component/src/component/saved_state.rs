@@ -1,4 +1,4 @@
-//! Saved states, and how they are laid out as bytes.
+//! Saved states, and their layout as bytes.
 //!
 //! ```text
 //! bytes    content
@@ -11,17 +11,18 @@
 //! ```
 //!
 //! The payload holds the fields of [`SavedState`] one after the other, each in the order of its
-//! declaration, without names or padding: a double as its 8 bytes, so that every bit comes back, of
-//! NaN and -0 too; a Boolean and the tag of an `Option` as one byte; other whole numbers and the
-//! numbers of enum variants with 7 bits a byte, the lowest first. The structs are those of this
-//! crate ([`Settings`], what is played or integrated) and of `vibro-impact` (`Snapshot`,
-//! `Parameters`, `DoubleDouble`, …): **whoever changes one of their fields, or their order, changes
-//! the layout and must raise [`VERSION`]**; the test `golden_file_of_the_layout` notices it.
+//! declaration, without names or padding. A double takes its 8 bytes, so that every bit is
+//! restored, also of NaN and -0; a Boolean and the tag of an `Option` take one byte. Other whole
+//! numbers and the numbers of enum variants use 7 bits per byte, the lowest first. The structs
+//! belong to this crate ([`Settings`], the motion) and to `vibro-impact` (`Snapshot`,
+//! `Parameters`, `DoubleDouble`, …): **whoever changes one of their fields, or their order,
+//! changes the layout and must raise [`VERSION`]**; the test `golden_file_of_the_layout` detects
+//! it.
 //!
-//! Every field of the payload has a meaning in all protocols, so a state written by one door can be
-//! read by another door of the same build. If a protocol cannot represent a part of the state, such
-//! as an event that the host has yet to handle, the restore resolves it. The checksum detects
-//! accidental damage; it is not a signature.
+//! Every field of the payload has a meaning in all protocols, so a state written by one door can
+//! be read by another door of the same build. If a protocol cannot represent a part of the state,
+//! such as an unhandled event, the restore resolves it. The checksum detects accidental damage; it
+//! is not a signature.
 
 use super::closed_form;
 use super::continuous;
@@ -53,10 +54,10 @@ pub struct SavedState {
     pub(super) loads_set: bool,
     pub(super) events: EventState,
     pub(super) tick: Tick,
-    /// Nominal values of the states that the host was told last.
+    /// Nominal values of the states last reported to the host.
     pub(super) nominals_told: Option<[f64; 6]>,
-    /// Start value of `stop_at_impact` in the protocol that saved the state. If the host had not
-    /// changed it, a restore uses the start value of the restoring protocol.
+    /// Start value of `stop_at_impact` in the protocol that saved the state. If the host kept it,
+    /// a restore uses the start value of the restoring protocol.
     pub(super) stop_by_default: bool,
     /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
     pub(super) given: u16,
@@ -76,7 +77,7 @@ fn refused(what: impl Into<Cow<'static, str>>) -> ComponentProblem {
     fmi_doors::Problem::SavedState { what: what.into() }.into()
 }
 
-/// Takes the first `N` bytes away from `bytes`.
+/// Removes the first `N` bytes from `bytes`.
 fn take<const N: usize>(bytes: &mut &[u8]) -> Outcome<[u8; N]> {
     let (head, rest) = bytes.split_first_chunk::<N>().ok_or_else(|| refused("it ends too early"))?;
     *bytes = rest;
@@ -84,9 +85,8 @@ fn take<const N: usize>(bytes: &mut &[u8]) -> Outcome<[u8; N]> {
 }
 
 impl SavedState {
-    /// Refuses a phase that does not fit the motion, which only a damaged saved state has. Whether
-    /// the interface type has the phase is checked elsewhere
-    /// ([`Life::take_over`](fmi_doors::Life::take_over)).
+    /// Refuses a phase that does not fit the motion, as in a damaged saved state. The interface
+    /// type's phases are checked in [`Life::take_over`](fmi_doors::Life::take_over).
     ///
     /// # Errors
     /// [`SavedState`](fmi_doors::Problem::SavedState).
@@ -102,7 +102,7 @@ impl SavedState {
         if fits { Ok(()) } else { Err(refused("its phase does not go with what moves in it")) }
     }
 
-    /// Its bytes: header, payload, checksum.
+    /// The bytes of the state: header, payload, checksum.
     ///
     /// # Errors
     /// [`SavedState`](fmi_doors::Problem::SavedState), which would be a bug in this crate.
@@ -120,7 +120,7 @@ impl SavedState {
         Ok(bytes)
     }
 
-    /// The state of these bytes. Restoring it checks whether a motion can continue from it.
+    /// Reads a state from bytes. Restoring it checks whether a motion can continue from it.
     ///
     /// # Errors
     /// [`SavedState`](fmi_doors::Problem::SavedState) for bytes that are truncated, altered, of

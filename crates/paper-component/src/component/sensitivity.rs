@@ -1,7 +1,7 @@
-//! Derivatives of the state at the end of a step with respect to the state at its beginning and the
-//! loads during it. They follow from the variational equations of each smooth piece, which are the
-//! equations of motion without the drive, and from a jump at each impact (the saltation matrix,
-//! docs/theory.md (84)).
+//! Derivatives of the state at the end of a step with respect to the state at its beginning and
+//! the loads during it. They follow from the variational equations of each smooth piece, which are
+//! the equations of motion without the drive, and from a jump at each impact (the saltation
+//! matrix, docs/theory.md (84)).
 //!
 //! They are found by replaying the step when they are requested, so that the step itself does no
 //! extra work. In resting contact box and block are one body: variations of their relative motion
@@ -19,23 +19,23 @@ use vibro_impact::simulator::{DueEvent, Pause, Simulator};
 
 /// Columns: six states, then value and derivatives 1 to 3 of three loads.
 const COLUMNS: usize = 6 + 12;
-/// Longest part of a piece that one series covers, times the model's rate: the remainder is under
+/// Longest part of a piece that one series covers, times the model's rate. The remainder is below
 /// 2e-31 of the variation's size (docs/numerics.md, section 1).
 const REACH: f64 = 1.0;
 const _: () = assert!(remainder(WHOLE, REACH) < 2e-31);
 
-/// A variation of the state, and of the loads as polynomials from the step's begin.
+/// A variation of the state, and of the loads as polynomials from the beginning of the step.
 #[derive(Clone, Copy)]
 struct Column {
     z: Augmented,
     loads: Forces,
 }
 
-/// The derivatives over the step from the state of `replay` to the time of `reached`, with as many
-/// impacts as `reached` has counted.
+/// The derivatives over the step from the state of `replay` to the time of `reached`, with the
+/// number of impacts that `reached` has counted.
 ///
 /// # Errors
-/// As the replay's.
+/// Errors of the replay.
 pub(crate) fn matrices(mut replay: Simulator, reached: &Simulator) -> Result<StepMatrices, Error> {
     let model = Model::new(replay.parameters())?;
     let begin = replay.time();
@@ -95,7 +95,7 @@ fn merge(z: &mut Augmented, block_share: f64) {
     (z[RELATIVE], z[RELATIVE_RATE]) = (0.0, 0.0);
 }
 
-/// Propagates variations over a piece, whose times are relative to the beginning of the step.
+/// Propagates variations over a piece with times relative to the beginning of the step.
 fn propagate(columns: &mut [Column; COLUMNS], model: &Model, mode: SmoothMode, (from, to): (f64, f64)) {
     let parts = ((to - from) * model.rate / REACH).ceil().max(1.0);
     let part = (to - from) / parts;
@@ -127,8 +127,8 @@ fn jump(columns: &mut [Column; COLUMNS], model: &Model, replay: &mut Simulator) 
     }
 }
 
-/// Adds a part of the relative motion to that of the box: with the block's share of the mass the
-/// box's place then holds their centre of mass, docs/theory.md (83).
+/// Adds a fraction of the relative motion to the motion of the box. If the fraction is the block's
+/// share of the mass, the box's position then holds their centre of mass, docs/theory.md (83).
 fn add_relative(z: &mut Augmented, part: f64) {
     z[BOX] += part * z[RELATIVE];
     z[BOX_RATE] += part * z[RELATIVE_RATE];

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Groups, Parameters};
 use vibro_impact::simulator::{Loads, State};
 
-/// How the motion is obtained; the numbers are those of the enumeration `Mode`.
+/// Method that gives the motion; the numbers belong to the enumeration `Mode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SolutionMode {
     /// Event-driven simulation.
@@ -18,7 +18,7 @@ pub enum SolutionMode {
 }
 
 impl SolutionMode {
-    /// Its number in the enumeration.
+    /// Number of the mode in the enumeration.
     pub fn number(self) -> i32 {
         match self {
             Self::EventDriven => 1,
@@ -42,7 +42,7 @@ pub struct Settings {
     pub start: State,
     /// Loads and their derivatives at the coming communication point.
     pub loads: Loads,
-    /// How the motion is obtained.
+    /// Method that gives the motion.
     pub mode: SolutionMode,
     /// Start on the exact orbit instead of at `start`.
     pub start_on_orbit: bool,
@@ -50,7 +50,7 @@ pub struct Settings {
     pub stop_at_impact: bool,
 }
 
-/// Values that follow from the parameters alone. `Default` is all zero.
+/// Values that follow from the parameters alone. All are zero in `Default`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Derived {
     /// The dimensionless groups, every one finite.
@@ -77,7 +77,7 @@ impl Default for Derived {
     }
 }
 
-/// The steady state in numbers; 0 where there is none.
+/// Numbers of the steady state; 0 without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Steady {
     /// A real solution exists.

@@ -96,7 +96,7 @@ impl Solution {
         }
     }
 
-    /// The tests that the steady state fails, in words; `None` if it passes all.
+    /// Description of the tests that the steady state fails; `None` if it passes all.
     pub(crate) fn objections(&self) -> Option<String> {
         let failed: Vec<_> = match self {
             Self::Scales { point, .. } => {
@@ -135,13 +135,13 @@ impl Solution {
         }
     }
 
-    /// Relative speed, impulse and lost energy, which all its impacts share.
+    /// Relative speed, impulse and lost energy, equal for all its impacts.
     pub(crate) fn impact(&self, model: &Model) -> Impact {
         let factors = model.impact_factors();
         let (speed, impulse) = match self {
             Self::Scales { parameters: p, point } => {
-                // W' just before the upper impact, from the slope 2/π of the sawtooth and B cos Φ =
-                // -ρ C.
+                // W' just before the upper impact, from the slope 2/π of the sawtooth and B cos Φ
+                // = -ρ C.
                 let rho = FRAC_2_PI * (1.0 - p.stop_restitution) / (1.0 + p.stop_restitution);
                 let speed = p.stop_gap * p.drive_frequency * point.c * (FRAC_2_PI + rho);
                 (speed, factors.impulse * speed)
@@ -155,8 +155,7 @@ impl Solution {
     }
 
     /// Calls `use_states` with a function that returns the state at a drive phase (rad), like
-    /// [`state`](Self::state). For rising phases the total cost is that of one pass along the
-    /// orbit.
+    /// [`state`](Self::state). For rising phases the total cost is one pass along the orbit.
     pub(crate) fn with_states<R>(&self, use_states: impl FnOnce(&mut dyn FnMut(f64) -> State) -> R) -> R {
         match self {
             Self::Scales { .. } => use_states(&mut |theta| self.state(theta)),
@@ -183,15 +182,15 @@ impl Solution {
         }
     }
 
-    /// Time derivatives of the displacements at drive phase `theta`, where the motion is in
-    /// `state`; `[body][order]`.
+    /// Time derivatives of the displacements at drive phase `theta`, with the motion in `state`;
+    /// `[body][order]`.
     pub(crate) fn derivatives(&self, theta: f64, state: &State) -> [[f64; ORDERS]; 3] {
         let mut d: [[f64; ORDERS]; 3] =
             std::array::from_fn(|body| [state.x[body], state.v[body], 0.0, 0.0, 0.0, 0.0]);
         match self {
             Self::Scales { parameters: p, point } => {
                 // The sawtooth is linear between impacts, so derivatives from the second order on
-                // are those of the sines.
+                // come from the sines.
                 for (body, amplitude, lag) in [(0, point.b, point.psi), (2, point.a3, point.psi3)] {
                     let mut scale = p.stop_gap * amplitude * p.drive_frequency;
                     for (order, d) in d[body].iter_mut().enumerate().skip(2) {
@@ -208,7 +207,7 @@ impl Solution {
                 (z[DRIVE_SIN], z[DRIVE_COS]) = theta.sin_cos();
                 let series =
                     Series::<ORDERS>::expand(&model, model::SmoothMode::Flight, &z, None, 1.0 / model.rate);
-                // The displacement is kept from the orbit.
+                // The displacement of the orbit is kept.
                 for (d, own) in d.iter_mut().zip(series.derivatives::<ORDERS>(model.rate)) {
                     d[1..].copy_from_slice(&own[1..]);
                 }
@@ -241,8 +240,8 @@ fn exact(parameters: &Parameters) -> Result<Solution, ComponentProblem> {
     if let Some(orbit) = family.orbit(Sheet::Upper)? {
         return Ok(Solution::Orbit(Box::new(orbit)));
     }
-    // The response of w to the force is proportional to the force. The range follows from the force
-    // at which the quadratic has a root p > 0.
+    // The response of w to the force is proportional to the force. The range follows from the
+    // force at which the quadratic has a root p > 0.
     let unit = OrbitFamily::new(&Parameters { drive_amplitude: 1.0, ..*parameters })?;
     let (a, b, c) = unit.quadratic();
     let response = (1.0 - c).max(0.0).sqrt();

@@ -6,25 +6,25 @@ use super::variables::{
 };
 use std::collections::BTreeMap;
 
-/// Unknown and its dependencies. The lists hold in every mode: where the closed form and the
+/// Unknown and its dependencies. The lists hold in every mode: if the closed form and the
 /// simulation differ, they are the union of both. Outside initialization the continuous states are
 /// knowns and count as fixed: a jump of the states when a parameter is set at an event is not
 /// listed as a dependency, nor are the effects of that jump on other unknowns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unknown {
-    /// Its place in the table.
+    /// Index in the table.
     pub place: usize,
-    /// Dependencies as (place, kind), ordered by place.
+    /// Dependencies as (index, kind), ordered by index.
     pub dependencies: Vec<(usize, DependencyKind)>,
 }
 
-/// Names of the continuous states, in the order in which a solver takes them.
+/// Names of the continuous states, in a solver's order.
 pub const STATES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
 /// Names of their derivatives, in the same order.
 pub const DERIVATIVES: [&str; 6] = ["box.v", "block.v", "secondary.v", "box.a", "block.a", "secondary.a"];
 
-/// Names of the derivatives in editions where each derivative is a variable apart from the states.
+/// Names of the derivatives in editions in which each derivative is separate from the states.
 pub const EXTENDED_DERIVATIVES: [&str; 6] =
     ["der(box.s)", "der(block.s)", "der(secondary.s)", "box.a", "block.a", "secondary.a"];
 
@@ -72,7 +72,7 @@ pub fn input_of(body: usize) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.body == Some(body))
 }
 
-/// Dependencies ordered by place: `knowns` with their kinds, `names` with the kind `Dependent`.
+/// Dependencies ordered by index: `knowns` with their kinds, `names` with the kind `Dependent`.
 fn ordered<'a>(
     knowns: Knowns,
     names: impl IntoIterator<Item = &'a &'static str>,
@@ -91,8 +91,8 @@ fn listed(variable: &Variable) -> Knowns {
     }
 }
 
-/// Dependencies of a variable that is not an unknown of the model's structure; an array counts as a
-/// whole.
+/// Dependencies of a variable that is not an unknown of the model's structure; an array counts as
+/// a whole.
 pub fn declared(variable: &Variable) -> Vec<(usize, DependencyKind)> {
     ordered(listed(variable), variable.further)
 }
@@ -117,7 +117,7 @@ fn initially((place, variable): (usize, &Variable)) -> Unknown {
     Unknown { place, dependencies }
 }
 
-/// Every output of an edition, in the order of the table, with what it depends on outside
+/// Every output of an edition, in the order of the table, with its dependencies outside
 /// initialization.
 pub fn outputs(edition: Edition) -> Vec<Unknown> {
     let outputs = of_edition(edition).filter(|(_, variable)| variable.causality == Causality::Output);
@@ -138,8 +138,8 @@ pub fn event_indicators() -> Vec<Unknown> {
     named(&INDICATORS, Edition::Extended)
 }
 
-/// The unknowns of initialization: calculated outputs and calculated parameters in the order of the
-/// table, and the derivatives that are separate variables.
+/// The unknowns of initialization: calculated outputs and calculated parameters in the order of
+/// the table, and the derivatives that are separate variables.
 pub fn initial_unknowns(edition: Edition) -> Vec<Unknown> {
     let derivatives: &[_] = if edition > Edition::Every { &EXTENDED_DERIVATIVES } else { &[] };
     let unknowns = of_edition(edition).filter(|(_, variable)| {

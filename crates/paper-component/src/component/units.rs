@@ -11,8 +11,8 @@ pub struct DisplayUnit {
     pub factor: f64,
 }
 
-/// A unit and its exponents of the SI base units; every unit here is coherent, so factor is 1 and
-/// offset is 0. Exponents of A, K, mol and cd are zero throughout.
+/// A unit and its exponents of the SI base units. Every unit here is coherent, so factor is 1 and
+/// offset is 0. Exponents of A, K, mol and cd are always zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     /// Name, e.g. `N.s/m`.
@@ -25,7 +25,7 @@ pub struct Unit {
     pub s: i32,
     /// Exponent of rad.
     pub rad: i32,
-    /// Display units a person may choose from.
+    /// Display units for the user's choice.
     pub display: &'static [DisplayUnit],
 }
 
@@ -67,13 +67,13 @@ pub const UNITS: &[Unit] = &[
 pub struct RealType {
     /// Its name.
     pub name: &'static str,
-    /// Physical quantity, where all elements share one.
+    /// Physical quantity, if it is the same for all elements.
     pub quantity: Option<&'static str>,
-    /// Name of its [`Unit`], where all elements share one.
+    /// Name of its [`Unit`], if it is the same for all elements.
     pub unit: Option<&'static str>,
-    /// Display unit to show it in by default.
+    /// Default display unit.
     pub display_unit: Option<&'static str>,
-    /// What it is.
+    /// Description.
     pub description: &'static str,
 }
 
@@ -82,9 +82,9 @@ pub struct RealType {
 pub struct Item {
     /// Its name.
     pub name: &'static str,
-    /// Its value; items count from 1 without holes.
+    /// Its value; items count from 1 without gaps.
     pub value: i32,
-    /// What it means.
+    /// Meaning.
     pub description: &'static str,
 }
 
@@ -93,11 +93,11 @@ pub struct Item {
 pub struct EnumerationType {
     /// Its name.
     pub name: &'static str,
-    /// What it is.
+    /// Description.
     pub description: &'static str,
     /// Its items.
     pub items: &'static [Item],
-    /// The items in words, for messages.
+    /// Text of the items, for messages.
     pub allowed: &'static str,
 }
 
@@ -149,7 +149,7 @@ real_types! {
     /// Dimensionless number.
     NUMBER = real("Number", "DimensionlessRatio", "1", None, "Dimensionless number");
 
-    /// Derivatives of states with respect to states or loads, whose units differ from element to
+    /// Derivatives of states with respect to states or loads; the units differ from element to
     /// element.
     SENSITIVITY = RealType {
         name: "Sensitivity",
@@ -160,7 +160,7 @@ real_types! {
     };
 }
 
-/// How the motion is obtained (variable `mode`).
+/// Method that gives the motion (variable `mode`).
 pub const MODE: EnumerationType = EnumerationType {
     name: "Mode",
     description: "How the motion is obtained",

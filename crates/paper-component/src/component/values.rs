@@ -7,7 +7,7 @@ use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, EnergyAccounts, ImpactRecord, Simulator, State};
 
 /// A number and its first-order variation along a direction of states and loads. The expression of
-/// an output is evaluated on such numbers without change; a product varies by the product rule.
+/// an output is evaluated unchanged on such numbers; a product varies by the product rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Varied {
     /// The value.
@@ -84,9 +84,9 @@ pub struct OutputValues<T = f64> {
 /// The next event up to a horizon.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prediction {
-    /// Its time, or the horizon where there is none, s.
+    /// Time of the event, s; the horizon if there is no event.
     pub time: f64,
-    /// Whether there is one.
+    /// Whether there is an event.
     pub known: bool,
 }
 
@@ -114,7 +114,7 @@ impl Default for StepMatrices {
 /// The clock of impacts, and the impact at its last tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tick {
-    /// Whether it ticks now.
+    /// Whether the clock ticks now.
     pub active: bool,
     /// Time of the impact, s.
     pub time: f64,
@@ -122,7 +122,7 @@ pub struct Tick {
     pub impulse: f64,
     /// Relative speed of approach, m/s.
     pub speed: f64,
-    /// Its stop: +1 the upper, -1 the lower, 0 before the first impact.
+    /// Its stop: +1 upper, -1 lower, 0 before the first impact.
     pub side: i8,
 }
 
@@ -144,7 +144,7 @@ pub(crate) struct Approach {
 }
 
 impl Approach {
-    /// From the parameters, the relative displacement and the contact force (N).
+    /// Computes the quantities; `w` is the relative displacement, `contact_force` in N.
     pub(crate) fn new(p: &Parameters, w: f64, contact_force: f64) -> Self {
         Self {
             gap: p.stop_gap,
@@ -217,15 +217,15 @@ impl OutputValues {
         State { x: self.x, v: self.v }
     }
 
-    /// Each value together with its rate. Values that change at events only are those of `self`.
+    /// Each value together with its rate. Values that change at events only come from `self`.
     pub fn varied(&self, rate: &Self) -> OutputValues<Varied> {
         self.with(rate, |value, rate| Varied { value, rate })
     }
 }
 
 impl<T: Copy> OutputValues<T> {
-    /// Combines each value with that of `other` by `f`. Values that change at events only are those
-    /// of `self`.
+    /// Combines each value with the value of `other` by `f`. Values that change at events only
+    /// come from `self`.
     pub(crate) fn with<U: Copy, V>(&self, other: &OutputValues<U>, f: impl Fn(T, U) -> V) -> OutputValues<V> {
         let three = |own: [T; 3], other: [U; 3]| std::array::from_fn(|i| f(own[i], other[i]));
         OutputValues {

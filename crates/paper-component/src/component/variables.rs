@@ -1,10 +1,10 @@
-//! The one table of variables: the model description, start values, range checks, getters, setters,
-//! derivatives, reset and the documentation all come from it.
+//! The one table of variables. It is the source of the model description, start values, range
+//! checks, getters, setters, derivatives, reset and the documentation.
 //!
-//! A variable's place is the index of its row, in the order of the descriptions. Its value
-//! reference is a column of the row and does not change when rows are inserted or removed. A
-//! description leaves out the variables of later [`Edition`]s; its [`Numbering`] determines its
-//! references. `crates/paper-component/README.md` explains how a variable is added.
+//! A variable's index is its row, in the order of the descriptions. Its value reference is a
+//! column of the row and does not change when rows are inserted or removed. A description leaves
+//! out the variables of later [`Edition`]s; its [`Numbering`] determines its references.
+//! `crates/paper-component/README.md` explains how a variable is added.
 
 mod bases;
 mod columns;
@@ -23,17 +23,17 @@ pub use rows::START;
 pub use sections::{SECTIONS, Section};
 pub use table::{COUNT, VARIABLES};
 
-/// The variables of a description, each with its place.
+/// The variables of a description, each with its index.
 pub fn of_edition(edition: Edition) -> impl Iterator<Item = (usize, &'static Variable)> {
     VARIABLES.iter().enumerate().filter(move |(_, variable)| variable.edition <= edition)
 }
 
-/// The variable of that name.
+/// The variable with a name.
 pub fn find(name: &str) -> Option<&'static Variable> {
     VARIABLES.iter().find(|variable| variable.name == name)
 }
 
-/// Place of the variable of that name, at compile time.
+/// Index of the variable with a name, at compile time.
 ///
 /// # Panics
 /// If no variable has the name, so a misspelt constant does not compile.
@@ -48,7 +48,7 @@ pub const fn place(name: &str) -> usize {
     panic!("no variable of that name")
 }
 
-/// The table's own value reference of the variable of that name, at compile time.
+/// The table's own value reference of the variable with a name, at compile time.
 ///
 /// # Panics
 /// As [`place`].

@@ -1,5 +1,5 @@
-//! Derivatives of the motion at a point: with respect to time, for quadrature, and to states and
-//! forces.
+//! Derivatives of the motion at a point: with respect to time, for quadrature, and with respect to
+//! states and forces.
 
 use super::values::{OutputValues, coupling_force};
 use vibro_impact::flow::Series;
@@ -13,8 +13,7 @@ use vibro_impact::simulator::{Contact, ImpactRecord, State};
 /// v1 and v3 with three derivatives each.
 pub(crate) type Velocities = [[f64; 4]; 2];
 
-/// v1 and v3 with three derivatives at one point, where `slope` is the time derivative of the
-/// forces.
+/// v1 and v3 with three derivatives at one point; `slope` is the time derivative of the forces.
 pub(crate) fn velocities(
     model: &Model,
     mode: SmoothMode,
@@ -29,7 +28,7 @@ pub(crate) fn velocities(
     [BOX_RATE, SECONDARY_RATE].map(|rate| std::array::from_fn(|k| series.states[k][rate] * scale[k]))
 }
 
-/// Integral over an interval of length h from values and three derivatives at its ends.
+/// Integral over an interval of length h from the values and three derivatives at its ends.
 pub(crate) fn quadrature(h: f64, a: &[f64; 4], b: &[f64; 4]) -> f64 {
     let h2 = h * h;
     h * (0.5 * (a[0] + b[0])
@@ -38,7 +37,7 @@ pub(crate) fn quadrature(h: f64, a: &[f64; 4], b: &[f64; 4]) -> f64 {
         + h2 * h / 1680.0 * (a[3] - b[3]))
 }
 
-/// A direction in the space of what a host can vary: states, loads, parameters, time.
+/// A direction in the space of a host's knowns: states, loads, parameters, time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Direction {
     pub(crate) state: State,
@@ -48,9 +47,9 @@ pub(crate) struct Direction {
 }
 
 impl Direction {
-    /// Variation of the forces on the bodies at a state and a drive with the given sin θ and cos θ,
-    /// without the part from the variation of the state. A change of the drive's frequency keeps
-    /// the phase continuous, so it does not change the present forces.
+    /// Variation of the forces on the bodies at a state and a drive with the given sin θ and cos
+    /// θ, without the part from the variation of the state. A change of the drive's frequency
+    /// keeps the phase continuous, so it does not change the present forces.
     fn push(&self, p: &Parameters, State { x, v }: &State, (sin, cos): (f64, f64)) -> [f64; 3] {
         let (d, stretch) = (&self.parameters, x[1] - x[2]);
         let turn = d.drive_phase + p.drive_frequency * self.time;
@@ -65,10 +64,10 @@ impl Direction {
     }
 }
 
-/// Variation of the outputs with states, loads, tunable parameters and time in a given contact. All
-/// outputs are linear in states and forces, except the mechanical energy, of which the gradient is
-/// taken. Accumulated energies do not vary, with one exception: the energy that a change of a
-/// spring adds at once counts as input.
+/// Variation of the outputs with states, loads, tunable parameters and time in a given contact.
+/// All outputs are linear in states and forces, except the mechanical energy, for which the
+/// gradient is used. Accumulated energies do not vary, with one exception: the energy that a
+/// change of a spring adds immediately counts as input.
 pub(crate) fn variation(
     model: &Model,
     p: &Parameters,
@@ -120,7 +119,7 @@ pub(crate) fn variation(
         mechanical: mechanical + springs,
         input: springs,
         damped: 0.0,
-        // What changes at events only has no rate.
+        // Values that change at events only do not have a rate.
         impact_loss: 0.0,
         contact,
         impacts: ImpactRecord::default(),

@@ -1,5 +1,5 @@
-//! The parts of `modelDescription.xml` that are not from the table (FMI 2.0, 2.2.1, 3.3.1, 4.3.1):
-//! identity, capabilities, log categories, default experiment.
+//! The parts of `modelDescription.xml` that do not come from the table (FMI 2.0, 2.2.1, 3.3.1,
+//! 4.3.1): identity, capabilities, log categories, default experiment.
 
 use crate::component::identity;
 use crate::component::identity::EVENTS;
@@ -17,8 +17,8 @@ use fmi_doors::messages::{Category, log_categories};
 /// `version` of the model.
 pub const MODEL_VERSION: &str = identity::VERSION;
 
-/// Capability flags of `CoSimulation` and, where they exist there, of `ModelExchange` (FMI 2.0,
-/// 4.3.1 and 3.3.1).
+/// Capability flags of `CoSimulation` and, if it has them, of `ModelExchange` (FMI 2.0, 4.3.1 and
+/// 3.3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
     /// Both: needs its tool to run.
@@ -48,7 +48,7 @@ pub struct Capabilities {
 /// Capabilities of this FMU.
 pub const CAPABILITIES: Capabilities = Capabilities {
     needs_execution_tool: false,
-    // Accepted steps are where the energy accounts of Model Exchange are integrated.
+    // The energy accounts of Model Exchange are integrated at accepted steps.
     completed_integrator_step_not_needed: false,
     can_handle_variable_communication_step_size: true,
     can_interpolate_inputs: true,
@@ -64,7 +64,7 @@ pub const CAPABILITIES: Capabilities = Capabilities {
 /// Whether `ModelExchange` is part of the archive.
 pub const MODEL_EXCHANGE: bool = true;
 
-/// The log categories, all of standard names.
+/// The log categories, all with standard names.
 pub const LOG_CATEGORIES: [Category; 6] =
     log_categories(EVENTS, "Why a step ended early or a status is not available");
 
@@ -76,14 +76,14 @@ pub fn variables() -> impl Iterator<Item = (u32, &'static Variable)> {
     NUMBERING.variables()
 }
 
-/// `guid`: a hash of everything the model description says and of the crate's version (FMI 2.0,
-/// 2.2.1). Computed anew on each call, so that the library keeps nothing between loads.
+/// `guid`: a hash of the whole model description and of the crate's version (FMI 2.0, 2.2.1).
+/// Computed again on each call, so that the library keeps nothing between loads.
 pub fn guid() -> String {
     let own = format!("{MODEL_IDENTIFIER} {CAPABILITIES:?} {MODEL_EXCHANGE} {LOG_CATEGORIES:?}\n");
     identity::identifier(&(own + &identity::text()))
 }
 
-/// Everything that the model description says.
+/// The content of the model description.
 pub fn description() -> Description {
     let Capabilities {
         needs_execution_tool: _,

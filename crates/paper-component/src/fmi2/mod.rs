@@ -1,4 +1,4 @@
-//! FMI 2.0: the functions of the door for this component, and what its description says.
+//! FMI 2.0: the functions of the door for this component, and its description.
 
 pub mod abi;
 pub mod description;

@@ -1,5 +1,5 @@
-//! The parts of `modelDescription.xml` that are not from the table (FMI 3.0.2, 2.4, 3.4 and 4.4):
-//! capabilities, log categories, references, and the further descriptions of the library.
+//! The parts of `modelDescription.xml` that do not come from the table (FMI 3.0.2, 2.4, 3.4 and
+//! 4.4): capabilities, log categories, references, and the further descriptions of the library.
 
 use crate::component::identity;
 use crate::component::identity::EVENTS;
@@ -24,7 +24,7 @@ pub const ARRAYS: Edition = Edition::Arrays;
 /// clocks that are outputs.
 pub const CLOCKED: Edition = Edition::Clocked;
 
-/// Capability flags (FMI 3.0.2, 2.4.2, 3.4 and 4.4); one that is absent here has its default.
+/// Capability flags (FMI 3.0.2, 2.4.2, 3.4 and 4.4); a flag that is missing here has its default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
     /// Both interface types: `fmi3GetFMUState` and the related functions work.
@@ -49,7 +49,7 @@ pub struct Capabilities {
     pub provides_intermediate_update: bool,
     /// Co-Simulation: a step may end at an event.
     pub might_return_early_from_do_step: bool,
-    /// Co-Simulation: a step ends where the callback asks for it.
+    /// Co-Simulation: a step ends where the callback requests it.
     pub can_return_early_after_intermediate_update: bool,
     /// Co-Simulation: Event Mode.
     pub has_event_mode: bool,
@@ -62,7 +62,7 @@ pub const CAPABILITIES: Capabilities = Capabilities {
     provides_directional_derivatives: true,
     provides_adjoint_derivatives: true,
     provides_per_element_dependencies: true,
-    // Accepted steps are where the energy accounts of Model Exchange are integrated.
+    // The energy accounts of Model Exchange are integrated at accepted steps.
     needs_completed_integrator_step: true,
     can_handle_variable_communication_step_size: true,
     max_output_derivative_order: 3,
@@ -76,22 +76,22 @@ pub const CAPABILITIES: Capabilities = Capabilities {
 /// The log categories.
 pub const LOG_CATEGORIES: [Category; 6] = log_categories(EVENTS, "Why a value was not taken");
 
-/// Start values of the settings. They are those of every description, except that a step ends at an
-/// event if the importer allows it, since FMI 3.0 has a protocol for that.
+/// Start values of the settings: as in every description, except that a step ends at an event if
+/// the importer allows it, since FMI 3.0 has a protocol for this.
 pub fn start_settings() -> Settings {
     Settings { stop_at_impact: true, ..Settings::default() }
 }
 
-/// The value references of a description. They are counted from 1 in its order, since some
-/// importers take value references for indices (OMSimulator those in the model's structure and in
-/// `derivative`). So they differ from the table's own references, and belong to the one description
-/// that the token names.
+/// The value references of a description, counted from 1 in its order, since some importers take
+/// value references for indices (OMSimulator in the model's structure and in `derivative`). They
+/// therefore differ from the table's own references, and belong to the one description named by
+/// the token.
 pub const fn numbering(edition: Edition) -> Numbering {
     Numbering::counted(edition)
 }
 
-/// Value reference, in a description, of the variable with a name; `None` if the description leaves
-/// it out.
+/// Value reference, in a description, of the variable with a name; `None` if the description
+/// leaves it out.
 pub fn value_reference(edition: Edition, name: &str) -> Option<u32> {
     variables(edition).find(|(_, variable)| variable.name == name).map(|(reference, _)| reference)
 }
@@ -101,7 +101,7 @@ pub fn variables(edition: Edition) -> impl Iterator<Item = (u32, &'static Variab
     numbering(edition).variables()
 }
 
-/// Name of the variable whose derivative this is. A state never has this attribute, although
+/// Name of the state whose derivative this is. A state never has this attribute, although
 /// velocities are derivatives: importers would take it for both a state and a derivative.
 pub fn derivative(variable: &Variable) -> Option<&'static str> {
     match variable.kind {
@@ -123,14 +123,14 @@ pub fn alias(variable: &Variable) -> Option<&'static str> {
     variable.symbol.filter(|_| set)
 }
 
-/// `instantiationToken` of a description: a hash of everything that it says (FMI 3.0.2, 2.3.1).
-/// Computed anew on each call, so that the library keeps nothing between loads.
+/// `instantiationToken` of a description: a hash of its whole content (FMI 3.0.2, 2.3.1). Computed
+/// again on each call, so that the library keeps nothing between loads.
 pub fn instantiation_token(edition: Edition) -> String {
     let own = format!("3.0 {edition:?} {CAPABILITIES:?} {LOG_CATEGORIES:?} {:?}\n", start_settings());
     identity::identifier(&(own + &identity::text()))
 }
 
-/// The description that a token belongs to.
+/// The description with a token.
 pub fn edition_of(token: &str) -> Option<Edition> {
     [MAIN, ARRAYS, CLOCKED].into_iter().find(|edition| instantiation_token(*edition) == token)
 }
@@ -138,7 +138,7 @@ pub fn edition_of(token: &str) -> Option<Edition> {
 /// Name of the clock of impacts.
 const CLOCK: &str = "impacts.clock";
 
-/// `modelName`: further descriptions have names of their own; the library's name is
+/// `modelName`: further descriptions have their own names; the library's name is
 /// `modelIdentifier`.
 pub fn model_name(edition: Edition) -> String {
     let suffix = match edition {

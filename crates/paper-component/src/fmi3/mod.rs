@@ -1,4 +1,4 @@
-//! FMI 3.0: the functions of the door for this component, and what its descriptions say.
+//! FMI 3.0: the functions of the door for this component, and its descriptions.
 
 pub mod abi;
 pub mod description;

@@ -1,6 +1,6 @@
-//! A host of FMI 2.0 in a few lines.
+//! A small host of FMI 2.0.
 
-// Each test program uses its share of these.
+// Each test program uses a part of these functions.
 #![allow(dead_code, missing_docs)]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -39,15 +39,15 @@ pub struct Fmu2 {
 }
 
 impl Fmu2 {
-    /// Of a `fmi2Type`, without a logger.
+    /// An instance of a `fmi2Type`, without a logger.
     pub fn quiet(kind: c_int) -> Self {
         Self::new(kind, None, false)
     }
 
-    /// For Co-Simulation, with all messages in the log.
+    /// An instance for Co-Simulation, with all messages in the log.
     pub fn logged() -> Self {
         // SAFETY: on the platforms of the tests a variadic call without variadic arguments is an
-        // ordinary one.
+        // ordinary call.
         let logger = unsafe { std::mem::transmute::<Plain, FmiLogger>(keep) };
         Self::new(1, Some(logger), true)
     }
@@ -62,7 +62,7 @@ impl Fmu2 {
             step_finished: None,
             component_environment: log.cast(),
         };
-        // SAFETY: valid strings; the callbacks may go after the call, the logger and its
+        // SAFETY: valid strings; the callbacks are not used after the call, and the logger and its
         // environment stay.
         let c = unsafe {
             fmi2Instantiate(c"box".as_ptr(), kind, guid.as_ptr(), null(), &functions, 0, logging.into())
@@ -71,7 +71,7 @@ impl Fmu2 {
         Self { c, log }
     }
 
-    /// Without a logger, ready for the first step of Co-Simulation.
+    /// An instance without a logger, ready for the first step of Co-Simulation.
     pub fn started(start: &[(&str, f64)]) -> Self {
         Self::quiet(1).start(start)
     }
@@ -84,7 +84,7 @@ impl Fmu2 {
     }
 
     pub fn initialize(&self) {
-        // SAFETY: a live component. What is not defined is not read.
+        // SAFETY: a live component. Undefined values are not read.
         unsafe {
             assert_eq!(fmi2SetupExperiment(self.c, 0, f64::NAN, 0.0, 0, -1.0), OK);
             assert_eq!(fmi2EnterInitializationMode(self.c), OK);
@@ -150,7 +150,7 @@ impl Fmu2 {
 
     pub fn bytes(&self) -> Vec<u8> {
         let (mut state, mut size) = (null_mut(), 0);
-        // SAFETY: a live component; as many bytes as it says.
+        // SAFETY: a live component; the array has the size that it returns.
         unsafe {
             assert_eq!(fmi2GetFMUstate(self.c, &mut state), OK);
             assert_eq!(fmi2SerializedFMUstateSize(self.c, state, &mut size), OK);
@@ -162,7 +162,7 @@ impl Fmu2 {
     }
 
     pub fn restore(&self, bytes: &[u8]) {
-        // What is in the variable that is written to may be anything.
+        // A variable that is only written may hold any value.
         let mut state = std::ptr::without_provenance_mut(0xdead_beef);
         // SAFETY: as above.
         unsafe {
@@ -175,7 +175,7 @@ impl Fmu2 {
 
 impl Drop for Fmu2 {
     fn drop(&mut self) {
-        // SAFETY: the component is not used again, and then nor is its log.
+        // SAFETY: neither the component nor its log is used again.
         unsafe {
             fmi2FreeInstance(self.c);
             drop(Box::from_raw(self.log));

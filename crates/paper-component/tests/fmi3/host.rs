@@ -1,4 +1,4 @@
-//! A host of FMI 3.0 in a few lines.
+//! A small host of FMI 3.0.
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
@@ -13,7 +13,7 @@ pub const ERROR: c_int = 3;
 
 pub const MOTION: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
-/// What an instance is made with.
+/// Options of an instance.
 #[derive(Clone, Copy, Default)]
 pub struct Flags {
     pub event_mode: bool,
@@ -25,7 +25,7 @@ pub const FT: Flags = Flags { event_mode: false, early_return: true };
 pub const TF: Flags = Flags { event_mode: true, early_return: false };
 pub const TT: Flags = Flags { event_mode: true, early_return: true };
 
-/// What `fmi3DoStep` returned.
+/// Result of `fmi3DoStep`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct End {
     pub event: bool,
@@ -34,7 +34,7 @@ pub struct End {
     pub time: f64,
 }
 
-/// What `fmi3UpdateDiscreteStates` returned.
+/// Result of `fmi3UpdateDiscreteStates`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Update {
     pub values_changed: bool,
@@ -76,18 +76,18 @@ impl Fmu {
         Self::with_callback(flags, &[], None, null_mut())
     }
 
-    /// Of the description with arrays.
+    /// An instance of the description with arrays.
     pub fn arrays(flags: Flags) -> Self {
         Self::with(description::ARRAYS, flags, &[], None, null_mut())
     }
 
-    /// Of the description with a clock.
+    /// An instance of the description with a clock.
     pub fn clocked(flags: Flags) -> Self {
         Self::with(description::CLOCKED, flags, &[], None, null_mut())
     }
 
-    /// Messages go to the log unless there is an environment of the callback's, which both would
-    /// get.
+    /// Messages go to the log unless the callback has an environment, which the logger would get
+    /// as well.
     pub fn with_callback(
         flags: Flags,
         required: &[u32],
@@ -110,8 +110,7 @@ impl Fmu {
             true => (log.cast(), Some(keep as FmiLogMessage)),
             false => (environment, None),
         };
-        // SAFETY: valid strings, as many references as there are, and what the host vouches for
-        // lives longer.
+        // SAFETY: valid strings and counts; all that the host must keep valid lives longer.
         let c = unsafe {
             fmi3InstantiateCoSimulation(
                 c"box".as_ptr(),
@@ -160,7 +159,7 @@ impl Fmu {
     }
 
     pub fn initialize(&self) {
-        // SAFETY: a live instance. What is not defined is not read.
+        // SAFETY: a live instance. Undefined values are not read.
         unsafe {
             assert_eq!(fmi3EnterInitializationMode(self.c, 0, f64::NAN, 0.0, 0, -1.0), OK, "{}", self.last());
             assert_eq!(fmi3ExitInitializationMode(self.c), OK, "{}", self.last());
@@ -171,7 +170,7 @@ impl Fmu {
         Self::new(flags).start(flags, start)
     }
 
-    /// Sets start values and goes to the first step.
+    /// Sets start values and proceeds to the first step.
     pub fn start(self, flags: Flags, start: &[(&str, f64)]) -> Self {
         let fmu = self;
         for (name, value) in start {
@@ -279,7 +278,7 @@ impl Fmu {
         Update { values_changed: values == 1, next: (defined == 1).then_some(next) }
     }
 
-    /// Event Mode and back, as a host does it that changes nothing.
+    /// Event Mode and back, for a host that changes nothing.
     pub fn handle_event(&self) -> Update {
         self.enter_event_mode();
         let update = self.update();
@@ -287,7 +286,7 @@ impl Fmu {
         update
     }
 
-    /// To `end` through all events, in steps of at most `size`; the events' count.
+    /// Runs to `end` through all events, in steps of at most `size`. Returns the number of events.
     pub fn run(&self, begin: f64, end: f64, size: f64) -> usize {
         let (mut time, mut events) = (begin, 0);
         while time < end {
@@ -310,7 +309,7 @@ impl Fmu {
 
     pub fn bytes(&self) -> Vec<u8> {
         let (state, mut size) = (self.save(), 0);
-        // SAFETY: a live instance; as many bytes as it says.
+        // SAFETY: a live instance; the array has the size that it returns.
         unsafe {
             assert_eq!(fmi3SerializedFMUStateSize(self.c, state, &mut size), OK);
             let mut bytes = vec![0; size];
@@ -331,7 +330,7 @@ impl Fmu {
 
 impl Drop for Fmu {
     fn drop(&mut self) {
-        // SAFETY: the instance is not used again, and then nor is its log.
+        // SAFETY: neither the instance nor its log is used again.
         unsafe {
             fmi3FreeInstance(self.c);
             drop(Box::from_raw(self.log));

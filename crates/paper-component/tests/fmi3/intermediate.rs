@@ -1,5 +1,5 @@
-//! Intermediate update: inputs in the course of a step, outputs at its events, early return at a
-//! requested time.
+//! Intermediate update: inputs during a step, outputs at its events, early return at a requested
+//! time.
 
 use super::host::*;
 use std::ffi::{CString, c_void};
@@ -21,12 +21,12 @@ struct Call {
     shown: [f64; 3],
 }
 
-/// What the callback knows.
+/// Data of the callback.
 struct Course {
     c: FmiInstance,
-    /// The load on the block in time.
+    /// The load on the block over time.
     load: fn(f64) -> f64,
-    /// Where to ask for an early return, and when.
+    /// Requested time of an early return, if any.
     stop: Option<f64>,
     calls: Vec<Call>,
 }
@@ -97,7 +97,7 @@ fn cubic_derivatives(t: f64) -> [f64; 4] {
     [cubic(t), -0.01 + 0.008 * t - 0.0006 * t * t, 0.008 - 0.0012 * t, -0.0012]
 }
 
-/// Intermediate update beside FMI 2.0's `SetRealInputDerivatives`, with one cubic load.
+/// Intermediate update compared with FMI 2.0's `SetRealInputDerivatives`, for one cubic load.
 #[test]
 fn second_method_a_cubic_load_is_that_of_input_derivatives() {
     const SAME: f64 = 1e-13;
@@ -137,8 +137,8 @@ fn quintic(t: f64) -> f64 {
     0.05 * (1.3 * t).sin() + 1e-4 * t.powi(5)
 }
 
-/// A cubic through four values of a smooth load is off by h⁴; so is the motion, before its first
-/// impact.
+/// A cubic through four values of a smooth load has an error of h⁴, and so has the motion before
+/// its first impact.
 #[test]
 fn order_of_a_smooth_load_is_four() {
     // Half the step, a sixteenth of the error, and a little.
@@ -160,8 +160,8 @@ fn order_of_a_smooth_load_is_four() {
     }
 }
 
-/// Three calls for inputs, one before each event, one at the end; nothing is asked in vain, and
-/// finished times do not fall.
+/// Three calls for inputs, one before each event, one at the end; none is useless, and finished
+/// times do not decrease.
 #[test]
 fn the_calls_of_a_step() {
     for (flags, can_return) in [(FF, false), (FT, true), (TF, false)] {
@@ -198,14 +198,14 @@ fn the_calls_of_a_step() {
         let after = fmu.get("impacts.upper") + fmu.get("impacts.lower");
         assert_eq!(after - before, events as f64);
     }
-    // Event mode with early return: it returns at the event instead of asking there.
+    // Event mode with early return: the step returns at the event instead of calling there.
     let (fmu, course) = with_load(TT, cubic);
     assert!(fmu.step(0.0, 30.0).event);
     assert_eq!(course.calls.len(), 3);
 }
 
-/// A host that gives a callback but requires no input is shown outputs alone; as the example of the
-/// Reference FMUs does.
+/// A host that gives a callback but requires no input is shown only outputs, like the example of
+/// the Reference FMUs.
 #[test]
 fn outputs_alone() {
     let mut course = Box::new(Course { c: null_mut(), load: cubic, stop: None, calls: Vec::new() });
@@ -229,10 +229,10 @@ fn outputs_alone() {
     }
 }
 
-/// An early return that is asked for ends at that time exactly, whatever lies before and after it.
+/// A requested early return ends exactly at that time, for any events before and after it.
 #[test]
 fn early_return_at_a_requested_time() {
-    // The cubic is taken through other points, and the motion in other sub-steps.
+    // The cubic has other nodes, and the motion other sub-steps.
     const SAME: f64 = 1e-12;
     let (find, _course) = with_load(FT, cubic);
     let impact = find.step(0.0, 40.0).time;

@@ -1,9 +1,9 @@
 //! Basins of described machines.
 //!
-//! Attractors with a period are told apart by their class, their period and their states at the
-//! section, as in a [diagram](crate::diagram). Of two motions without a period nothing decides
-//! whether they are one attractor: all of one class count as one. Places of rest are not numbered:
-//! friction may hold a body anywhere in a range.
+//! Attractors with a period are distinguished by their class, their period and their states at the
+//! section, as in a [diagram](crate::diagram). Nothing decides whether two motions without a
+//! period are on one attractor, so all of one class count as one. Positions of rest are not
+//! numbered: friction may hold a body anywhere in a range.
 
 use super::{BasinAttractor, BasinCell, BasinMachine, BasinRequest, Basins};
 use crate::class::{MotionClass, Relation};
@@ -20,19 +20,19 @@ use vibro_machine::{Assembly, Error as MotionError, Motion, Start};
 pub struct SettledAttractor {
     /// Class, period, contacts.
     pub settled: Settled,
-    /// A start on it, or near it where it has no period.
+    /// A start on the attractor, or near it if it has no period.
     pub start: Start,
 }
 
-/// Where a motion led.
+/// Result of a motion.
 enum Led {
     Attractor(SettledAttractor),
     /// Coordinates of the bodies at rest.
     Rest(Vec<f64>),
 }
 
-/// Largest way, relative to the way from the start, that a body at rest goes in the time for which
-/// a return was awaited.
+/// Largest displacement of a body at rest while a return was awaited, relative to the displacement
+/// since the start.
 const AT_REST: f64 = 1e-9;
 
 impl BasinMachine for Machine {
@@ -42,8 +42,8 @@ impl BasinMachine for Machine {
     const IN_BASIN_PART: usize = 32;
 
     /// [`Error::Refusal`] for an unknown name and for a body whose coordinate follows from others;
-    /// [`Error::Described`] for a machine without a section, and for one that does not repeat after
-    /// the discarded returns.
+    /// [`Error::Described`] for a machine without a section, and for one that does not repeat
+    /// after the discarded returns.
     fn check_basin(&self, request: &BasinRequest<Self>) -> Result<Self::Shared> {
         let assembly = Assembly::new(self.description.clone())?;
         for (i, j) in [(0, 0), (request.x.count - 1, request.y.count - 1)] {
@@ -85,7 +85,7 @@ fn start(machine: &Machine, request: &BasinRequest<Machine>, i: usize, j: usize)
     Ok(start)
 }
 
-/// Attractor of the motion from a start with its state then, or its place of rest.
+/// Attractor of the motion from a start, with its final state, or its position of rest.
 fn motion(assembly: &Arc<Assembly>, section: &Section, start: &Start, discard: u32) -> Result<Led> {
     let mut motion = start.motion(assembly.clone())?.without_energy_accounts();
     let begin = (motion.time(), states(&motion));
@@ -103,12 +103,12 @@ fn states(motion: &Motion) -> Vec<[f64; 3]> {
     (0..motion.assembly().description.bodies.len()).map(|i| motion.body(i)).collect()
 }
 
-/// Whether all bodies stay where they are, by their states when the motion began.
+/// Whether all bodies are at rest, judged by their states at the beginning of the motion.
 fn is_at_rest(motion: &Motion, (time, begin): (f64, Vec<[f64; 3]>)) -> bool {
     let passed = motion.time() - time;
     let now = states(motion);
     let way = now.iter().zip(&begin).map(|(now, begin)| (now[0] - begin[0]).abs()).fold(0.0, f64::max);
-    // An acceleration at rest is rounding of forces, and its way over this time is not.
+    // Accelerations are not compared: at rest they are rounding of forces.
     let is_steady = |[_, v, _]: &[f64; 3]| (v * passed).abs() <= AT_REST * way;
     let is_over = runs_on(&motion.assembly().description, motion.time()).is_none();
     passed > 0.0 && is_over && now.iter().all(is_steady)

@@ -8,7 +8,7 @@ use crate::{Extremes, Start};
 /// Roundings of a few impacts.
 const ROUNDING: f64 = 1e-11;
 
-/// Balls of 0.5 kg and 2 kg fall by 0.2 m at 10 m/s² onto floors of their own at one instant.
+/// Balls of 0.5 kg and 2 kg fall by 0.2 m at 10 m/s² onto separate floors at the same instant.
 fn two_balls() -> Motion {
     let ball = |name: &str, mass: f64, e: f64| {
         format!(
@@ -43,7 +43,7 @@ fn closed_form_impacts_at_one_instant_lose_each_its_own() {
     }
 }
 
-/// What an instant's impacts lose beyond ½ (1 - ε) u P each is shared by their work u P.
+/// The losses of an instant's impacts beyond ½ (1 - ε) u P each are shared by their work u P.
 #[test]
 fn closed_form_what_the_account_has_more_is_shared_by_work() {
     let motion = two_balls();
@@ -70,7 +70,7 @@ fn closed_form_what_the_account_has_more_is_shared_by_work() {
     // The last impact before a stop stays closed keeps nothing: ½ · 3 · 4.
     near(of(&[events[0].clone(), close.clone()], None), &[6.0, 0.0]);
     near(of(&[events[1].clone(), close], None), &[1.0, 0.0]);
-    // Impacts told before a contact's begin are not shared in again.
+    // Impacts reported before a contact's beginning are not shared again.
     let mut contacts = ContactRecorder::new(&motion, &events[..1]);
     contacts.meet(system, &events[1..], Some(2.0));
     assert!((contacts.all[1].lost.unwrap() - 2.0).abs() < ROUNDING);
@@ -112,7 +112,7 @@ fn what_is_cut_off_is_forgotten_and_what_lasts_beyond_it_is_open() {
     assert!(contacts.current.iter().all(Option::is_none));
 }
 
-/// A buffer that holds a body from the start on, and one that is left out.
+/// A buffer that holds a body from the start, and one that is left out.
 #[test]
 fn closed_form_a_body_on_its_buffer_from_the_start() {
     let machine = text(
@@ -128,7 +128,7 @@ fn closed_form_a_body_on_its_buffer_from_the_start() {
     assert!((one.peak.unwrap() - 1800.0 * 0.01f64.hypot(0.01)).abs() < 36.0 * ROUNDING, "{one:?}");
     let after = motion.body(0)[1];
     assert!((one.impulse.unwrap() - 2.0 * (0.3 - after)).abs() < ROUNDING, "{one:?}");
-    // What is not looked at has no force; of what lasted through it the loss is unknown.
+    // Unobserved contacts have no force. The loss of a contact that lasts through them is unknown.
     contacts.leave_out();
     assert_eq!(contacts.all()[0].peak, Some(0.0), "no stop acts so far");
     contacts.acting.push(Acting { stop: 0, force: Sparse::default(), loss: None });
@@ -137,7 +137,7 @@ fn closed_form_a_body_on_its_buffer_from_the_start() {
     assert_eq!((one.peak, one.impulse, one.lost), (None, None, None));
 }
 
-/// By another way: what a watcher counts, and the accounts.
+/// Second method: a watcher's counts, and the accounts.
 #[test]
 fn second_method_contacts_one_by_one_are_what_a_watcher_sees() {
     for name in ["damper_with_buffer.toml", "impact_pair.toml", "pipe_supports.toml", "gear_backlash.toml"] {
@@ -155,7 +155,7 @@ fn second_method_contacts_one_by_one_are_what_a_watcher_sees() {
         assert!(whole.contacts.iter().any(|seen| seen.count > 0), "{name}");
         let rigid = |stop: usize| motion.assembly().system().stops[stop].restitution().is_some();
         for (stop, seen) in whole.contacts.iter().enumerate() {
-            // Those from the start on had no event.
+            // Contacts that exist at the start have no event.
             let own: Vec<StopContact> =
                 contacts.all.iter().filter(|c| c.stop == stop && c.begin > 0.0).copied().collect();
             let own: Vec<StopContact> =

@@ -2,26 +2,26 @@
 //!
 //! Along an interval the first measure is known at some values. Between two of them its slope is
 //! assumed to be at most twice the largest slope between known values. If the measure could then
-//! exceed its largest known value, the middle is measured next (S. A. Piyavskii, 1972). Values at
-//! which the machine resonates come first.
+//! exceed its largest known value, the midpoint is measured next (S. A. Piyavskii, 1972). Values
+//! at which the machine resonates come first.
 
 use super::row::{BARS, is_exact, upper};
 use super::{DesignMachine, MotionMeasures, SweepRequest, motions};
 use vibro_numerics::sorting::sort_by;
 
-/// Most further values of one design along one interval.
+/// Largest number of further values of one design along one interval.
 pub(super) const MOST: usize = 32;
-/// Least number of values that are measured along an interval.
+/// Smallest number of values that are measured along an interval.
 const LEAST: usize = 9;
 /// Factor between the assumed and the observed steepness.
 const STEEPER: f64 = 2.0;
-/// Least excess of a bound over the largest value, relative to that value, at which the search goes
-/// on.
+/// Smallest excess of a bound over the largest value, relative to that value, for which the search
+/// continues.
 const PART: f64 = 0.01;
-/// Least distance of values in parts of the interval.
+/// Smallest distance of values, as a fraction of the interval.
 const NEAREST: f64 = 1.0 / 256.0;
 
-/// Motions of a design at combinations of values of [`SweepRequest::over`], from all starts at
+/// Motions of a design at combinations of values of [`SweepRequest::over`], from all starts for
 /// each.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BandMotions {
@@ -39,7 +39,7 @@ pub(super) struct BandMotions {
 /// A value along an interval, the largest measure at this value, and the measure's spread.
 type ValueSpread = (f64, f64, f64);
 
-/// Whether a longer window changes nothing about a motion, since all its measures repeat.
+/// Whether a longer window does not change a motion's measures, since all of them repeat.
 fn repeats((found, objection): &MotionMeasures) -> bool {
     let mut numbers = found.numbers.iter().zip(&found.spreads);
     objection.is_none() && numbers.all(|(number, spread)| number.is_some_and(|x| is_exact(x, *spread)))
@@ -65,7 +65,7 @@ impl BandMotions {
     }
 
     /// The same motions over the windows of another request. Motions that repeat are not computed
-    /// again. What is not seen between values is for the next search to say.
+    /// again. The next search finds `unseen` again.
     pub fn over<M: DesignMachine>(&self, own: &M, request: &SweepRequest<M>) -> Self {
         let mut looked = Self { places: self.places.clone(), ..Self::default() };
         for (place, values) in self.places.iter().enumerate() {
@@ -85,8 +85,8 @@ impl BandMotions {
         self.outcomes.extend(outcomes);
     }
 
-    /// Largest of a measure over the starts at a combination, and half the distance from there to
-    /// the largest upper end of the error bars.
+    /// Largest value of a measure over the starts at a combination, and half its distance from the
+    /// largest upper end of the error bars.
     fn largest(&self, place: usize, measure: usize) -> Option<(f64, f64)> {
         let number = |(found, _): &MotionMeasures| {
             Some((found.numbers.get(measure).copied()??, found.spreads[measure]))
@@ -97,8 +97,8 @@ impl BandMotions {
         Some((largest, (top - largest) / BARS))
     }
 
-    /// Values along an axis through the combination with the largest measure, and that combination;
-    /// `None` where a motion has failed.
+    /// Values along an axis through the combination with the largest measure, and that
+    /// combination. `None` if a motion has failed.
     fn line(&self, axis: usize, measure: usize) -> Option<(Vec<ValueSpread>, Vec<f64>)> {
         let values: Vec<(f64, f64)> =
             (0..self.places.len()).map(|i| self.largest(i, measure)).collect::<Option<_>>()?;
@@ -113,9 +113,9 @@ impl BandMotions {
     }
 }
 
-/// Searches each interval of [`SweepRequest::over`] along the line through the combination with the
-/// largest measure. The search ends when a measure minus twice its spread exceeds `enough`. New
-/// combinations are appended. A motion that fails ends the search, since the design then has no
+/// Searches each interval of [`SweepRequest::over`] along the line through the combination with
+/// the largest measure. The search ends when a measure minus twice its spread exceeds `enough`.
+/// New combinations are appended. A failed motion ends the search, since the design then has no
 /// value. Returns whether the search is complete.
 pub(super) fn search_between<M: DesignMachine>(
     own: &M,
@@ -150,16 +150,16 @@ pub(super) fn search_between<M: DesignMachine>(
     true
 }
 
-/// Excess over the largest measure of a line that the measure may reach beside a jump. At a jump
-/// the motion leaves its branch somewhere between two values: the branch goes on by its slope up to
-/// the other value at most. `line` is ascending.
+/// Excess over the largest measure of a line that the measure may reach next to a jump. At a jump
+/// the motion leaves its branch between two values. The branch continues with its slope at most to
+/// the other value. `line` is ascending.
 fn before_jumps(line: &[ValueSpread]) -> f64 {
     let top = line.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
     let end = |[far, near, other]: [&ValueSpread; 3]| {
         near.1 + (near.1 - far.1) / (near.0 - far.0) * (other.0 - near.0)
     };
-    // On a smooth maximum the lines of both sides lie above the other side; beside a jump the line
-    // of the upper side alone does.
+    // At a smooth maximum the extrapolations of both sides exceed the other side; next to a jump
+    // only the extrapolation of the upper side does.
     let excess = |own: &[ValueSpread]| {
         let [a, b, c, d] = own else { return 0.0 };
         let steepness = |p: &ValueSpread, q: &ValueSpread| ((q.1 - p.1) / (q.0 - p.0)).abs();
@@ -184,9 +184,9 @@ fn is_new(line: &[ValueSpread], x: f64) -> bool {
     from < x && x < to && line.iter().all(|p| (p.0 - x).abs() > near)
 }
 
-/// The next value to measure: the middle of the pair of values with the largest bound. `None` if at
-/// least [`LEAST`] values are known and this bound does not exceed the largest measure by twice its
-/// spread and by [`PART`]. `line` is ascending.
+/// The next value to measure: the midpoint of the pair of values with the largest bound. `None` if
+/// at least [`LEAST`] values are known and this bound does not exceed the largest measure by twice
+/// its spread and by [`PART`]. `line` is ascending.
 fn next(line: &[ValueSpread]) -> Option<f64> {
     let span = line[line.len() - 1].0 - line[0].0;
     let top = line.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
@@ -197,7 +197,7 @@ fn next(line: &[ValueSpread]) -> Option<f64> {
         let width = p[1].0 - p[0].0;
         if line.len() < LEAST { width } else { 0.5 * (p[0].1 + p[1].1 + STEEPER * steepest * width) }
     };
-    // Of equal bounds the first is taken.
+    // Of equal bounds the first is used.
     let (pair, bound) = wide.map(|p| (p, bound(p))).reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let passes = line.len() < LEAST || bound > top.1 + (BARS * top.2).max(PART * top.1.abs());
     passes.then(|| 0.5 * (pair[0].0 + pair[1].0))
@@ -207,7 +207,7 @@ fn next(line: &[ValueSpread]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A branch of the slope 2 that jumps down between 0.5 and 0.6 reaches at most 0.2 more than at
+    /// A branch with slope 2 that jumps down between 0.5 and 0.6 reaches at most 0.2 more than at
     /// 0.5. A smooth maximum, and a jump below the largest value, leave nothing unseen.
     #[test]
     fn closed_form_a_branch_reaches_as_far_as_its_slope_before_it_jumps() {

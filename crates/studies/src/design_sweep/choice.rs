@@ -1,12 +1,12 @@
-//! Choice of the design with the least value of the first measure.
+//! Choice of the design with the smallest value of the first measure.
 //!
-//! Every number of a sweep has an error bar: two spreads up and down, which are zero where the
-//! motion repeats. The value of a design is the largest of its motions. Its error bar reaches from
+//! Every number of a sweep has an error bar: two spreads up and down, which are zero if the motion
+//! repeats. The value of a design is the largest value of its motions. Its error bar reaches from
 //! the largest of their lower ends to the largest of their upper ends. All designs that may be the
 //! best within their error bars are measured again. Each measurement is four times as long as the
-//! one before, and also covers values between those of the parameters over which the designs are
-//! summarized. All motions of a design are measured as long as the longest one, except those that
-//! repeat: a chaotic motion below the largest may rise above it in a longer window.
+//! one before, and also covers values between the given values of the parameters over which the
+//! designs are summarized. All motions of a design are measured equally long, except motions that
+//! repeat: a chaotic motion below the largest may exceed it in a longer window.
 //!
 //! The choice ends when none of these designs can be measured more accurately, or when a given
 //! number of periods is spent. The rows of the choice then replace those of the sweep everywhere.
@@ -23,33 +23,32 @@ use vibro_numerics::sorting::sort_by;
 
 /// Factor by which each measurement is longer than the one before.
 const LONGER: u32 = 4;
-/// Most repeated measurements of a design.
+/// Largest number of repeated measurements of a design.
 const ROUNDS: u32 = 3;
 /// Number of designs that are measured again in parallel.
 const TOGETHER: usize = 16;
-/// Relative difference of values that is rounding.
+/// Relative difference up to which two values are equal.
 const SAME: f64 = 1e-9;
 
-/// Result of measuring again.
+/// Result of the repeated measurements.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Choice {
-    /// Index of the measure that is compared: the first one that is taken from the window.
+    /// Index of the measure that is compared: the first one taken from the window.
     pub measure: usize,
-    /// Rows of designs that were measured again, by design index.
+    /// Rows of the remeasured designs, by design index.
     pub rows: BTreeMap<usize, DesignRow>,
-    /// Designs that may have the least value, in ascending order of value. If there is only one, it
-    /// is the best beyond its error bar.
+    /// Designs that may have the smallest value, in ascending order of value. A single one is the
+    /// best beyond its error bar.
     pub possible: Vec<usize>,
-    /// Number of designs that may have the least value and could be measured again, but for which
-    /// no periods were left.
+    /// Number of designs that may have the smallest value and could not be measured again because
+    /// all periods were spent.
     pub left: usize,
     /// Periods of motion spent.
     pub spent: u64,
 }
 
 impl Choice {
-    /// Whether one design is the best and all its motions are measured as long as the choice
-    /// measures any.
+    /// Whether a single design is the best, and all possible measurements were made.
     pub fn is_decided(&self) -> bool {
         self.possible.len() == 1 && self.left == 0
     }
@@ -77,7 +76,7 @@ impl Estimate {
         Self { value, lower, upper, is_exact, is_searched, rounds }
     }
 
-    /// Whether the value may be less than that of another design.
+    /// Whether the value may be smaller than the value of another design.
     fn may_be_less(&self, other: &Self) -> bool {
         let bar = (self.value - self.lower).hypot(other.upper - other.value);
         let bar = if self.is_exact && other.is_exact { 0.0 } else { bar };
@@ -92,12 +91,12 @@ struct Race<'a, M: DesignMachine> {
     task: &'a Task<'a>,
     measure: usize,
     estimates: Vec<Option<Estimate>>,
-    /// Motions of designs that were measured again and may be the best.
+    /// Motions of remeasured designs that may be the best.
     motions: BTreeMap<usize, BandMotions>,
     found: Choice,
 }
 
-/// Second measurement of a design.
+/// Repeated measurement of a design.
 struct Remeasured {
     row: DesignRow,
     motions: BandMotions,
@@ -118,7 +117,7 @@ impl<M: DesignMachine> Race<'_, M> {
         known.reduce(|a, b| if b.upper < a.upper { b } else { a })
     }
 
-    /// Designs that may have the least value, in ascending order of value.
+    /// Designs that may have the smallest value, in ascending order of value.
     fn possible(&self) -> Vec<usize> {
         let Some(surest) = self.surest() else { return Vec::new() };
         let known = |i: usize| Some((i, self.estimates[i]?));
@@ -128,13 +127,13 @@ impl<M: DesignMachine> Race<'_, M> {
         found.into_iter().map(|(i, _)| i).collect()
     }
 
-    /// Periods of the next measurement of a design; unchanged where its motions repeat.
+    /// Number of periods of the next measurement of a design; unchanged if its motions repeat.
     fn periods(&self, index: usize) -> u32 {
         let rounds = self.estimates[index].filter(|own| !own.is_exact).map_or(0, |own| own.rounds + 1);
         self.request.periods.saturating_mul(LONGER.pow(rounds.min(ROUNDS)))
     }
 
-    /// Most periods of motion that the next measurement may take.
+    /// Largest number of periods that the next measurement may take.
     fn cost(&self, index: usize) -> u64 {
         let known = self.motions.get(&index);
         let between = known.map_or(0, |known| known.places.len() - self.request.places().len());
@@ -144,7 +143,7 @@ impl<M: DesignMachine> Race<'_, M> {
         self.periods_of(motions, self.periods(index))
     }
 
-    /// Periods of some motions, each measured over a window.
+    /// Number of periods of some motions, each measured over a window.
     fn periods_of(&self, motions: usize, window: u32) -> u64 {
         motions as u64 * (u64::from(self.request.discard) + u64::from(window))
     }
@@ -189,7 +188,7 @@ impl<M: DesignMachine> Race<'_, M> {
         Ok(Remeasured { row, motions: looked, is_searched })
     }
 
-    /// Measures again, a few designs at a time, until none is open or no more periods may be spent.
+    /// Measures again, a few designs at a time, until none is open or all periods are spent.
     fn run(mut self) -> Result<Choice> {
         loop {
             let possible = self.possible();
@@ -222,7 +221,7 @@ impl<M: DesignMachine> Race<'_, M> {
     }
 }
 
-/// Whether a request has values to search between.
+/// Whether a request has intervals to search.
 fn has_intervals<M: DesignMachine>(request: &SweepRequest<M>) -> bool {
     request.over.iter().any(|axis| axis.values.len() > 1 && request.between.contains(&axis.name))
 }
@@ -251,7 +250,7 @@ pub fn choice<M: DesignMachine>(set: &M, request: &SweepRequest<M>, task: &Task)
     })
 }
 
-/// Calls `visit` with each row in order, replaced by that of the choice where there is one.
+/// Calls `visit` with each row in order; a row of the choice replaces the row of the sweep.
 ///
 /// # Errors
 /// Errors of `visit` and of the store.

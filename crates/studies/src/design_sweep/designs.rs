@@ -3,7 +3,7 @@
 use crate::sobol::coordinate;
 use serde::{Deserialize, Serialize};
 
-/// Parameter with the values that it takes, SI.
+/// Parameter with its values, SI.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SampledAxis<N> {
     /// The parameter.
@@ -35,8 +35,8 @@ pub enum Designs<N> {
         /// Values, design by design.
         rows: Vec<Vec<f64>>,
     },
-    /// The first points of the [Sobol sequence](crate::sobol) in the intervals, of which there are
-    /// at most [`DIMENSIONS`](crate::sobol::DIMENSIONS).
+    /// The first points of the [Sobol sequence](crate::sobol) in at most
+    /// [`DIMENSIONS`](crate::sobol::DIMENSIONS) intervals.
     Sobol {
         /// The intervals.
         intervals: Vec<ParameterInterval<N>>,
@@ -67,7 +67,7 @@ impl<N: Clone> Designs<N> {
     /// The values of a design, SI, in the order of [`names`](Self::names).
     ///
     /// # Panics
-    /// For an index from [`count`](Self::count) on.
+    /// If `index` is [`count`](Self::count) or more.
     pub fn values(&self, index: usize) -> Vec<f64> {
         match self {
             Self::Grid(axes) => combination(axes, index),

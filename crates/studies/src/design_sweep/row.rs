@@ -4,33 +4,33 @@ use super::{DesignMachine, MotionMeasures, SweepRequest};
 use crate::class::MotionClass;
 use serde::{Deserialize, Serialize};
 
-/// Spread relative to a value up to which it is rounding.
+/// Relative spread up to which a spread is rounding.
 const REGULAR: f64 = 1e-6;
 
 /// Summary of a measure over the motions of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Least value.
+    /// Smallest value.
     pub least: f64,
-    /// Mean over all motions of the request, without those added by a choice.
+    /// Mean over all motions of the request, without the motions added by a choice.
     pub mean: f64,
     /// Largest value.
     pub largest: f64,
-    /// First motion with the largest value, for [`SweepRequest::motion`] and [`DesignRow::motion`].
+    /// First motion with the largest value (index of [`SweepRequest::motion`]).
     pub at: usize,
-    /// Half the distance from the largest value to the largest upper end of the motions' error
-    /// bars, which reach `BARS` [spreads](crate::measured::Measured::spreads) up and down.
+    /// Half the distance from the largest value to the largest upper end of the error bars. A bar
+    /// reaches `BARS` [spreads](crate::measured::Measured::spreads) up and down.
     pub spread: f64,
     /// Largest lower end of these error bars.
     pub lower: f64,
-    /// Whether all motions repeat, so that no longer window changes a value by more than rounding.
+    /// Whether all motions repeat, so that a longer window changes a value only by rounding.
     pub is_exact: bool,
 }
 
 /// Half the length of an error bar, in spreads.
 pub const BARS: f64 = 2.0;
 
-/// Whether a value with this spread is exact up to rounding, since its motion repeats.
+/// Whether a value with this spread is exact up to rounding because its motion repeats.
 pub(super) fn is_exact(value: f64, spread: f64) -> bool {
     spread <= REGULAR * value.abs()
 }
@@ -54,10 +54,10 @@ pub struct Again {
 pub struct DesignRow {
     /// Values of the parameters that vary, in their order, SI.
     pub values: Vec<f64>,
-    /// Summary of each measure over the motions; `None` for the class, and where a motion has no
+    /// Summary of each measure over the motions. `None` for the class, and if a motion has no
     /// value.
     pub outputs: Vec<Option<Summary>>,
-    /// Different classes in order of appearance, where the class was requested and every motion has
+    /// Different classes in order of appearance, if the class was requested and every motion has
     /// one.
     pub classes: Vec<MotionClass>,
     /// Reason for missing values, or a caveat: a motion may have been measured before it had
@@ -68,8 +68,8 @@ pub struct DesignRow {
 }
 
 impl DesignRow {
-    /// Values and start that distinguish a motion of this row, as [`SweepRequest::motion`]; the
-    /// motions between the requested values are included.
+    /// Values and start that distinguish a motion of this row, as [`SweepRequest::motion`], also
+    /// for the motions between the requested values.
     pub fn motion<M: DesignMachine>(&self, request: &SweepRequest<M>, index: usize) -> (Vec<f64>, M::Start) {
         let (asked, starts) = (request.motions(), request.starts.len().max(1));
         let further = index.checked_sub(asked).and_then(|i| self.again.as_ref()?.between.get(i / starts));
@@ -78,7 +78,7 @@ impl DesignRow {
     }
 }
 
-/// The row of a design from its motions: those of the request and, after them, those of `again`.
+/// The row of a design from its motions: first the motions of the request, then of `again`.
 pub(super) fn summary<M: DesignMachine>(
     set: &M,
     values: Vec<f64>,
@@ -115,8 +115,8 @@ pub(super) fn summary<M: DesignMachine>(
     row
 }
 
-/// Summary of numbers with their spreads, all of which must be there; the mean is over the first
-/// `asked`.
+/// Summary of numbers with their spreads; `None` if any is missing. The mean is over the first
+/// `asked` numbers.
 fn together(numbers: impl Iterator<Item = Option<(f64, f64)>>, asked: usize) -> Option<Summary> {
     let (numbers, spreads): (Vec<f64>, Vec<f64>) =
         numbers.collect::<Option<Vec<(f64, f64)>>>()?.into_iter().unzip();

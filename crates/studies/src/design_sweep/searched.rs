@@ -1,4 +1,4 @@
-//! A design measured at the values of its band and between them, with every motion.
+//! A design measured at the values of its band and between them, with all its motions.
 
 use super::between::{BandMotions, search_between};
 use super::row::{BARS, summary};
@@ -10,18 +10,18 @@ use crate::error::Result;
 pub struct SearchedRow {
     /// The row.
     pub row: DesignRow,
-    /// Combinations of values of [`SweepRequest::over`]: those of the request, then those that the
-    /// search between them has added.
+    /// Combinations of values of [`SweepRequest::over`]: first those given in the request, then
+    /// the combinations that the search between them added.
     pub places: Vec<Vec<f64>>,
-    /// Measures of the motions, combination by combination, from all starts at each.
+    /// Measures of the motions, combination by combination, from all starts for each.
     pub motions: Vec<MotionMeasures>,
 }
 
 /// The row of a design whose intervals are searched for the largest value of each measure of the
-/// window, as [`choice`](super::choice) searches those of the designs that may be the best.
+/// window, as [`choice`](super::choice) does for the designs that may be the best.
 pub fn searched<M: DesignMachine>(set: &M, request: &SweepRequest<M>, values: Vec<f64>) -> SearchedRow {
     by_motions(set, request, &values).unwrap_or_else(|_| {
-        // The row has the reason.
+        // The row states the reason.
         let listed = SweepRequest {
             designs: super::Designs::Rows { names: request.designs.names(), rows: vec![values] },
             ..request.clone()

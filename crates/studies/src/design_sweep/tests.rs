@@ -118,7 +118,7 @@ fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
     let reason = outside.reason.unwrap();
     assert!(reason.starts_with("1 of 2 motions, the first at start x2=1.5: "), "{reason}");
     assert!(outside.outputs[0].is_none() && outside.outputs[1].is_some() && outside.classes.is_empty());
-    // Each value is allowed alone, but not both together.
+    // Each value is valid alone, but not both together.
     let pair = Designs::Grid(vec![axis("epsilon", &[0.1, 0.9]), axis("sigma1", &[-2.0])]);
     let found = row(&set, &SweepRequest { designs: pair, ..all }, 1);
     assert!(found.reason.is_some_and(|r| r.contains("sigma1 = -2")));
@@ -160,7 +160,7 @@ impl PartStore for MemoryStore {
 
 #[test]
 fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
-    // Designs of that many motions fill several parts.
+    // The parts together contain this number of motions.
     let set = ParameterSet::basic();
     let mut request =
         SweepRequest { discard: 3, periods: 1, measures: measures(&["amplitude.x2"]), ..request() };
@@ -194,8 +194,8 @@ fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
 /// Error of an amplitude of a settled linear oscillator.
 const SETTLED: f64 = 1e-6;
 
-/// A box on a spring with a damping ratio of one percent and a natural frequency near 9.25 Hz,
-/// which none of 9, 10, 11 Hz meets.
+/// A box on a spring with a damping ratio of one percent. Its natural frequency near 9.25 Hz is
+/// not among 9, 10, 11 Hz.
 const RESONATOR: &str = "name = \"R\"\n[body.a]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 3377.6\n\
     damping = 1.16\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"9 Hz\"\n";
 
@@ -209,8 +209,8 @@ fn described_axis(name: &str, values: &[f64]) -> SampledAxis<String> {
 
 #[test]
 fn closed_form_a_resonance_between_the_values_of_a_band_is_met() {
-    // Of the two designs the first resonates within the band, the second above it. At the three
-    // values the first looks better.
+    // The first design resonates within the band, the second above it. At the three values the
+    // first looks better.
     let machine = described(RESONATOR);
     let request = SweepRequest::<crate::Machine> {
         designs: Designs::Grid(vec![described_axis("spring.k.stiffness", &[3377.6, 2600.0])]),
@@ -232,7 +232,7 @@ fn closed_form_a_resonance_between_the_values_of_a_band_is_met() {
     let task = Task { ..Task::ALL };
     let found = choice(&machine, &request, &task).unwrap().unwrap();
     assert_eq!((&found.possible[..], found.left), (&[1][..], 0), "{found:?}");
-    // The best design was searched between its values, and its number is that of the band.
+    // The best design was searched between its values, and its number is the largest in the band.
     let best = &found.rows[&1];
     assert!(!best.again.as_ref().unwrap().between.is_empty());
     assert!((largest(best) - peak(2600.0)).abs() < 0.01 * peak(2600.0), "{best:?}");
@@ -283,8 +283,8 @@ fn invariant_the_best_is_the_best_when_all_are_measured_as_long_and_depends_on_n
     assert!(none.rows.is_empty() && none.left == none.possible.len() && none.left > 0, "{none:?}");
 }
 
-/// An absorber of which a regular motion at 9.4 Hz is larger, over 60 periods, than the chaotic
-/// motion at 10.4 Hz.
+/// An absorber with a larger regular motion at 9.4 Hz, over 60 periods, than the chaotic motion at
+/// 10.4 Hz.
 const ABSORBER: &str = "name = \"A\"\n[body.box]\nmass = 12.0\n[body.block]\nmass = 0.8\nstart = { v = 0.3 }\n[spring.mount]\n\
     between = [\"ground\", \"box\"]\nstiffness = 48e3\ndamping = 40.0\n[stop.up]\nbetween = [\"box\", \"block\"]\ngap = 0.02\n\
     restitution = 0.6\n[stop.down]\nbetween = [\"block\", \"box\"]\ngap = 0.02\nrestitution = 0.6\n[load.shaker]\non = \"box\"\n\
@@ -307,7 +307,7 @@ fn second_method_the_best_holds_the_chaotic_motions_of_its_band_over_the_longest
         let request = SweepRequest { designs, over: Vec::new(), periods, ..request.clone() };
         row(&machine, &request, 0).outputs[0].unwrap()
     };
-    // In windows of 60 periods the chaotic motion stays below the regular one by more than its
+    // In windows of 60 periods the chaotic motion stays below the regular motion by more than its
     // spread.
     let [regular, chaotic] = [9.4, 10.4].map(|frequency| alone(frequency, 60));
     assert!(regular.is_exact && !chaotic.is_exact);

@@ -1,8 +1,9 @@
 //! Diagrams of described machines: local maxima of a quantity, or its values at the section.
 //!
-//! Time continues from value to value, so that a prescribed body is where the others met it. If
-//! what drives the machine does not repeat, each motion would depend on when its value is reached:
-//! such a machine is refused, unless each value [starts anew](DiagramRequest::anew).
+//! Time continues from value to value, so that the motion of a prescribed body is continuous. If
+//! the drive of the machine does not repeat, each motion would depend on the time at which its
+//! value is reached. Such a machine is refused, unless each value [starts
+//! anew](DiagramRequest::anew).
 
 use super::{DiagramMachine, DiagramPoint, DiagramRequest};
 use crate::class::MotionClass;
@@ -15,9 +16,9 @@ use crate::{Machine, QuantityName, Section, Start, now};
 use serde::{Deserialize, Serialize};
 use vibro_machine::Motion;
 
-/// Digits by which values are distinguished, relative to the largest of the motion.
+/// Digits to which values are distinguished, relative to the largest value of the motion.
 const DIGITS: i32 = 6;
-/// Most values of a diagram.
+/// Largest number of values of a diagram.
 pub const MOST_VALUES: usize = 20_000;
 
 /// Motion at one value.
@@ -25,8 +26,8 @@ pub const MOST_VALUES: usize = 20_000;
 pub struct DescribedPoint {
     /// The parameter's value.
     pub value: f64,
-    /// Maxima, or values at the section, SI, to seven digits of the largest, ascending, each with
-    /// its count.
+    /// Maxima, or values at the section, SI, rounded to seven digits of the largest, ascending,
+    /// each with its count.
     pub maxima: Vec<(f64, u32)>,
     /// Attractor of the motion.
     pub settled: Settled,
@@ -56,14 +57,13 @@ impl DiagramPoint for DescribedPoint {
 
 impl DiagramMachine for Machine {
     type Of = QuantityName;
-    /// Returns over which the largest exponent is counted.
+    /// Number of returns over which the largest exponent is counted.
     type Exponents = u32;
     type Point = DescribedPoint;
     type Settled = Start;
     type DiagramWorkspace = ();
 
-    /// Names that the machine does not have, ends that are not allowed, no section, or no motion
-    /// from the start.
+    /// Error for unknown names, ends out of range, a missing section, or a start without a motion.
     fn check_diagram(&self, request: &DiagramRequest<Self>) -> Result<()> {
         request.of.find(&self.description)?;
         for end in [request.axis.from, request.axis.to] {
@@ -114,7 +114,7 @@ fn at(machine: &Machine, request: &DiagramRequest<Machine>, value: f64) -> Resul
     machine.with([(request.axis.name.as_str(), value)])
 }
 
-/// Refusal of a chain of values, and its reason.
+/// Message that refuses a chain of values, with the reason.
 fn runs_on_in_words(why: &str) -> String {
     format!(
         "{why}: time goes on from value to value, so that each would be seen at another time of it; allowed are changes within what is \
@@ -123,8 +123,8 @@ fn runs_on_in_words(why: &str) -> String {
     )
 }
 
-/// The motion at a value after it has settled; it begins at the state of the value before
-/// or, without one, at the start.
+/// The settled motion at a value. It begins at the state of the previous value or, without one, at
+/// the start.
 fn settled_motion(
     machine: &Machine,
     request: &DiagramRequest<Machine>,
@@ -144,7 +144,7 @@ fn settled_motion(
 /// Observes the motion at one value.
 ///
 /// # Errors
-/// Where the motion cannot go on.
+/// Error if the motion cannot continue.
 fn observe(
     machine: &Machine,
     request: &DiagramRequest<Machine>,
@@ -155,7 +155,7 @@ fn observe(
     let mut motion = motion.without_energy_accounts();
     let mut scout = motion.clone();
     let settled = settled(&mut scout, &section, request.exponents)?;
-    // A motion with a period is observed over one period after it has settled.
+    // A periodic motion is observed over one period after it has settled.
     let (length, times) = match settled.period {
         Some(n) => {
             motion = scout;
@@ -175,7 +175,7 @@ fn observe(
         }
     } else {
         watcher.maxima = Some(Maxima::new(quantity));
-        // The first period shows whether the quantity rises where the second begins.
+        // The first period shows whether the quantity is rising where the second one begins.
         section.follow(&mut motion, &mut flows, &mut [&mut watcher])?;
         watcher.maxima.iter_mut().for_each(|m| m.found.clear());
         for _ in 0..length {
@@ -186,7 +186,7 @@ fn observe(
     Ok(DescribedPoint { value, maxima: counted(values, times), settled })
 }
 
-/// Values to some digits of the largest, ascending, each with its count.
+/// Values rounded to some digits of the largest, ascending, each with its count.
 fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
     let largest = values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     if largest == 0.0 {
@@ -198,9 +198,9 @@ fn counted(values: Vec<f64>, times: u32) -> Vec<(f64, u32)> {
     whole.chunk_by(|a, b| a == b).map(|same| (same[0] as f64 * unit, times * same.len() as u32)).collect()
 }
 
-/// One direction of a diagram, value by value, for one who shows each as soon as it is found. A
-/// value is its place in the axis, the state that the motion has settled in, and what is found
-/// there; both are missing where the motion cannot go on.
+/// One direction of a diagram, value by value, so that each value can be shown as soon as it is
+/// found. Each item has the index in the axis, the settled state and the point; the last two are
+/// missing if the motion cannot continue.
 #[derive(Debug)]
 pub struct Direction {
     machine: Machine,
@@ -211,7 +211,7 @@ pub struct Direction {
 }
 
 impl Direction {
-    /// The direction of rising or of falling values.
+    /// Starts the direction of rising (`upward`) or falling values.
     ///
     /// # Errors
     /// As [`DiagramRequest::check`].

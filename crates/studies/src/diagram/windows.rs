@@ -1,4 +1,4 @@
-//! Diagrams read as a whole: windows of one class, hysteresis between the two directions.
+//! Diagrams as a whole: windows of one class, hysteresis between the two directions.
 
 use super::{Diagram, DiagramPoint};
 use crate::class::MotionClass;
@@ -8,7 +8,7 @@ use crate::class::MotionClass;
 pub struct Window {
     /// The first value.
     pub from: f64,
-    /// The last one.
+    /// The last value.
     pub to: f64,
     /// Class of the motions.
     pub class: MotionClass,
@@ -16,21 +16,21 @@ pub struct Window {
 
 impl<P: DiagramPoint> Diagram<P> {
     /// Values at which the two directions end on attractors that are neither equal nor mirror
-    /// images. Two without a period are distinct where their [means](crate::paper::statistics)
-    /// certainly differ; a motion that has not settled is on no attractor.
+    /// images. Two attractors without a period differ if their [means](crate::paper::statistics)
+    /// certainly do. A motion that has not settled does not count.
     pub fn hysteresis(&self) -> Vec<bool> {
         self.apart().into_iter().map(|apart| apart == Some(true)).collect()
     }
 
-    /// Whether the two directions end on [other attractors](Self::hysteresis), by value; `None`
-    /// where that is undecided: a motion has not settled or was refused, or neither has a period
-    /// and their means do not tell.
+    /// Whether the two directions end on [different attractors](Self::hysteresis), by value.
+    /// `None` if that is undecided: a motion has not settled or was refused, or neither has a
+    /// period and their means do not decide.
     pub fn apart(&self) -> Vec<Option<bool>> {
         self.up.iter().zip(&self.down).map(|(a, b)| a.as_ref()?.differs(b.as_ref()?)).collect()
     }
 
-    /// The motion at the value of the rising direction that is nearest to `value`; `None` where the
-    /// simulator refused all.
+    /// The motion at the value of the rising direction nearest to `value`; `None` if the simulator
+    /// refused all.
     pub fn nearest(&self, value: f64) -> Option<&P> {
         let near = |a: &&P, b: &&P| (a.value() - value).abs().total_cmp(&(b.value() - value).abs());
         self.up.iter().flatten().min_by(near)

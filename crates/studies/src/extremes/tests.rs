@@ -44,7 +44,7 @@ fn closed_form_a_curve_goes_through_its_extremes_in_time() {
         }
         let largest = points.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
         assert_eq!(largest, extreme.largest);
-        // Both ends of every one of the 9.5 periods are in it.
+        // The curve includes both ends of every one of the 9.5 periods.
         let least = extreme.largest * (1.0 - ROUNDING);
         let turns = |sign: f64| points.iter().filter(|p| sign * p.1 > least).count();
         assert!(turns(1.0) >= 9 && turns(-1.0) >= 9, "{} {}", turns(1.0), turns(-1.0));
@@ -68,7 +68,7 @@ fn closed_form_columns_keep_the_least_and_the_largest_of_their_part_of_the_time(
         [(10.0002, -3.0), (10.0004, 2.0), (10.0012, 7.0), (10.0012, 7.0), (12.0, -9.0), (12.0, -9.0)];
     assert_eq!(extreme.points(), expected);
     assert_eq!(extreme.largest, 9.0);
-    // What begins with zero goes from there, and before that it has no curve.
+    // A quantity that begins with zero has a curve only from its first other value.
     let mut from_zero = Extreme { largest: 0.0, curve: Vec::new(), was_zero: false, ..extreme.clone() };
     from_zero.meet(10.0, 0.0, times, true);
     assert!(from_zero.curve.is_empty());
@@ -76,11 +76,11 @@ fn closed_form_columns_keep_the_least_and_the_largest_of_their_part_of_the_time(
     assert_eq!(from_zero.points(), [(10.5, 0.0), (10.5, 2.0)]);
     from_zero.meet(10.6, 3.0, times, true);
     assert_eq!(from_zero.points()[2..], [(10.6, 3.0), (10.6, 3.0)]);
-    // Zero later is a value, and without a sign.
+    // A later zero is a value without a sign.
     from_zero.meet(10.7, -0.0, times, true);
     let last = from_zero.points()[4];
     assert!(last == (10.7, 0.0) && last.1.is_sign_positive());
-    // Without a time to show, or room for a curve, the largest alone is known.
+    // Without a time to show, or without room for a curve, only the largest value is known.
     for (times, keeps) in [((12.0, 12.0), true), ((12.0, 10.0), true), ((10.0, 12.0), false)] {
         let mut bare = Extreme { largest: 0.0, curve: Vec::new(), was_zero: false, ..extreme.clone() };
         bare.meet(11.0, -4.0, times, keeps);
@@ -95,7 +95,7 @@ fn curves_of_sixty_four_quantities_are_kept_and_the_largest_of_all() {
     let kept: Vec<bool> = all.iter().map(|e| !e.points().is_empty()).collect();
     assert_eq!(kept.iter().filter(|kept| **kept).count(), 64);
     assert!(kept[63] && !kept[64]);
-    // Through a state alone, too, as after an event.
+    // The same from states alone, as after an event.
     let mut states = Extremes { all, times: (0.0, 0.5) };
     states.all.iter_mut().for_each(|e| e.curve.clear());
     states.state(&[0.3, 0.0, 0.0, 0.0, 0.0], 0.1);

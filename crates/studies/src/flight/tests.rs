@@ -80,8 +80,8 @@ fn closed_form_a_flight_is_an_oscillation_by_series_of_bounded_length() {
         assert_eq!(f64::from(count), flow.stretches_of(span));
         assert!((end[0] - 0.1 * (20.0 * span).cos()).abs() < ROUNDING, "{span}");
     }
-    // A stretch is at most two, and a sub-step three, of the rate's inverse; the rate is at least
-    // 20/s.
+    // A stretch is at most two inverses of the rate long, and a sub-step three. The rate is at
+    // least 20/s.
     let steps = flow.sub_steps_of(30.0);
     assert!(steps >= 200.0 && flow.stretches_of(30.0) == (1.5 * steps).ceil(), "{steps}");
     assert_eq!(flow.stretches_of(1e-9), 1.0);
@@ -93,7 +93,7 @@ fn second_method_variations_are_carried_by_a_matrix_as_each_by_its_series() {
     let flow = flow_of(&motion);
     let size = motion.state().len();
     let unit = |k: usize| (0..size).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
-    // Some stretches, and more than are carried one by one.
+    // A few stretches, and more than are carried one by one.
     for span in [0.1, 6.0, 30.0] {
         let mut all = [unit(0), unit(1), motion.state().as_slice().to_vec()];
         let alone = all.clone().map(|v| flow.stretches(&v, span, &mut |_, _| ()));
@@ -107,7 +107,7 @@ fn second_method_variations_are_carried_by_a_matrix_as_each_by_its_series() {
     assert!(flow.stretches_of(0.1) <= MANY && flow.stretches_of(6.0) > MANY);
 }
 
-/// What is seen of a motion.
+/// Observations of a motion.
 #[derive(Default)]
 struct Seen {
     time: f64,
@@ -155,7 +155,7 @@ fn second_method_flights_and_passages_are_the_engines_motion() {
         assert_eq!((&seen.told, &seen.passed), (&events, &events), "{name}");
         let lost = by_engine.energy().impacts.value();
         assert!((seen.lost - lost).abs() <= ROUNDING * lost.abs(), "{name}");
-        // To the first event that is asked for, and no further.
+        // Follows to the first requested event, and no further.
         let mut motion = started(&example(name));
         let times: Vec<f64> = events.chunk_by(|a, b| a.time == b.time).map(|now| now[0].time).collect();
         let mut count = 0;
@@ -168,8 +168,8 @@ fn second_method_flights_and_passages_are_the_engines_motion() {
     }
 }
 
-/// The row of a quantity in the mode in force is what the motion says of it, in flights, rests and
-/// contacts.
+/// The row of a quantity in the current mode gives the same value as the motion, in flights, rests
+/// and contacts.
 #[test]
 fn second_method_values_by_rows_are_the_columns_of_the_motion() {
     for name in [

@@ -7,8 +7,8 @@ use vibro_machine::{Assembly, Quantity, What, file};
 
 /// Rounding of a motion of a few dozen events.
 const ROUNDING: f64 = 1e-11;
-/// Error by the bounces that are cut off: they are under 1e-9 of the first, and so is what they
-/// would have added.
+/// Error from the bounces that are cut off: they are below 1e-9 of the first one, and so is their
+/// contribution.
 const CUT: f64 = 1e-8;
 
 fn text(text: &str) -> Motion {
@@ -82,7 +82,7 @@ fn invariants_momentum_and_energy_of_bounces_and_rest() {
     let contacts = followed(&mut motion, 2.5, 11).contacts.all();
     let impulse = sum(&contacts, 0, |c| c.impulse);
     near(impulse, 5.0 * 2.5 - 7.5 * 0.5 - 0.5 * motion.body(0)[1], 12.5, CUT);
-    // From 0.2 m: all of its energy is lost before it is lifted.
+    // From 0.2 m: all energy is lost before the ball is lifted.
     near(sum(&contacts, 0, |c| c.lost), 1.0, 1.0, CUT);
     near(sum(&contacts, 0, |c| c.lost), motion.energy().impacts.value(), 1.0, ROUNDING);
     let rest = contacts.last().unwrap();
@@ -171,8 +171,8 @@ fn closed_form_extremes_lie_between_samples() {
     assert!(points.iter().all(|p| p.1 > 0.01), "{points:?}");
 }
 
-/// A ball of 100 m/s between walls 2 mm apart meets one each 20 µs and loses nothing; a body lies
-/// on a buffer beside it.
+/// A ball of 100 m/s between walls 2 mm apart meets one every 20 µs and loses nothing. A body lies
+/// on a buffer next to it.
 #[test]
 fn closed_form_what_is_beyond_the_work_of_one_advance_is_counted_and_left_out() {
     let machine = "name = \"W\"\n[body.ball]\nmass = 1.0\nstart = { v = 100.0 }\n[stop.right]\nbetween = [\"ground\", \"ball\"]\n\
@@ -184,7 +184,7 @@ fn closed_form_what_is_beyond_the_work_of_one_advance_is_counted_and_left_out() 
     let whole = followed(&mut text(machine), end, 1);
     let all = whole.contacts.all();
     assert_eq!(impacts(&all), 25_000);
-    // 20,000 of them in 0.4 s are looked at.
+    // 20,000 flights in 0.4 s are observed.
     near(whole.left_out, 0.1, 0.1, 1e-2);
     let one = resting(&all);
     assert_eq!((one.peak, one.impulse, one.lost, one.end), (None, None, None, None));
@@ -197,8 +197,8 @@ fn closed_form_what_is_beyond_the_work_of_one_advance_is_counted_and_left_out() 
     near(one.impulse.unwrap(), 0.5 * end.sin(), 0.5, CUT);
 }
 
-/// Long flights use up what may be looked at beyond the usual, and are left out when it is used up;
-/// short ones are looked at always.
+/// Long flights use up the number of further stretches, and are then left out. Short flights are
+/// always observed.
 #[test]
 fn closed_form_flights_of_many_stretches_are_looked_at_up_to_a_limit() {
     let mut motion = text(

@@ -17,7 +17,7 @@ fn closed_form_the_largest_modulus_of_multipliers() {
     ] {
         assert!((found.unwrap() - expected).abs() < ROUNDING * expected.max(1.0), "{found:?} {expected}");
     }
-    // Rounding beside one, and beside the largest variation.
+    // Rounding relative to one, and relative to the largest variation.
     assert_eq!(of(1, &[1e-11]), None);
     assert_eq!(of(2, &[1e-3, 1e9, 0.0, 1e-3]), None);
     assert_eq!((of(2, &[0.0; 4]), of(1, &[f64::NAN]), of(1, &[f64::INFINITY])), (None, None, None));
@@ -37,7 +37,7 @@ fn closed_form_the_way_to_a_fixed_point() {
     // A neutral direction is left out.
     let neutral = [DVector::from_row_slice(&[1.0, 0.0])];
     near(of(&[0.0, 0.0, 0.0, 0.5], &neutral, [0.0, 1.0]), [0.0, 2.0]);
-    // In a direction in which M is 1 nothing may be left but rounding.
+    // In a direction in which M is 1 only rounding may be left.
     let family = [1.0, 0.0, 0.0, 0.5];
     near(of(&family, &[], [1e-11, 1.0]), [0.0, 2.0]);
     assert_eq!((of(&family, &[], [1e-9, 1.0]), of(&family, &[], [-1e-9, 1.0])), (None, None));
@@ -56,24 +56,24 @@ fn closed_form_exponents_are_logarithms_a_second_and_marginal_ones_zero() {
     }
 }
 
-/// The motion of a machine, looked at each second where nothing drives it.
+/// The motion of a machine, observed each second if it has no drive.
 fn started(machine: &Machine) -> (Motion, Section) {
     let is_driven = crate::common_period(&machine.description).is_some();
     let section = if is_driven { SectionRule::Auto } else { SectionRule::Period(1.0) };
     Machine { section, ..machine.clone() }.motion(&Start::default()).unwrap()
 }
 
-/// A body on a spring whose other end moves evenly at 0.25 m/s.
+/// A body on a spring whose other end moves uniformly at 0.25 m/s.
 const DRAGGED: &str = "name = \"D\"\n[body.end]\nmotion = { rate = 0.25 }\n[body.a]\nmass = 2.0\nstart = { s = 0.01, v = 0.1 }\n\
     [spring.k]\nbetween = [\"end\", \"a\"]\nstiffness = 800.0\n";
 
 #[test]
 fn closed_form_a_shift_in_time_is_the_motion_less_what_is_carried_along() {
     let (motion, _) = started(&text(DRAGGED));
-    // v = 0.1 m/s beside 0.25 m/s; a = -400 · 0.01.
+    // v = 0.1 m/s relative to 0.25 m/s; a = -400 · 0.01.
     let found = shift(&motion).unwrap();
     assert!((found[0] + 0.15).abs() < ROUNDING && (found[1] + 4.0).abs() < ROUNDING, "{found:?}");
-    // From 4 to 5 s the end has gone 0.25 m, and z' is the rate itself.
+    // From 4 to 5 s the end has moved by 0.25 m, and z' is the rate itself.
     let (system, z) = (motion.assembly().system(), motion.state());
     let rate = carried(system, z.as_slice(), true).unwrap();
     assert!((rate[0] - 0.25).abs() < ROUNDING, "{rate}");
@@ -85,14 +85,14 @@ fn closed_form_a_shift_in_time_is_the_motion_less_what_is_carried_along() {
     let free = text(&DRAGGED.replace("stiffness = 800.0", "stiffness = 0.0\ndamping = 3.0"));
     let (motion, _) = started(&free);
     assert_eq!(carried(motion.assembly().system(), motion.state().as_slice(), true).unwrap()[0], 0.0);
-    // Nothing moves evenly between ends that part.
+    // Two ends that separate do not allow a uniform motion.
     let parted = "[body.other]\nmotion = { rate = -0.25 }\n[spring.other]\nbetween = [\"other\", \"a\"]\nstiffness = 1.0\n";
     assert_eq!(shift(&started(&text(&format!("{DRAGGED}{parted}"))).0), None);
-    // A drive tells one time from another.
+    // A drive distinguishes times.
     assert_eq!(shift(&started(&text(OSCILLATOR)).0), None);
 }
 
-/// The record of a motion over so many returns.
+/// The record of a motion over `returns` returns.
 fn record(motion: &mut Motion, section: &Section, returns: u32) -> ReturnRecord {
     let mut record = ReturnRecord::new(motion, section);
     record.arrive(motion, false);
@@ -118,17 +118,17 @@ fn closed_form_the_metric_is_the_sizes_of_each_dimension() {
         record.sizes()
     );
     assert_eq!(metric(&motion, &record).0, [length, angle, length, rate, spin, rate]);
-    // What has not moved has the unit one.
+    // A quantity that has not moved has the unit one.
     let (still, section) = started(&text(
         "name = \"S\"\n[body.a]\nmass = 1.0\n[load.f]\non = \"a\"\nconstant = 0.0\namplitude = 0.0\nfrequency = 1.0\n",
     ));
     assert_eq!(metric(&still, &ReturnRecord::new(&still, &section)).0, [1.0, 1.0]);
 }
 
-/// The distance is that to where the motion is when it has settled, and the multiplier e^(-δT).
+/// The distance is the distance to the settled motion, and the multiplier is e^(-δT).
 #[test]
 fn second_method_the_distance_is_what_a_long_motion_goes() {
-    /// What squares of the way to the orbit leave, and 1e-9 of what 60 periods leave of it.
+    /// Squares of the distance to the orbit, and 1e-9 of the remainder after 60 periods.
     const NEAR: f64 = 1e-6;
     let dragged = OSCILLATOR.replace(
         "[spring.k]\nbetween = [\"ground\"",
@@ -141,14 +141,14 @@ fn second_method_the_distance_is_what_a_long_motion_goes() {
         for _ in 0..60 {
             section.advance(&mut settled, &mut |_| ()).unwrap();
         }
-        // In 60 periods of 0.2 s the end has gone 3 m.
+        // In 60 periods of 0.2 s the end has moved by 3 m.
         let carried = if file == OSCILLATOR { 0.0 } else { 3.0 };
         let period = Period::follow(&mut motion, &section, &record, returns).unwrap();
         let time = 0.2 * f64::from(returns);
         assert!((period.time - time).abs() < 1e-9);
         assert!((period.multiplier.unwrap() - (-2.0 * time).exp()).abs() < 1e-9, "{period:?}");
         assert!((period.exponent().unwrap() + 2.0).abs() < 1e-8, "{period:?}");
-        // Of the start of the period, which the motion has left.
+        // The distance at the start of the period, which the motion has left.
         let (mut start, _) = started(&text(file));
         for _ in 0..12 {
             section.advance(&mut start, &mut |_| ()).unwrap();
@@ -161,7 +161,7 @@ fn second_method_the_distance_is_what_a_long_motion_goes() {
 
 #[test]
 fn second_method_a_small_distance_is_as_exact() {
-    /// 64 roundings of the state beside e^(-18) of it, which is the way that is left.
+    /// 64 roundings of the state relative to the remaining distance, e^(-18) of the state.
     const NEAR: f64 = 1e-3;
     let (mut motion, section) = started(&text(OSCILLATOR));
     let record = record(&mut motion, &section, 45);
@@ -176,18 +176,18 @@ fn second_method_a_small_distance_is_as_exact() {
     assert!((period.distance - expected).abs() < NEAR * expected, "{period:?} {expected}");
 }
 
-/// A drive of 0.2 s under a controller that samples each 0.02 s and acts 0.03 s later.
+/// A drive of 0.2 s under a controller that samples every 0.02 s and acts 0.03 s later.
 const CONTROLLED: &str = "name = \"C\"\n[body.m]\nmass = 1.0\nstart = { s = 0.1 }\n\
     [spring.k]\nbetween = [\"ground\", \"m\"]\nstiffness = 100.0\ndamping = 3.0\n\
     [load.drive]\non = \"m\"\namplitude = 1.0\nfrequency = 5.0\n\
     [block.c]\ninputs = [\"m.s\", \"m.v\"]\na = [[0.3]]\nb = [[1.0, 0.2]]\nc = [[5.0]]\nd = [[-10.0, 0.1]]\n\
     outputs = [\"u\"]\nsample = 0.02\ndelay = 0.03\n[load.l]\non = \"m\"\nfrom = \"c.u\"\n";
 
-/// Numbers that blocks keep are states as others. The multiplier is that of a program of its own,
-/// by the matrix exponential between samples.
+/// States of blocks count like other states. The multiplier agrees with a separate program that
+/// uses the matrix exponential between samples.
 #[test]
 fn second_method_the_period_of_a_sampled_controller() {
-    /// What 1e-9 of the differences of a period leaves of its derivative.
+    /// Remainder of a period's derivative from 1e-9 of the differences.
     const NEAR: f64 = 1e-9;
     let (mut motion, section) = started(&text(CONTROLLED));
     let record = record(&mut motion, &section, 12);
@@ -201,7 +201,7 @@ fn second_method_the_period_of_a_sampled_controller() {
     assert!((period.distance - expected).abs() < 1e-6 * expected, "{period:?} {expected}");
 }
 
-/// A spring in series, an end that goes on evenly and a block that reads neither.
+/// A spring in series, an end that moves on uniformly and a block that reads neither.
 #[test]
 fn what_an_even_motion_carries_beside_blocks() {
     let file = format!(
@@ -228,7 +228,7 @@ fn what_no_even_motion_carries_has_no_period() {
     assert_eq!((period.distance, period.multiplier), (f64::INFINITY, None));
 }
 
-/// Free of its drive, the stick-slip of a block on a belt is one cycle, whatever its phase: the
+/// Without a drive, the stick-slip of a block on a belt is one cycle, whatever its phase: the
 /// shift in time is left out of the derivative.
 #[test]
 fn invariant_a_shift_in_time_is_no_distance_to_a_cycle() {
@@ -244,8 +244,8 @@ fn invariant_a_shift_in_time_is_no_distance_to_a_cycle() {
     assert!(period.distance < 1e-9, "{period:?}");
 }
 
-/// Two ends that swing by hundreds of metres return to the rounding of these, which is no motion
-/// that parts them.
+/// Two ends that swing by hundreds of metres return up to the rounding of such distances, which is
+/// not a motion that separates them.
 #[test]
 fn invariant_roundings_of_large_motions_are_no_change() {
     let file = "name = \"L\"\n[body.p]\nmotion = { amplitude = 1000.0, frequency = 5.0, phase = \"20 deg\" }\n\
@@ -263,8 +263,8 @@ fn invariant_roundings_of_large_motions_are_no_change() {
 /// Rounding of the drive's phase after 600 periods, times 2π.
 const PHASE: f64 = 1e-9;
 
-/// Where all sliders of a joint are held its motion is linear and returns to itself, with a family
-/// of orbits beside it: rounding of the drive's phase does not hide this.
+/// If all sliders of a joint are held, its motion is linear and returns to itself, within a family
+/// of orbits: rounding of the drive's phase does not hide this.
 #[test]
 fn closed_form_a_joint_that_is_held_returns() {
     let mut machine = example("iwan_joint.toml");

@@ -1,10 +1,10 @@
-//! The lowest and highest oscillations of a large part of a machine, of symmetric matrices M, C and
-//! K, by sparse factors.
+//! The lowest and highest oscillations of a large part of a machine with symmetric matrices M, C
+//! and K, by sparse factors.
 //!
-//! The undamped frequencies are the roots of the eigenvalues of K - ω² M. Their number below a
-//! limit is the number of negative pivots of K - limit · M (Sylvester's law of inertia), so that
-//! bisection leaves none out. The damped value of each follows by inverse iteration with the
-//! quadratic λ² M + λ C + K from its undamped one.
+//! The undamped frequencies are the square roots of the eigenvalues of K - ω² M. The number of
+//! eigenvalues below a limit is the number of negative pivots of K - limit · M (Sylvester's law of
+//! inertia), so bisection cannot miss one. Each damped eigenvalue follows from the undamped one by
+//! inverse iteration with the quadratic λ² M + λ C + K.
 
 use nalgebra::Complex;
 use vibro_machine::linear::Linear;
@@ -14,16 +14,16 @@ use vibro_numerics::sorting::sort_by_key;
 
 /// Number of the lowest, and of the highest, oscillations.
 pub const SHOWN: usize = 10;
-/// Part of the sizes of its terms below which a difference is rounding.
+/// Relative size, compared with its terms, up to which a difference is rounding.
 const ROUNDING: f64 = 1e-12;
-/// Width of a bracket of ω², relative to its upper end, at which bisection ends; frequencies closer
-/// than this count as equal.
+/// Width of a bracket of ω², relative to its upper end, at which bisection ends. Frequencies
+/// closer than this count as equal.
 const WIDTH: f64 = 1e-9;
-/// Frequency relative to the highest below which a coordinate counts as still.
+/// Frequency relative to the highest one below which a coordinate counts as still.
 const STILL: f64 = 1e-7;
-/// Most inverse iterations of a value. Each about doubles its digits.
+/// Largest number of inverse iterations per eigenvalue; each about doubles the correct digits.
 const ITERATIONS: usize = 30;
-/// Relative change of a value at which its iteration ends.
+/// Relative change of an eigenvalue at which its iteration ends.
 const SETTLED: f64 = 1e-12;
 
 /// The lowest and highest oscillations of a part.
@@ -31,7 +31,7 @@ const SETTLED: f64 = 1e-12;
 pub struct Span {
     /// Coordinates of the part.
     pub coordinates: usize,
-    /// Coordinates without an undamped oscillation: nothing draws them back.
+    /// Coordinates without an undamped oscillation, because no spring pulls them back.
     pub still: usize,
     /// The lowest and the highest oscillations, ascending.
     pub shown: [Vec<Oscillation>; 2],
@@ -42,13 +42,12 @@ pub struct Span {
 pub struct Oscillation {
     /// Undamped frequency, rad/s.
     pub undamped: f64,
-    /// Value with damping; `None` where it is not decided, as for two of equal frequency, or where
-    /// damping changes the oscillation so much that its value does not follow from the undamped
-    /// one.
+    /// Damped eigenvalue. `None` if it is undecided: two frequencies are equal, or damping changes
+    /// the oscillation so much that its eigenvalue does not follow from the undamped one.
     pub damped: Option<Complex<f64>>,
 }
 
-/// M, C and K of a part, by the entries of its rows.
+/// M, C and K of a part, by rows.
 struct Matrices {
     pattern: Pattern,
     rows: Vec<Vec<Entry>>,
@@ -80,8 +79,8 @@ impl Number for Wide {
 }
 
 impl Span {
-    /// The span of a part by its states; `None` where these are not coordinates and their rates
-    /// alone, or the matrices are not symmetric, or a stiffness is negative.
+    /// The span of a part given by its states. `None` if these are not just coordinates and their
+    /// rates, if the matrices are not symmetric, or if a stiffness is negative.
     pub(super) fn of(system: &System, linear: &Linear, part: &[usize]) -> Option<Self> {
         let own = Matrices::of(system, linear, part)?;
         let n = own.rows.len();
@@ -95,8 +94,8 @@ impl Span {
                 return None;
             }
         }
-        // By number of eigenvalues the greatest limit with at most as many below, and the least one
-        // with more.
+        // For each number of eigenvalues: the largest limit with at most that many below, and the
+        // smallest limit with more.
         let mut known = vec![(-top, own.below(-top)), (top, n)];
         if known[0].1 > 0 {
             return None;
@@ -169,7 +168,7 @@ impl Matrices {
         own.is_symmetric(&sizes).then_some(own)
     }
 
-    /// Whether the matrices are symmetric but for rounding of the sizes of the rows.
+    /// Whether the matrices are symmetric up to rounding of the sizes of the rows.
     fn is_symmetric(&self, sizes: &[[f64; 2]]) -> bool {
         self.rows.iter().enumerate().all(|(i, row)| {
             row.iter().all(|own| {
@@ -196,7 +195,7 @@ impl Matrices {
         sum
     }
 
-    /// K - limit · M, factored. A pivot of 0 becomes the rounding of its row.
+    /// K - limit · M, factored. A zero pivot is replaced by the rounding of its row.
     fn shifted(&self, limit: f64) -> Option<SymmetricSparse<'_, f64>> {
         let size = |k: usize| {
             let own = self.rows[k].iter();
@@ -214,8 +213,8 @@ impl Matrices {
         self.shifted(limit).map_or(0, |own| own.diagonal.iter().filter(|pivot| **pivot < 0.0).count())
     }
 
-    /// The eigenvalue with `count` below it, from limits whose numbers are known, to which those
-    /// that are met are added.
+    /// The eigenvalue with `count` eigenvalues below it. `known` holds limits with their counts;
+    /// new limits are added to it.
     fn eigenvalue(&self, count: usize, known: &mut Vec<(f64, usize)>) -> f64 {
         let bracket = |known: &[(f64, usize)]| {
             let low = known.iter().filter(|own| own.1 <= count).map(|own| own.0).fold(f64::MIN, f64::max);
@@ -224,8 +223,8 @@ impl Matrices {
         };
         let (mut low, mut high) = bracket(known);
         while high - low > WIDTH * high.abs().max(low.abs()) {
-            // Positive limits far apart are halved in size, so that low frequencies have their
-            // digits.
+            // Positive limits far apart are bisected geometrically, so that low frequencies keep
+            // their digits.
             let middle = match (low, high) {
                 (low, high) if low > 0.0 && high > 4.0 * low => (low * high).sqrt(),
                 (low, high) => low + 0.5 * (high - low),
@@ -239,7 +238,7 @@ impl Matrices {
         0.5 * (low + high)
     }
 
-    /// The oscillations whose numbers of lower ones are in a range.
+    /// The oscillations whose index, by ascending frequency, is in a range.
     fn oscillations(&self, range: std::ops::Range<usize>, known: &mut Vec<(f64, usize)>) -> Vec<Oscillation> {
         let squares: Vec<f64> = range.map(|count| self.eigenvalue(count, known)).collect();
         let is_near = |a: f64, b: f64| (a - b).abs() <= 4.0 * WIDTH * a.abs();
@@ -258,10 +257,10 @@ impl Matrices {
         (0..squares.len()).map(of).collect()
     }
 
-    /// The value with damping to which an undamped one changes.
+    /// The damped eigenvalue that belongs to an undamped one.
     fn damped(&self, square: f64) -> Option<Complex<f64>> {
         let near = self.shifted(square * (1.0 + 0.25 * WIDTH))?;
-        // A vector without symmetry, lest it be orthogonal to the shape.
+        // An irregular vector, so that it is not orthogonal to the shape.
         let mut shape: Vec<f64> = (0..self.rows.len()).map(|k| 1.0 + ((k as f64) * 0.7).sin()).collect();
         for _ in 0..3 {
             shape = self.times(&shape, |entry| entry.mass);
@@ -292,14 +291,14 @@ impl Matrices {
             let change = (refined - value).norm();
             value = refined;
             if change <= SETTLED * value.norm() {
-                // A value of another oscillation is not this one's.
+                // The iteration may have reached the eigenvalue of another oscillation.
                 return (value.im > 0.0 && (value - start).norm() < 0.5 * start.norm()).then_some(value);
             }
         }
         None
     }
 
-    /// The root of φᵀ(λ² M + λ C + K)φ that is nearer to a value.
+    /// The root of φᵀ(λ² M + λ C + K)φ that is closer to a value.
     fn root(&self, shape: &[Wide], near: Complex<f64>) -> Option<Complex<f64>> {
         let along = |of: fn(&Entry) -> f64| {
             let all = self.times(shape, |own| of(own).into());
@@ -323,7 +322,7 @@ impl Matrices {
     }
 }
 
-/// Numbers that have products with factors of another kind.
+/// Numbers that can be multiplied by factors of another type.
 trait Scaled<F> {
     fn scaled(self, by: F) -> Self;
 }

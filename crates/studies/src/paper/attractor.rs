@@ -1,9 +1,9 @@
-//! Attractor of a settled motion: its period, its impacts, the states by which it is recognized,
-//! and its class.
+//! Attractor of a settled motion: its period, its impacts, the states that identify it, and its
+//! class.
 //!
-//! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where T
-//! is the drive's period. A pair of attractors that are mirror images is therefore distinguished
-//! from a pair of different attractors. Under constant loads there are no mirror images.
+//! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where
+//! T is the drive's period. A pair of mirror images is therefore distinguished from a pair of
+//! different attractors. Under constant loads there are no mirror images.
 
 mod record;
 
@@ -25,22 +25,22 @@ use vibro_impact::simulator::Simulator;
 /// A settled motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attractor {
-    /// Period in drive periods, where a short one is found.
+    /// Period in drive periods, if a short one was found.
     pub period: Option<u32>,
-    /// Whether the distances between returns decrease from each eighth of the record to the next.
-    /// They do so in a transient that has not died out.
+    /// Whether the distances between returns decrease from each eighth of the record to the next,
+    /// as they do in a transient that has not died out.
     pub approaching: bool,
     /// Impacts per drive period at the upper and at the lower stop.
     pub impacts: [f64; 2],
     /// Whether the block rests at a stop for part of a period or, held by a load, always.
     pub rests: bool,
-    /// States at whole drive periods over one period; a single state where there is no period.
+    /// States at whole drive periods over one period; a single state if there is no period.
     pub states: Vec<StroboscopicState>,
     /// States of the mirror image at whole drive periods; none under constant loads.
     pub mirror_states: Vec<StroboscopicState>,
     /// Root mean squares of x1, x2, x3 at whole and half drive periods, units of L.
     pub sizes: [f64; 3],
-    /// Means by which a motion without a period is compared with others.
+    /// Means used to compare a motion without a period with others.
     pub statistics: Option<Statistics>,
 }
 
@@ -50,8 +50,8 @@ impl MotionClass {
     pub fn by_largest(attractor: &Attractor, largest: Option<&LargestExponent>, p: &Parameters) -> Self {
         let sign = largest.map(|exponent| exponent.sign(p));
         match Self::by_sign(attractor.period, sign, attractor.approaching) {
-            // In a damped machine all motions without events tend to one limit, if that limit keeps
-            // clear of the stops.
+            // In a damped machine all motions without events tend to one limit, if that limit
+            // stays clear of the stops.
             Self::NotSettled if attractor.approaching && attractor.is_free() && limit_keeps_clear(p) => {
                 Self::Settling
             }
@@ -59,7 +59,7 @@ impl MotionClass {
         }
     }
 
-    /// The class of an attractor. `spectrum` is its spectrum in units of ω10, where there is one.
+    /// The class of an attractor. `spectrum` is its spectrum in units of ω10, if available.
     pub fn of(attractor: &Attractor, spectrum: Option<&Spectrum>, p: &Parameters) -> Self {
         let zero = zero_exponent(p) / p.box_frequency();
         match (attractor.period, spectrum.map(|s| (s.exponents[0], s.exponents[1], s.deviation))) {
@@ -91,9 +91,9 @@ pub fn observe(simulator: &mut Simulator) -> Result<Attractor> {
 }
 
 /// Largest difference between coordinates of two states. If the largest displacement exceeds 10⁵,
-/// the unit of the displacements' differences is 10⁻⁵ of it; the speeds' differences are treated
-/// alike. The rounding of such values over a period of several impacts is at least 10⁻⁷ of a unit.
-/// Speeds in units of L ω10 are so large if the box's spring has almost no stiffness.
+/// the unit of the displacements' differences is 10⁻⁵ of it; speeds are treated in the same way.
+/// The rounding of such values over a period of several impacts is at least 10⁻⁷ of a unit. Speeds
+/// in units of L ω10 are so large if the box's spring has almost no stiffness.
 pub fn distance(a: &StroboscopicState, b: &StroboscopicState) -> f64 {
     const LARGE: f64 = 1e5;
     let of = |[a, b]: [&[f64]; 2]| {
@@ -109,7 +109,7 @@ impl Attractor {
         self.states.iter().any(|own| distance(own, state) < SAME)
     }
 
-    /// Whether the block never touches a stop and is not held at one.
+    /// Whether the block never touches a stop and is never held at one.
     pub fn is_free(&self) -> bool {
         self.impacts == [0.0; 2] && !self.rests
     }

@@ -14,7 +14,7 @@ use std::ops::Range;
 use vibro_impact::State;
 use vibro_impact::parameters::Parameters;
 
-/// Range of an initial value, with finite ends and the lower one first; parsed from `name=from:to`.
+/// Range of an initial value, finite and ascending; parsed from `name=from:to`.
 ///
 /// ```
 /// use vibro_studies::paper::basin::InitialValueRange;
@@ -36,8 +36,8 @@ impl InitialValueRange {
     /// The range in units of L or L ω10 of a machine.
     ///
     /// # Errors
-    /// [`vibro_impact::Error::Undefined`] for a range of a speed in SI without a spring between box
-    /// and ground, since ω10 is zero.
+    /// [`vibro_impact::Error::Undefined`] for a range of a speed in SI without a spring between
+    /// box and ground, since ω10 is zero.
     pub fn scaled(self, p: &Parameters) -> Result<Self> {
         if !self.si {
             return Ok(self);
@@ -116,7 +116,7 @@ impl BasinAttractor for ClassedAttractor {
     }
 }
 
-/// Index of the coordinate of an axis.
+/// Index of the coordinate on an axis.
 fn place(axis: &StartAxis) -> Result<usize> {
     let expected = "a name of x1 x2 x3 v1 v2 v3";
     let place = COORDINATES.iter().position(|name| *name == axis.name);
@@ -134,7 +134,7 @@ impl BasinMachine for ParameterSet {
         Ok([place(&request.x)?, place(&request.y)?])
     }
 
-    /// One machine has one set of tables.
+    /// One machine has one set of tables for all its motions.
     fn rows_of_basin(
         &self,
         request: &BasinRequest<Self>,
@@ -182,10 +182,10 @@ fn cell_start(p: &Parameters, first: &State, axes: [usize; 2], values: [f64; 2])
 }
 
 impl Basins<ClassedAttractor> {
-    /// Records the destination of a cell's motion; returns whether it is decided. Chaos, and an
-    /// attractor that is not known well enough, are decided only at the `last` look.
+    /// Records the destination of a cell's motion. Returns whether it is decided. Chaos, and an
+    /// attractor that is not known well enough, are decided only at the `last` call.
     fn decide(&mut self, number: usize, motion: &Followed, last: bool) -> Result<bool> {
-        // Chaos beside periodic motions is often a long transient: it counts as an attractor only
+        // Chaos next to periodic motions is often a long transient: it counts as an attractor only
         // at the limit.
         let open = motion.wanders() && !last;
         let destination = if open { None } else { self.destination(motion)? };
@@ -197,13 +197,13 @@ impl Basins<ClassedAttractor> {
         Ok(destination.is_some())
     }
 
-    /// Destination of a motion on a known attractor or a new one; `None` where that is undecided.
+    /// Destination of a motion: a known attractor or a new one. `None` if that is undecided.
     fn destination(&mut self, motion: &Followed) -> Result<Option<BasinCell>> {
         if !motion.class.is_decided() {
             return Ok(None);
         }
         let found = ClassedAttractor { attractor: motion.attractor.clone(), class: motion.class };
-        // The means of a single motion make an attractor once they are known well enough.
+        // The means of a single motion form an attractor once they are known well enough.
         let sure = motion.attractor.period.is_some() || motion.stationary;
         self.reached(found, sure)
     }

@@ -17,13 +17,13 @@ use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, State};
 
-/// Maxima in a drive period that the estimate of a diagram's size assumes; few motions have more.
+/// Maxima per drive period assumed in the estimate of a diagram's size; few motions have more.
 const MAXIMA_IN_A_PERIOD: usize = 4;
-/// Resolution of maxima, units of L: six digits after the point are kept.
+/// Resolution of maxima, units of L: six decimals are kept.
 const RESOLUTION: f64 = 1e-6;
 
-/// Part of the gap by which a block scaled to another gap may be past a stop: rounding of a place
-/// some gaps away.
+/// Fraction of the gap by which rounding may put a block past a stop when its position, some gaps
+/// away, is scaled to another gap.
 const ROUNDING: f64 = 1e-12;
 
 /// Request of a diagram of the paper's machine.
@@ -36,8 +36,8 @@ pub type Diagram<P = SweepPoint> = crate::diagram::Diagram<P>;
 pub struct SweepPoint {
     /// The parameter's value.
     pub value: f64,
-    /// Local maxima of the sweep's displacement, units of L to six digits after the point,
-    /// ascending, each with its count.
+    /// Local maxima of the sweep's displacement, units of L to six decimals, ascending, each with
+    /// its count.
     pub maxima: Vec<(f64, u32)>,
     /// Attractor of the motion.
     pub attractor: Attractor,
@@ -88,7 +88,7 @@ pub fn within_gap(state: State, from: f64, to: f64) -> State {
         return state;
     }
     let mut scaled = State { x: state.x.map(|x| x * to / from), v: state.v.map(|v| v * to / from) };
-    // Rounding may have put the block past a stop by some digits of its place, which is a few gaps.
+    // Rounding of the position, which is a few gaps, may have put the block past a stop.
     let room = to * (1.0 - ROUNDING);
     let relative = scaled.x[1] - scaled.x[0];
     if relative.abs() > room {
@@ -124,7 +124,7 @@ impl DiagramMachine for ParameterSet {
         let maxima =
             MAXIMA_IN_A_PERIOD.saturating_mul(*keep as usize).saturating_mul(size_of::<(f64, u32)>());
         let value = maxima.saturating_add(states + size_of::<Option<SweepPoint>>());
-        // Both directions, and the parts beside the whole.
+        // Both directions, and the parts and the whole in memory at the same time.
         check_count("values of the diagram", axis.count, value.saturating_mul(4))
     }
 
@@ -170,7 +170,7 @@ impl DiagramMachine for ParameterSet {
             ..Program::default()
         };
         let (mut refused, mut ends) = (Ok(()), vec![State::default(); there.len()]);
-        // Whether returns are so exact that the finding is final.
+        // Whether returns are so exact that the result is final.
         let mut arrived = vec![true; there.len()];
         workspace.run(&mut there.iter().map(|(_, start)| *start), &program, &mut |number, outcome| {
             let (index, start) = there[number];
@@ -203,7 +203,7 @@ impl DiagramMachine for ParameterSet {
 fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace: &mut Workspace) {
     let starts: Vec<Start> = open.iter().map(|(_, start)| *start).collect();
     follow(workspace, &starts, &Following::default(), &mut |number, motion, _| {
-        // A motion that is refused on the way keeps its finding.
+        // A motion that is refused on the way keeps its earlier result.
         let (Ok(motion), Some(point)) = (motion, &mut points[open[number].0]) else { return true };
         (point.class, point.attractor) = (motion.class, motion.attractor.clone());
         point.class.is_decided()

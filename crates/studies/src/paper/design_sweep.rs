@@ -47,7 +47,7 @@ impl DesignMachine for ParameterSet {
         is_of_window(measure)
     }
 
-    /// The box alone on its spring.
+    /// Natural frequency of the box alone on its spring.
     fn resonances(&self, name: &Name) -> Vec<f64> {
         let is_drive = Name::find("drive.frequency").is_ok_and(|drive| drive == *name);
         if is_drive { vec![self.parameters().box_frequency()] } else { Vec::new() }
@@ -57,7 +57,7 @@ impl DesignMachine for ParameterSet {
 /// Measures of the motions of one machine, which share the simulator's tables.
 fn from_all_starts(p: &Parameters, request: &SweepRequest<ParameterSet>) -> Vec<MotionMeasures> {
     let mut shared: Option<Simulator> = None;
-    // A closed form that has no value is reported even where there is a motion.
+    // A closed form without a value is reported even if there is a motion.
     let asked = request.measures.contains(&Measure::AmplitudeWithoutBlock);
     let gap = asked.then(|| amplitude_without_block(p).err().map(|e| e.to_string())).flatten();
     let outcome = |start: &StartRule| {
@@ -105,8 +105,8 @@ fn one(
 }
 
 /// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. They
-/// are points of the Sobol sequence, the same in every sweep, without its first two; the second is
-/// the machine at rest.
+/// are points of the Sobol sequence, the same in every sweep. Its first two are left out; the
+/// second one is the machine at rest.
 pub fn spread_starts(count: u32) -> Vec<StartRule> {
     const REACH: f64 = 2.0;
     let start = |index: u32| {

@@ -1,7 +1,7 @@
 //! Motion of a block that never meets a stop again: proved by energy, and computed in closed form.
 //!
 //! In free flight box and block do not act on each other (docs/theory.md (6)). The drive acts on
-//! the box alone, which tends to its forced vibration; block and secondary oscillator come to rest
+//! the box alone, which tends to its forced vibration. Block and secondary oscillator come to rest
 //! in the middle, where constant loads hold them.
 
 use super::attractor::StroboscopicRecord;
@@ -14,7 +14,7 @@ use vibro_impact::model::{COORDINATES, Model, SmoothMode};
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::State;
 
-/// Rounding allowed for in the bound on |w|, in parts of the gap and of the positions at which
+/// Rounding allowance in the bound on |w|, as a fraction of the gap and of the positions at which
 /// loads hold the bodies.
 const MARGIN: f64 = 1e-9;
 /// Rounding of the difference between a spring's stiffness and the box's inertia, in units of
@@ -23,13 +23,13 @@ const ROUNDINGS: f64 = 8.0;
 
 /// Whether a block in flight with this state at a whole drive period never meets a stop again.
 ///
-/// The box is away from the middle by at most its forced amplitude and its transient, the block by
-/// its displacement from its rest position. Springs and dampers add no energy to the transients, so
-/// that each body stays where its springs store at most the present energy: a transient of the box
-/// with energy E within √(2 E/k1), and the block, on its springs k23 and k3 in series, within √(2 E
-/// (1/k23 + 1/k3)). Under constant loads both are counted from the positions where the loads hold
-/// them, whose distance is added. A block at a stop is never found clear of it, since the bound
-/// holds for the present w too.
+/// The box is away from the middle by at most its forced amplitude plus its transient, the block
+/// by its displacement from its rest position. Springs and dampers add no energy to the
+/// transients, so each body stays where its springs store at most the present energy: a transient
+/// of the box with energy E within √(2 E/k1), and the block, on its springs k23 and k3 in series,
+/// within √(2 E (1/k23 + 1/k3)). Under constant loads both count from the positions where the
+/// loads hold them, and the distance of these positions is added. A block at a stop is never found
+/// clear of it, since the bound also holds for the present w.
 pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
     let ([v1, v2, v3], middle) = (state.v, middle(p));
     let [x1, x2, x3] = from_middle(state.x, &middle);
@@ -43,11 +43,10 @@ pub(crate) fn keeps_clear(p: &Parameters, state: &State) -> bool {
         + p.secondary_stiffness * x3 * x3;
     let block = twice_block * (1.0 / p.coupling_stiffness + 1.0 / p.secondary_stiffness);
     let apart = (middle[1] - middle[0]).abs();
-    // Where a spring is missing the bound is infinite or NaN, and nothing is proved.
+    // If a spring is missing the bound is infinite or NaN, and nothing is proved.
     let bound = forced.norm() + (twice_box / p.box_stiffness).sqrt() + block.sqrt() + apart;
     let largest = middle.iter().fold(p.stop_gap, |largest, x| largest.max(x.abs()));
-    // Next to the resonance of a box with hardly any damping the difference is little more than
-    // rounding.
+    // Next to the resonance of a box with hardly any damping the difference is mostly rounding.
     let parts = p.box_stiffness + p.box_mass * omega * omega;
     let off = ROUNDINGS * f64::EPSILON * parts / dynamic_stiffness(p).norm() * forced.norm();
     bound < p.stop_gap - MARGIN * largest - off
@@ -99,9 +98,9 @@ impl FreeFlight {
     }
 }
 
-/// Records the observation, `later` whole periods ahead, of a motion
-/// [without further impacts](keeps_clear) with this state at a whole drive period. Returns the
-/// state after the observation, or `None` where the parameters make no model.
+/// Records the observation, `later` whole periods ahead, of a motion [without further
+/// impacts](keeps_clear) with this state at a whole drive period. Returns the state after the
+/// observation, or `None` if the parameters do not make a model.
 pub(crate) fn observe(
     p: &Parameters,
     state: &State,
@@ -134,8 +133,8 @@ mod tests {
         let weak = Parameters { drive_amplitude: 0.02, ..Parameters::default() };
         let slow = Parameters { drive_frequency: 0.4, drive_phase: 1.1, ..weak };
         let wide = Parameters { secondary_damping: 0.0, stop_gap: 0.37, drive_frequency: 2.3, ..weak };
-        // The block hangs off the centre: with box and block at different positions, and by the
-        // secondary oscillator's load alone.
+        // The block hangs away from the centre: with box and block at different positions, or by
+        // the secondary oscillator's load alone.
         let hung = Parameters { constant_loads: [0.02, -3e-4, 1e-3], ..weak };
         [weak, slow, wide, hung, Parameters { constant_loads: [0.0, 0.0, -1e-3], ..slow }]
     }
@@ -184,8 +183,8 @@ mod tests {
     #[test]
     fn closed_form_at_places_of_many_gaps_nothing_is_proved_within_their_rounding() {
         let [weak, ..] = systems();
-        // The block hangs at rest, by this part of the gap clear of what the box's forced vibration
-        // reaches.
+        // The block hangs at rest, clear of the reach of the box's forced vibration by this
+        // fraction of the gap.
         const CLEAR: f64 = 5e-9;
         for (place, is_proved) in [(0.0, true), (300.0, false)] {
             let block_place = place + weak.stop_gap * (1.0 - CLEAR) - forced(&weak).norm();
@@ -203,7 +202,7 @@ mod tests {
     fn closed_form_nothing_is_proved_by_the_rounding_of_a_resonance() {
         /// Relative distance of the drive from the resonance of the undamped box.
         const BESIDE: f64 = 2e-9;
-        /// Part of the gap by which the box's beat exceeds it.
+        /// The box's beat exceeds the gap by this fraction.
         const FARTHER: f64 = 1e-10;
         let at_rest = State { x: [0.0; 3], v: [0.0; 3] };
         for k in 0..1000 {
@@ -214,7 +213,8 @@ mod tests {
             let square = product * omega;
             let rounded = product.mul_add(omega, -square) + mass.mul_add(omega, -product) * omega;
             let force = 0.5 * ((stiffness - square) - rounded);
-            // From rest the forced vibration of half a metre is superposed on a transient as large.
+            // From rest a transient of equal size is superposed on the forced vibration of half a
+            // metre.
             let reach = 0.5 * (1.0 + omega * (mass / stiffness).sqrt());
             let p = Parameters {
                 box_mass: mass,

@@ -1,5 +1,5 @@
-//! The paper's machine as a [`PlaneMachine`]: its simulated motion stands beside the exact orbit
-//! with two symmetric impacts a period. The motions of some rows run [side by
+//! The paper's machine as a [`PlaneMachine`]. It compares the simulated motion with the exact
+//! orbit that has two symmetric impacts per period. The motions of some rows run [side by
 //! side](Workspace::run).
 
 use super::parameter_set::ParameterSet;
@@ -21,7 +21,7 @@ pub type IsoperiodicRequest<M = ParameterSet> = crate::isoperiodic::IsoperiodicR
 /// Plane of motions of the paper's machine.
 pub type Isoperiodic<P = PlanePoint> = crate::isoperiodic::Isoperiodic<P>;
 
-/// Motion on which a start has settled.
+/// Motion on which a start settles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SettledMotion {
     /// Class of the motion.
@@ -32,7 +32,7 @@ pub struct SettledMotion {
     pub rests: bool,
     /// Whether the motion is its own mirror image; false for motions without a period.
     pub symmetric: bool,
-    /// Largest of the seven exponents per unit of τ, with the standard error of its estimate, where
+    /// Largest of the seven exponents per unit of τ, with the standard error of its estimate, if
     /// exponents were requested and there are impacts and no period. It is not negative, since one
     /// of the seven is zero.
     pub exponent: Option<[f64; 2]>,
@@ -53,7 +53,7 @@ impl SettledMotion {
 pub struct PlanePoint {
     /// Class of the exact orbit there.
     pub theory: SteadyStateClass,
-    /// The simulated motion; `None` where the simulator refuses.
+    /// The simulated motion; `None` if the simulator refuses it.
     pub motion: Option<SettledMotion>,
 }
 
@@ -62,13 +62,13 @@ pub struct PlanePoint {
 pub struct Agreement {
     /// Points where the exact orbit is stable.
     pub stable: usize,
-    /// Those of `stable` whose simulated motion is on the exact orbit. The others start in the
-    /// basin of another motion.
+    /// Number of these points whose simulated motion is on the exact orbit. The other motions
+    /// start in the basin of another motion.
     pub reached: usize,
     /// Points whose simulated motion is of the exact orbit's [kind](SettledMotion::is_two_impact).
     pub two_impact: usize,
-    /// Those of `two_impact` whose motion is on the exact orbit where it is stable. Any other
-    /// contradicts the theory.
+    /// Number of these points where the exact orbit is stable and the motion is on it. Any other
+    /// point contradicts the theory.
     pub predicted: usize,
 }
 
@@ -125,7 +125,7 @@ struct Site {
     theory: SteadyStateClass,
     /// State of the stable exact orbit at time 0.
     orbit: Option<State>,
-    /// `None` where the values make no machine.
+    /// `None` if the values do not make a machine.
     start: Option<Start>,
 }
 
@@ -144,8 +144,8 @@ fn site(set: &ParameterSet, request: &IsoperiodicRequest, column: usize, row: us
     Site { theory, orbit, start: Some(Start { parameters, state }) }
 }
 
-/// The points of some rows. Neighbours in a row have similar motions, which take similar times in
-/// their lanes.
+/// The points of some rows. Neighbours in a row have similar motions, which keep their lanes busy
+/// for similar times.
 fn points(
     set: &ParameterSet,
     request: &IsoperiodicRequest,
@@ -162,7 +162,7 @@ fn points(
     let following = Following {
         discard: request.discard,
         exponent: request.exponents,
-        // Without exponents, following chaos further would tell nothing.
+        // Without exponents, following chaos further would not show anything.
         limit: if request.exponents.is_some() { PROLONGED } else { 0 },
     };
     follow(workspace, &starts, &following, &mut |number, outcome, _| {
@@ -170,7 +170,7 @@ fn points(
         let orbit = sites[index].orbit.as_ref();
         let seen_again = outcome.as_ref().is_ok_and(|found| found.periods > OBSERVED);
         points[index].motion = outcome.ok().map(|found| motion(&start.parameters, found, orbit));
-        // A motion that wanders after the discarded periods has its class.
+        // A motion that wanders after the discarded periods has a decided class.
         points[index].motion.is_none_or(|m| m.class.is_final() || seen_again && m.class.is_decided())
     });
     points
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn second_method_beyond_a_doubling_there_is_one_orbit() {
-        // The orbit of one drive period has lost its stability at 2.8022 by so little that motions
+        // The orbit of one drive period loses its stability at 2.8022 by so little that motions
         // leaving it seem to be on a torus for thousands of periods. The orbit of two periods is
         // stable there, as the branches of `vibro-orbits` show.
         let x = ParameterAxis::new(find_group("f10").unwrap(), (2.8035, 2.808), 60).unwrap();

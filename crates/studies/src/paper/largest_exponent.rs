@@ -1,10 +1,9 @@
-//! Largest Lyapunov exponent of a motion, computed from its events. The exponent of the drive's
-//! phase, which is zero, is left out.
+//! Largest Lyapunov exponent of a motion, computed from its events. The zero exponent of the
+//! drive's phase is left out.
 //!
 //! Between two events the variations follow a linear system (docs/theory.md, section 11). One
-//! variation is carried from one event to the next in a single step, and over each event by the
-//! jump (84). The computation needs the motion's events only, so that the motion may be one of a
-//! batch.
+//! variation is carried from event to event in a single step, and over each event by the jump
+//! (84). Only the motion's events are needed, so the motion may be one of a batch.
 //!
 //! The counted time is not fixed: it ends when the class is decided. Growth is summed over blocks
 //! of drive periods, whose scatter gives the standard error of their mean. docs/theory.md, "The
@@ -24,15 +23,15 @@ pub(crate) fn zero_exponent(p: &Parameters) -> f64 {
 
 /// Drive periods in a block.
 pub(crate) const BLOCK: u32 = 8;
-/// Number of first blocks, whose growth is not counted: the variation aligns with the most
-/// expanding direction in them.
+/// Number of first blocks whose growth is not counted. During them the variation aligns with the
+/// most expanding direction.
 pub(crate) const ALIGN: u32 = 4;
-/// Least number of blocks whose scatter is meaningful.
+/// Smallest number of blocks with a meaningful scatter.
 const LEAST_BLOCKS: u32 = 8;
-/// Squares of lengths between which a variation is not rescaled.
+/// Range of squared lengths in which a variation is not rescaled.
 const SCALED: std::ops::Range<f64> = 1e-200..1e200;
-/// Longest time between checks of the length, in 1/rate: the length changes by at most e¹⁰⁰ in it,
-/// so that its square does not overflow.
+/// Longest time between checks of the length, in 1/rate. The length changes by at most e¹⁰⁰ in
+/// this time, so its square does not overflow.
 const LOOKED: f64 = 100.0;
 
 impl LargestExponent {
@@ -53,7 +52,7 @@ pub(crate) struct Growth {
 }
 
 impl Growth {
-    /// Adds to the current block the logarithm of a growth.
+    /// Adds the logarithm of a growth to the current block.
     pub(crate) fn add(&mut self, logarithm: f64) {
         self.own += logarithm;
     }
@@ -81,7 +80,7 @@ impl Growth {
         LargestExponent { value: mean / block, error: error / block, periods }
     }
 
-    /// Whether the exponent's sign is decided at a threshold in 1/s, or `most` periods are counted.
+    /// Whether the exponent's sign is decided at a threshold, 1/s, or `most` periods are counted.
     pub(crate) fn is_decided(&self, block: f64, threshold: f64, most: u32) -> bool {
         let LargestExponent { value, error, periods } = self.exponent(block);
         let clear = value.abs() - CONFIDENCE * error > threshold;
@@ -94,7 +93,7 @@ impl Growth {
 #[derive(Debug)]
 pub(crate) struct Tangent {
     parameters: Parameters,
-    /// Created at the first event, and renewed at the first event after a change of the parameters.
+    /// Created at the first event, and renewed at the first event with new parameters.
     variation: Option<SingleVariation>,
     ready: bool,
     v: Augmented,
@@ -124,8 +123,8 @@ impl Default for Tangent {
 }
 
 impl Tangent {
-    /// Begins at `time`, s, with a motion in a mode. The first block begins at `from`, s, which may
-    /// be earlier.
+    /// Begins at `time`, s, with a motion in a mode. The first block begins at `from`, s, which
+    /// may be earlier.
     pub(crate) fn begin(&mut self, parameters: &Parameters, mode: SmoothMode, (from, time): (f64, f64)) {
         // A variation in general position, as in `generic_frame`.
         const START: Augmented = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.0, 0.0];
@@ -207,13 +206,13 @@ impl Tangent {
         }
     }
 
-    /// Square of the variation's length, to which the drive's phase contributes nothing.
+    /// Square of the variation's length; the drive's phase does not contribute.
     fn square(&self) -> f64 {
         let [a, b, c, d, e, f, ..] = self.v.map(|x| x * x);
         (a + b) + (c + d) + (e + f)
     }
 
-    /// Makes the length one; a variation of length zero has growth -∞.
+    /// Scales the length to one. A variation of length zero has growth -∞.
     fn scale(&mut self, length: f64) {
         self.growth.add(length.ln());
         let scale = if length > 0.0 { 1.0 / length } else { 0.0 };

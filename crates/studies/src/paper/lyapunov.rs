@@ -1,10 +1,10 @@
-//! Spectrum of seven Lyapunov exponents: of six coordinates, and of the drive's phase, whose
-//! exponent is exactly zero.
+//! Spectrum of seven Lyapunov exponents: six for the coordinates, and the exactly zero exponent of
+//! the drive's phase.
 //!
 //! Between events the variations are propagated by exact transition matrices, and at impacts they
-//! jump (docs/theory.md (84)). They are made orthonormal once a drive period, and before dampers
-//! and impacts make some of them too small beside others (docs/theory.md (85); paper, section 4).
-//! Where the block comes to rest, its relative motion is lost: two directions become zero, and
+//! jump (docs/theory.md (84)). They are orthonormalized once per drive period, and before dampers
+//! and impacts make some of them too small relative to others (docs/theory.md (85); paper, section
+//! 4). When the block comes to rest, its relative motion is lost: two directions become zero, and
 //! their exponents are -∞ from then on. An impact with κ = 0 makes one direction zero.
 //!
 //! ```
@@ -36,18 +36,18 @@ const CHECK: u32 = 10;
 pub struct SpectrumOptions {
     /// Periods in which the variations align with their directions before growth counts.
     pub align: u32,
-    /// Most counted periods (1500 in the paper).
+    /// Largest number of counted periods (1500 in the paper).
     pub periods: u32,
     /// Number of last periods over which the deviation of the running exponents is taken. The
-    /// computation ends when it is under `threshold` for every exponent.
+    /// computation ends when it is below `threshold` for every exponent.
     pub window: u32,
-    /// Standard deviation of running exponents that ends the computation, 1/s; 0 counts all
-    /// periods.
+    /// Standard deviation of running exponents that ends the computation, 1/s. With 0 all periods
+    /// are counted.
     pub threshold: f64,
 }
 
 impl Default for SpectrumOptions {
-    /// All 1500 periods after 50.
+    /// Counts all 1500 periods after an alignment of 50.
     fn default() -> Self {
         Self { align: 50, periods: 1500, window: 200, threshold: 0.0 }
     }
@@ -58,12 +58,12 @@ impl Default for SpectrumOptions {
 pub struct Spectrum {
     /// The exponents, largest first, 1/s; -∞ for directions lost in rest.
     pub exponents: [f64; DIMENSION],
-    /// Largest standard deviation of the running exponents over the last window, 1/s, without those
-    /// at -∞.
+    /// Largest standard deviation of the running exponents over the last window, 1/s; exponents of
+    /// -∞ are left out.
     pub deviation: f64,
     /// Counted periods.
     pub periods: u32,
-    /// Whether the computation ended by its threshold.
+    /// Whether the threshold ended the computation.
     pub settled: bool,
     /// Impacts in the counted periods.
     pub impacts: u64,
@@ -72,8 +72,8 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Largest exponent besides the zero of the drive's phase, 1/s: the exponent nearest to zero is
-    /// left out. On a torus, where two are zero, either may be.
+    /// Largest exponent besides the zero of the drive's phase, 1/s: the exponent closest to zero
+    /// is left out. On a torus, where two exponents are zero, it may be either of them.
     pub fn largest_beside_phase(&self) -> f64 {
         let phase =
             (0..DIMENSION).min_by(|&i, &j| self.exponents[i].abs().total_cmp(&self.exponents[j].abs()));
@@ -82,8 +82,8 @@ impl Spectrum {
     }
 }
 
-/// Logarithm of the ratio of variations at which they are made orthonormal: rounding then takes at
-/// most ten digits of the smaller one.
+/// Logarithm of the length ratio of variations at which they are orthonormalized. Rounding then
+/// costs at most ten digits of the smaller one.
 const SMALLER: f64 = 12.0;
 
 /// A spectrum with its convergence.
@@ -95,7 +95,7 @@ pub struct Convergence {
     pub running: Vec<[f64; DIMENSION]>,
 }
 
-/// The spectrum of the motion from the present on. The caller has discarded the transient.
+/// The spectrum of the motion from now on. The caller has discarded the transient.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`]; [`Error::Undefined`] without a drive, which sets the period.
@@ -111,9 +111,8 @@ pub fn convergence(simulator: &mut Simulator, options: &SpectrumOptions) -> Resu
     convergence_while(simulator, options, &mut || true)
 }
 
-/// [`convergence`] that counts while `go_on`, which is called before each drive period, returns
-/// true: for a progress display, and for a computation that a person may interrupt. Returns what
-/// was counted until then.
+/// [`convergence`] that counts while `go_on` returns true. `go_on` is called before each drive
+/// period, for a progress display or an interruption by the user. Returns the counts up to then.
 ///
 /// # Errors
 /// As [`spectrum`].
@@ -138,8 +137,8 @@ pub fn convergence_while(
         frame: generic_frame(&simulator.augmented()),
         rank: DIMENSION,
         logs: [0.0; DIMENSION],
-        // Energy falls at most as fast as if all of it were kinetic in the body with the strongest
-        // damper; an impact multiplies w' by -κ.
+        // Energy decreases at most as fast as if all of it were kinetic energy of the body with
+        // the strongest damper. An impact multiplies w' by -κ.
         decay: (p.box_damping / p.box_mass).max(p.secondary_damping / p.secondary_mass),
         impact: if p.stop_restitution > 0.0 { -2.0 * p.stop_restitution.ln() } else { 0.0 },
         taken: 0.0,
@@ -160,7 +159,7 @@ pub fn convergence_while(
         })?;
         tangent.renormalize_at(simulator.drive_phase());
         if i <= options.align {
-            // A direction that has become zero stays zero; all others begin anew.
+            // A direction that has become zero stays zero; all other directions start again.
             tangent.logs = tangent.logs.map(|l| if l == f64::NEG_INFINITY { l } else { 0.0 });
             (impacts, rests) = (0, false);
             continue;
@@ -180,8 +179,8 @@ pub fn convergence_while(
     Ok(Convergence { spectrum: Spectrum { exponents, deviation, periods, settled, impacts, rests }, running })
 }
 
-/// The spectrum with its running values in units of ω10, per unit of the dimensionless time τ; so
-/// is the threshold.
+/// The spectrum with its running values in units of ω10, per unit of the dimensionless time τ. The
+/// threshold has the same unit.
 ///
 /// # Errors
 /// As [`spectrum`]; [`Error::Undefined`] without a spring between box and ground, since ω10 is
@@ -209,11 +208,11 @@ struct Tangent {
     rank: usize,
     /// Logarithms of the growth so far.
     logs: [f64; DIMENSION],
-    /// Logarithms of the largest reduction of a variation relative to others by dampers in a
+    /// Logarithm of the largest reduction of a variation relative to others: by dampers per
     /// second, and by an impact.
     decay: f64,
     impact: f64,
-    /// Sum of these reductions since the variations were made orthonormal.
+    /// Sum of these reductions since the last orthonormalization.
     taken: f64,
     /// Frequency of the drive, rad/s.
     frequency: f64,
@@ -249,21 +248,21 @@ impl Tangent {
         }
     }
 
-    /// Logarithm of the longest variation since they were made orthonormal.
+    /// Logarithm of the longest variation since the last orthonormalization.
     fn growth(&self) -> f64 {
         let squares = self.frame.iter().map(|v| v.iter().map(|x| x * x).sum::<f64>());
         0.5 * squares.fold(1.0, f64::max).ln()
     }
 
-    /// Makes the variations orthonormal at a phase of the drive, without the part of it that is
-    /// rounding off the unit circle.
+    /// Orthonormalizes the variations at a phase of the drive. First it removes the rounding
+    /// errors normal to the unit circle of the phase.
     fn renormalize_at(&mut self, phase: f64) {
         let (sine, cosine) = phase.sin_cos();
         on_circle(&mut self.frame, (cosine, sine));
         self.renormalize();
     }
 
-    /// Makes the variations orthonormal and adds the logarithms of their lengths.
+    /// Orthonormalizes the variations and adds the logarithms of their lengths.
     fn renormalize(&mut self) {
         self.taken = 0.0;
         let (frame, rank) = (&mut self.frame, self.rank);
@@ -277,8 +276,8 @@ impl Tangent {
     }
 }
 
-/// Largest standard deviation of a running exponent over the last `window` periods, without those
-/// at -∞.
+/// Largest standard deviation of a running exponent over the last `window` periods; exponents of
+/// -∞ are left out.
 fn deviation(running: &[[f64; DIMENSION]], window: u32) -> f64 {
     let last = &running[running.len().saturating_sub(window as usize)..];
     let count = last.len().max(1) as f64;

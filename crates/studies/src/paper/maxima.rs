@@ -1,10 +1,10 @@
-//! Local maxima of a displacement (x1, x2, x3, w or a weighted sum of x1, x2, x3) as the simulator
-//! reports them.
+//! Local maxima of a displacement (x1, x2, x3, w or a weighted sum of x1, x2, x3), as reported by
+//! the simulator.
 //!
-//! They are found from the flow, not from samples: at smooth tops and at corners where an impact
-//! reverses the rate. In the motion with two symmetric impacts a period every maximum of x2 is such
-//! a corner. A maximum of w that lasts, while the block rests at the upper stop, counts once, where
-//! it ends.
+//! They are found from the flow, not from samples: at smooth maxima and at corners where an impact
+//! reverses the rate. In the motion with two symmetric impacts per period every maximum of x2 is
+//! such a corner. A maximum of w that lasts, while the block rests at the upper stop, counts once,
+//! at its end.
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -76,7 +76,7 @@ impl Displacement {
 impl std::str::FromStr for Displacement {
     type Err = Error;
 
-    /// Parses `x1`, `x2`, `x3` or `w`, in either case.
+    /// Parses `x1`, `x2`, `x3` or `w`, in upper or lower case.
     fn from_str(text: &str) -> Result<Self> {
         let named = Self::NAMED.into_iter().find(|d| d.name().eq_ignore_ascii_case(text.trim()));
         named.ok_or_else(|| Error::Form { text: text.into(), expected: "one of x1, x2, x3, w" })
@@ -102,9 +102,9 @@ pub struct PeriodRecord {
     pub rests: bool,
 }
 
-/// Calls `visit` with a record of each of the next drive periods of a motion without loads, with
-/// the maxima of a displacement. The record is reused, so `visit` copies what it needs. Energy
-/// accounts end here.
+/// Calls `visit` with a record of each of the next drive periods of a motion without loads,
+/// including the maxima of a displacement. The record is reused, so `visit` must copy the data it
+/// needs. Energy accounts end here.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`], and [`vibro_impact::Error::OutOfRange`] under loads.
@@ -190,7 +190,7 @@ mod tests {
     use vibro_impact::Parameters;
     use vibro_impact::steady::exact_orbit;
 
-    /// Remainder of the transient in parts of L.
+    /// Remainder of the transient as a fraction of L.
     const SETTLED: f64 = 1e-9;
     /// Error of cubic interpolation between 128 samples a period (see `motion`).
     const INTERPOLATION: f64 = 1e-7;
@@ -215,8 +215,8 @@ mod tests {
 
     #[test]
     fn second_method_maxima_by_interpolated_samples() {
-        // In chaos, with many impacts, and with rest; only few periods, since chaos amplifies the
-        // rounding of the samples' steps.
+        // In chaos, with many impacts, and with rest; only a few periods, since chaos amplifies
+        // the rounding of the samples' steps.
         const PERIODS: u32 = 6;
         for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
             let p = at(f10, kappa);
@@ -268,8 +268,8 @@ mod tests {
             let mut plain = simulator.clone();
             plain
                 .advance_observed(end, &mut |event| match *event {
-                    // The impact that ends in rest is followed by a rest, at whose end the maximum
-                    // counts.
+                    // The impact that ends in rest is followed by a rest, and the maximum counts
+                    // at its end.
                     vibro_impact::simulator::Event::Impact { side: 1, .. } => upper += 1,
                     vibro_impact::simulator::Event::Rest { side: 1, .. } => upper -= 1,
                     vibro_impact::simulator::Event::Release { side: 1, .. } => upper += 1,
@@ -283,8 +283,8 @@ mod tests {
         }
     }
 
-    /// At a release the rate of w is rounding: at the lower stop that is no maximum, and no turn is
-    /// found twice.
+    /// At a release the rate of w is rounding. At the lower stop this is not a maximum, and no
+    /// turning point is found twice.
     #[test]
     fn invariant_a_release_from_the_lower_stop_is_no_maximum_of_w() {
         let mut releases = 0;
@@ -326,8 +326,8 @@ mod tests {
 
     #[test]
     fn closed_form_of_a_small_swing_between_the_stops() {
-        // Without drive and stops x2 is the sum of two undamped modes. Here only one of them moves:
-        // block and secondary oscillator as a symmetric pair, with k3 = 0.
+        // Without drive and stops x2 is the sum of two undamped modes. Here only one of them
+        // moves: block and secondary oscillator as a symmetric pair, with k3 = 0.
         let groups = vibro_impact::Groups { f10: 0.0, gamma3: 0.0, ..vibro_impact::Groups::basic() };
         let mut p = groups.to_parameters(vibro_impact::Scales::default()).unwrap();
         p.secondary_stiffness = 0.0;

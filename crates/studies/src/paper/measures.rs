@@ -1,10 +1,11 @@
 //! Measures of a settled motion: amplitudes, root mean squares, impacts, powers, class, exponent.
 //!
-//! They come from one pass over the smooth pieces of the motion, along which the flow's series are
-//! known. Extrema lie at the ends of a piece or where a rate is zero, which
-//! [`turns`](vibro_numerics::events::turns) proves; squares are integrated by a Gauss rule whose
-//! error is below round-off. Losses at impacts and the work of the drive are the simulator's
-//! accounts; the loss in a damper is its coefficient times the mean square of its rate.
+//! All come from one pass over the smooth pieces of the motion, along which the flow's series are
+//! known. Extrema lie at the ends of a piece or at zeros of a rate, which
+//! [`turns`](vibro_numerics::events::turns) finds with proof. Squares are integrated by a Gauss
+//! rule whose error is below round-off. Losses at impacts and the work of the drive come from the
+//! simulator's accounts. The loss in a damper is its coefficient times the mean square of its
+//! rate.
 //!
 //! ```
 //! use vibro_studies::paper::measures::{Measure, measure};
@@ -62,9 +63,9 @@ struct Window {
     periods: f64,
 }
 
-/// Measures a motion without loads, other than the constant ones of its parameters, over the next
-/// `periods` drive periods, and class and exponent over the periods after these. The caller has
-/// discarded the transient. [`Measure::PowerInput`] needs a simulator with energy accounts.
+/// Measures a motion, with constant loads only, over the next `periods` drive periods, and class
+/// and exponent over the periods after these. The caller has discarded the transient.
+/// [`Measure::PowerInput`] needs a simulator with energy accounts.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`]; [`Error::Undefined`] without a drive, which sets the period.
@@ -86,7 +87,7 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
         class = Some(verdict(&start, 0)?.class);
     }
     if wants(Measure::Exponent) {
-        // In 1/s throughout: without a spring between box and ground ω10 is no unit.
+        // In 1/s throughout: without a spring between box and ground ω10 is zero and not a unit.
         let options = SpectrumOptions::default();
         let options = SpectrumOptions { threshold: options.threshold * p.box_frequency(), ..options };
         exponent = Some(lyapunov::spectrum(simulator, &options)?);
@@ -114,8 +115,7 @@ fn undefined(name: &'static str, needed_by: &'static str) -> Error {
 
 /// Amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1
 /// ω1|, the periodic solution of docs/theory.md (3) without block and coupling. Under a constant
-/// load on the box, which shifts its middle, it is the largest |x1|. load on the box, which shifts
-/// its middle, the largest |x1|.
+/// load on the box, which shifts its middle, it is the largest |x1|.
 ///
 /// # Errors
 /// [`Error::Undefined`] at the resonance of a box without damping.
@@ -131,7 +131,7 @@ pub fn amplitude_without_block(p: &Parameters) -> std::result::Result<f64, Error
     }
 }
 
-/// Whether a measure is read off the window; false for the class, the exponent, the closed form.
+/// Whether a measure is taken from the window: not the class, the exponent, or the closed form.
 pub(crate) fn is_of_window(measure: &Measure) -> bool {
     !matches!(measure, Measure::Class | Measure::Exponent | Measure::AmplitudeWithoutBlock)
 }
@@ -152,7 +152,7 @@ fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
     }
 }
 
-/// Advances over the next drive periods in parts. Of a motion that repeats only the periods that
+/// Advances over the next drive periods in parts. If the motion repeats, only the periods that
 /// show this are computed.
 fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Result<Vec<Window>> {
     let p = *simulator.parameters();
@@ -189,7 +189,7 @@ fn windows(simulator: &mut Simulator, measures: &[Measure], periods: u32) -> Res
             }
         })?;
         let after = simulator.energy_accounts();
-        // The input account is that of the drive and of the constant loads.
+        // The input account includes the drive and the constant loads.
         let way = simulator.state().x.into_iter().zip(from.x).map(|(to, from)| to - from);
         let of_loads: f64 = p.constant_loads.into_iter().zip(way).map(|(load, way)| load * way).sum();
         let energy = [after.input - before.input - of_loads, after.impact - before.impact];
@@ -222,7 +222,7 @@ impl Observation for Window {
 impl Window {
     fn extent(&self, coordinate: Coordinate) -> &Extent {
         const NONE: &Extent = &Extent::new(Coordinate::X1, false);
-        // The coordinates that the measures need are there.
+        // The extents of all needed coordinates are present.
         self.extents.iter().find(|e| e.coordinate == coordinate).unwrap_or(NONE)
     }
 

@@ -1,5 +1,5 @@
-//! Simulated motion for comparison with theory: settled, as samples cut at impacts, with amplitudes
-//! and maxima.
+//! Simulated motion for comparison with theory: settled, sampled and cut at impacts, with
+//! amplitudes and maxima.
 
 use vibro_impact::error::Result;
 use vibro_impact::parameters::Parameters;
@@ -20,11 +20,11 @@ pub struct Instant {
     pub state: State,
 }
 
-/// Motion between two impacts: instants in order, the first after an impact, the last before the
-/// next.
+/// Motion between two impacts: instants in order, the first one after an impact, the last one
+/// before the next impact.
 pub type Flight = Vec<Instant>;
 
-/// A simulator advanced from a state over `periods` drive periods, in which the transient dies out.
+/// A simulator advanced from a state over `periods` drive periods to let the transient die out.
 ///
 /// # Errors
 /// As [`Simulator::new`] and [`Simulator::advance_to`].
@@ -60,8 +60,8 @@ pub fn record_flights(simulator: &mut Simulator, periods: u32) -> Result<Vec<Fli
                     }
                 }),
             );
-            // The last impact was at the end itself: a step of no length is refused, and nothing is
-            // left to do.
+            // The last impact was at the end itself: a step of zero length is refused, and nothing
+            // remains to be done.
             let reason = reason.or_else(|e| if now >= end { Ok(AdvanceOutcome::End) } else { Err(e) })?;
             let after = simulator.state();
             match (reason, last) {
@@ -84,8 +84,7 @@ pub fn record_flights(simulator: &mut Simulator, periods: u32) -> Result<Vec<Fli
     Ok(flights)
 }
 
-/// Local maxima of q·x over a record, m: where its rate passes zero from above, smoothly or at an
-/// impact.
+/// Local maxima of q·x over a record, m, smooth or at an impact.
 pub fn maxima(flights: &[Flight], parameters: &Parameters, q: [f64; 3]) -> Vec<f64> {
     let dot = |a: &[f64; 3]| q[0] * a[0] + q[1] * a[1] + q[2] * a[2];
     let mut found = Vec::new();
@@ -117,12 +116,12 @@ pub fn amplitude(flights: &[Flight], parameters: &Parameters, q: [f64; 3]) -> f6
     sizes.chain(tops).fold(0.0, f64::max)
 }
 
-/// Maximum on [0, 1] of the cubic with these values and slopes at its ends, where the slope falls
-/// through zero.
+/// Maximum on [0, 1] of the cubic with these values and slopes at its ends; its slope must pass
+/// zero from above.
 fn hermite_top(x0: f64, v0: f64, x1: f64, v1: f64) -> f64 {
     let (c2, c3) = (3.0 * (x1 - x0) - 2.0 * v0 - v1, v0 + v1 - 2.0 * (x1 - x0));
     let (mut low, mut high) = (0.0, 1.0);
-    // The slope is quadratic and changes its sign once here, so that bisection finds the zero.
+    // The slope is quadratic and changes its sign once here, so bisection finds the zero.
     for _ in 0..50 {
         let t: f64 = 0.5 * (low + high);
         if v0 + t * (2.0 * c2 + 3.0 * t * c3) > 0.0 { low = t } else { high = t }

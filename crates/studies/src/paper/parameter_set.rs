@@ -13,10 +13,9 @@ use vibro_impact::parameters::{FIELDS, Field, GROUPS, Groups, Parameters, check_
 
 /// Parameters of the 3-DOF machine in both forms, kept consistent.
 ///
-/// Setting a group leaves the other groups unchanged, setting an SI parameter the other SI
-/// parameters. β² and α̂23 are tied by β² = ε α̂23: when ε changes, the one set last (initially
-/// α̂23) keeps its value and the other follows. μ13 = 1/ε (m3 = m2, as in the paper) holds until
-/// `mu13` or `secondary.m` is set.
+/// Setting a group leaves the other groups unchanged; likewise for SI parameters. β² and α̂23 are
+/// tied by β² = ε α̂23: when ε changes, the one set last (initially α̂23) keeps its value. μ13 =
+/// 1/ε (m3 = m2, as in the paper) holds until `mu13` or `secondary.m` is set.
 ///
 /// ```
 /// use vibro_studies::paper::ParameterSet;
@@ -51,7 +50,7 @@ enum Base {
     Strong,
 }
 
-/// Parameters that were set, a bit for each in the order of the lists.
+/// Parameters that were set: one bit each, in the order of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Given {
     fields: u16,
@@ -72,12 +71,12 @@ impl Given {
     }
 }
 
-/// Bit of a name's place in a list; 0 where it is not in the list.
+/// Bit for a name's index in a list; 0 if the name is not in the list.
 fn bit(mut names: impl Iterator<Item = &'static str>, name: &str) -> u16 {
     names.position(|n| n == name).map_or(0, |i| 1 << i)
 }
 
-/// Each group with the physical parameter that it is set by and the others that scale it:
+/// Each group with the physical parameter that sets it and the other parameters that scale it:
 /// docs/theory.md (21), (22).
 const DEFINITIONS: [(&str, &str, &[&str]); 10] = [
     ("epsilon", "block.m", &["box.m"]),
@@ -93,8 +92,8 @@ const DEFINITIONS: [(&str, &str, &[&str]); 10] = [
 ];
 
 impl ParameterSet {
-    /// The set BASIC, docs/theory.md, end of section 4: ε, κ and f̂10 are the paper's, the other
-    /// groups a reconstruction.
+    /// The set BASIC, docs/theory.md, end of section 4: ε, κ and f̂10 come from the paper, the
+    /// other groups are a reconstruction.
     pub fn basic() -> Self {
         Self {
             parameters: Parameters::default(),
@@ -107,8 +106,8 @@ impl ParameterSet {
         }
     }
 
-    /// The set STRONG, for the paper's section 5 (m3 = m1, strong coupling). Its numbers are chosen
-    /// for this program: the available copy of the paper lacks the published ones.
+    /// The set STRONG, for the paper's section 5 (m3 = m1, strong coupling). Its numbers were
+    /// chosen for this program, since the available copy of the paper lacks the published ones.
     ///
     /// # Errors
     /// None for these numbers.
@@ -129,8 +128,8 @@ impl ParameterSet {
         &self.parameters
     }
 
-    /// Whether a parameter was set, directly or through the other form: a group counts as set when
-    /// any physical parameter in its definition was; a physical parameter, when its group was.
+    /// Whether a parameter was set, directly or through the other form: a group through any
+    /// physical parameter in its definition, a physical parameter through its group.
     pub fn is_set(&self, name: Name) -> bool {
         let given = |name: &&str| self.given.has(name);
         let definitions = || DEFINITIONS.iter();
@@ -150,26 +149,26 @@ impl ParameterSet {
         }
     }
 
-    /// Name under which the first of these groups that was set was given: the group's own name, or
-    /// the name of the physical parameter that sets it.
+    /// Name under which the first of these groups was set: the group's own name, or the name of
+    /// the physical parameter that sets it.
     pub fn first_set(&self, groups: &[&str]) -> Option<Name> {
         let names = groups.iter().filter_map(|group| DEFINITIONS.iter().find(|d| d.0 == *group));
         let mut names = names.flat_map(|d| [d.0, d.1]);
         Name::find(names.find(|name| self.given.has(name))?).ok()
     }
 
-    /// Whether a physical parameter was set, so that the machine is one in SI. Constant loads do
-    /// not count, since they have a default of their own: zero.
+    /// Whether a physical parameter was set, so that the machine is given in SI. Constant loads do
+    /// not count, since their default is zero.
     pub fn is_si(&self) -> bool {
         self.given.fields & ((1 << FIELDS.len()) - 1) != 0
     }
 
-    /// Refuses constant loads, and a load among the parameters that vary: closed forms and theories
-    /// are those of the symmetric machine.
+    /// Refuses constant loads, and a load among the parameters that vary: closed forms and
+    /// theories hold for the symmetric machine.
     ///
     /// # Errors
-    /// [`vibro_impact::Error::OutOfRange`] with the load's value; [`Error::Form`] with its name
-    /// where it varies.
+    /// [`vibro_impact::Error::OutOfRange`] with the load's value, or [`Error::Form`] with the name
+    /// of a load that varies.
     pub fn check_symmetric(&self, varied: impl IntoIterator<Item = Name>) -> Result<()> {
         self.parameters.check_symmetric()?;
         match varied.into_iter().find(|name| name.is_load()) {
@@ -202,7 +201,7 @@ impl ParameterSet {
     }
 
     /// The parameter set with one parameter of either form changed. All variation of parameters
-    /// goes through here.
+    /// uses this function.
     ///
     /// # Errors
     /// The range that the value violates.
@@ -210,9 +209,9 @@ impl ParameterSet {
         self.changed(&[(name.into(), value)])
     }
 
-    /// The groups with one parameter of either form changed. The physical parameters
-    /// are not computed if it is a group: theories in groups alone do not need them, and the
-    /// conversion would take a fifth of the time of a plane.
+    /// The groups with one parameter of either form changed. If it is a group, the physical
+    /// parameters are not computed: theories in groups alone do not need them, and the conversion
+    /// would take a fifth of the time of a plane.
     ///
     /// # Errors
     /// The range that the value violates.
@@ -241,7 +240,7 @@ impl ParameterSet {
     }
 
     /// Applies texts of the form `name=value`, in order. A number without a unit is in the unit
-    /// last [written](Self::unit) for its parameter, else in SI. Axes follow the same rule.
+    /// last [written](Self::unit) for its parameter, otherwise in SI. Axes follow the same rule.
     ///
     /// ```
     /// use vibro_studies::paper::ParameterSet;
@@ -254,8 +253,8 @@ impl ParameterSet {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Form`], [`Error::UnknownName`], [`Error::NotANumber`], [`Error::Unit`] or the range
-    /// that a value violates.
+    /// [`Error::Form`], [`Error::UnknownName`], [`Error::NotANumber`], [`Error::Unit`] or the
+    /// range that a value violates.
     pub fn apply<T: AsRef<str>>(&mut self, assignments: &[T]) -> Result<()> {
         let mut next = self.clone();
         let mut parsed = Vec::with_capacity(assignments.len());
@@ -274,7 +273,7 @@ impl ParameterSet {
     }
 
     /// Quantity from a text. A number without a unit is in the unit last [written](Self::unit) for
-    /// the parameter, else in SI.
+    /// the parameter, otherwise in SI.
     ///
     /// # Errors
     /// As [`number`].
@@ -287,8 +286,8 @@ impl ParameterSet {
         })
     }
 
-    /// Sets the unit in which labels and captions show a physical parameter: the one in which it
-    /// was written. `None`, and a unit of another dimension, change nothing.
+    /// Sets the unit in which labels and captions show a physical parameter. `None` or a unit of
+    /// another dimension changes nothing.
     pub fn show_in(&mut self, name: Name, unit: Option<&'static Unit>) {
         if let (Name::Si(field), Some(unit)) = (name, unit) {
             self.units.set(field.name, unit.plain());
@@ -299,7 +298,7 @@ impl ParameterSet {
     /// at the end, so that the order of two groups does not matter.
     ///
     /// # Errors
-    /// The range that a value violates; nothing is changed then.
+    /// The range that a value violates; then nothing is changed.
     pub fn assign(&mut self, assignments: &[(Name, f64)]) -> Result<()> {
         *self = self.changed(assignments)?;
         Ok(())

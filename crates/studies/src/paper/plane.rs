@@ -18,22 +18,21 @@ pub enum Method {
     MultipleScales,
     /// Strong coupling: paper, section 5; docs/theory.md section 8.
     StrongCoupling,
-    /// The exact orbit of docs/theory.md section 9, which needs no small parameter; not in the
-    /// paper.
+    /// The exact orbit of docs/theory.md section 9, without a small parameter; not in the paper.
     ExactOrbit,
 }
 
-/// Class of a point of the plane. A motion exists when its impacts lead into the stop (C > 0;
-/// p > 0) and the block passes neither stop in between.
+/// Class of a point of the plane. A motion exists if its impacts lead into the stop (C > 0; p > 0)
+/// and the block does not pass a stop in between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SteadyStateClass {
-    /// No symmetric motion with two impacts.
+    /// No symmetric motion with two impacts exists.
     None,
-    /// One or two, all unstable.
+    /// One or two such motions exist, all unstable.
     Unstable,
-    /// One is stable.
+    /// A stable one exists.
     Stable,
-    /// The theory has no answer: a resonance without damping, an excitation without frequency.
+    /// The theory has no answer: a resonance without damping, or an excitation without frequency.
     Undefined,
 }
 
@@ -119,7 +118,7 @@ impl ParameterAxis {
     }
 }
 
-/// The class of a parameter set with one parameter changed; undefined where the values make no
+/// The class of a parameter set with one parameter changed. Undefined if the values do not make a
 /// machine.
 fn classify_with(set: &ParameterSet, name: Name, value: f64, method: Method) -> SteadyStateClass {
     match method {
@@ -140,7 +139,7 @@ fn by_strong_coupling(groups: &Groups) -> vibro_impact::Result<SteadyStateClass>
     Ok(SteadyStateClass::of(roots.map(|p| (p.admissibility.geometric, p.admissibility.all()))))
 }
 
-/// The class by the exact orbit, and the orbit where it is stable.
+/// The class from the exact orbit, and the orbit if it is stable.
 ///
 /// # Errors
 /// As [`OrbitFamily::new`] and [`OrbitFamily::orbit`].
@@ -160,8 +159,8 @@ pub fn exact(p: &Parameters) -> vibro_impact::Result<(SteadyStateClass, Option<E
 /// Checks that two axes are different quantities.
 ///
 /// # Errors
-/// [`Error::Form`] when one is the other by another name: α̂23, β² and k23, κ and the stops'
-/// restitution coefficient, or a group and the physical parameter that it is set by.
+/// [`Error::Form`] if the axes are two names of one quantity: α̂23, β² and k23, κ and the stops'
+/// restitution coefficient, or a group and the physical parameter that sets it.
 pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
     if x.name.is_same_quantity(y.name) {
         let text = format!("{},{}", x.name.name(), y.name.name());
@@ -170,11 +169,11 @@ pub fn check_pair(x: &ParameterAxis, y: &ParameterAxis) -> Result<()> {
     Ok(())
 }
 
-/// Classifies a plane on all threads; `done` is called for each finished row. The result does not
-/// depend on the number of threads.
+/// Classifies a plane on all threads; `done` is called after each row. The result does not depend
+/// on the number of threads.
 ///
 /// # Errors
-/// As [`check_pair`]; constant loads.
+/// As [`check_pair`]; error under constant loads.
 pub fn plane(
     set: &ParameterSet,
     x: ParameterAxis,
@@ -184,7 +183,7 @@ pub fn plane(
 ) -> Result<Plane> {
     check_pair(&x, &y)?;
     set.check_symmetric([x.name, y.name])?;
-    // The rows are put together beside the whole plane.
+    // The rows and the whole plane are in memory at the same time.
     check_cells("points of the plane", (x.count, y.count), 2 * size_of::<SteadyStateClass>())?;
     let rows: Vec<Vec<SteadyStateClass>> = (0..y.count)
         .into_par_iter()

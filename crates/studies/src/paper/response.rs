@@ -22,22 +22,22 @@ pub struct ResponsePoint {
     pub b: f64,
     /// Amplitudes of X1, X2, X3.
     pub a: [f64; 3],
-    /// Amplitude of W: 1 where the block keeps clear of the stops between its impacts, more where a
+    /// Amplitude of W: 1 if the block stays clear of the stops between its impacts, more if a
     /// theory passes them; for strong coupling |W| at the impact.
     pub w: f64,
     /// Whether the curve from here to the next point is stable and admissible.
     pub stable: bool,
-    /// Whether the block keeps clear of the stops between its impacts.
+    /// Whether the block stays clear of the stops between its impacts.
     pub clear: bool,
     /// Whether C is on the right branch of the slow invariant manifold, C ≥ C_Smin (docs/theory.md
     /// (56)).
     pub right: bool,
-    /// Special point here, if there is one.
+    /// Special point here, if any.
     pub special: Option<Special>,
 }
 
 impl ResponsePoint {
-    /// Amplitude of a coordinate; `None` for sums, whose phases a curve does not hold.
+    /// Amplitude of a coordinate; `None` for sums, because a curve has no phases.
     pub fn amplitude(&self, of: Displacement) -> Option<f64> {
         match of {
             Displacement::X1 => Some(self.a[0]),
@@ -61,7 +61,7 @@ pub struct Response {
 /// The response by a theory along a parameter over a range, with `nodes` points per sheet.
 ///
 /// # Errors
-/// The range of the parameter, and what the theory refuses.
+/// Error for values out of range, and errors of the theory.
 pub fn response(
     set: &ParameterSet,
     along: impl Into<Name>,
@@ -75,7 +75,7 @@ pub fn response(
         set.with(along, value)?;
     }
     let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(*set.with(along, value)?.groups()) };
-    // A branch has points only where there is a machine, so that the alternative is never taken.
+    // A branch has points only where there is a machine, so the alternative is never used.
     let at = |value: f64| groups(value).unwrap_or(*set.groups());
     let curves = match method {
         Method::MultipleScales => {

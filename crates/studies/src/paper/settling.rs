@@ -1,17 +1,17 @@
 //! Early recognition of a motion that has settled on a period, so that the rest of the discarded
 //! periods need not be simulated.
 //!
-//! Impacts tell first, at no cost: their sequence, times and speeds, summed over each drive period,
-//! repeat. Then the states at whole drive periods are compared, and decide. docs/theory.md, "What
-//! has settled is not simulated further", shows that the verdict at the end would be the same.
+//! First, at no cost, impacts must repeat: their sequence, times and speeds, summed over each
+//! drive period. Then the states at whole drive periods decide. The verdict at the end would be
+//! the same: docs/theory.md, "What has settled is not simulated further".
 
 use super::attractor::{StroboscopicRecord, appended, distance};
 use super::stroboscopic::StroboscopicState;
 use crate::class::{RETURN, SAME};
 
-/// Longest period that is recognized early, in drive periods.
+/// Longest period, in drive periods, that is recognized early.
 const LONGEST: u32 = 8;
-/// Least number of drive periods over which impacts must repeat.
+/// Smallest number of drive periods over which impacts must repeat.
 const REPEATED: u32 = 16;
 /// Number of drive periods over which impacts of the longest period must repeat.
 const REMEMBERED: u32 = 4 * LONGEST;
@@ -20,22 +20,22 @@ const CHECK: u32 = 4;
 /// Largest difference of equal sums over a drive period: of the speeds of its impacts (units of L
 /// ω10) and of their times (drive periods).
 const SIMILAR: f64 = 1e-6;
-/// Difference that may be round-off, and need not fall.
+/// Difference that may be rounding and need not decrease.
 const ROUNDING: f64 = 1e-11;
-/// Least part of its way to an orbit that a motion takes in a period. Next to a period doubling a
-/// motion approaches its orbit from either side in turn, and this part is the ratio of the returns
-/// in two periods to those in one; where it is less, the motion has twice the period. Next to a
-/// symmetry breaking the return in half a period with the mirror image is such a part.
+/// Smallest fraction of its way to an orbit that a motion covers per period. Next to a period
+/// doubling a motion approaches its orbit from alternating sides, and the fraction is the ratio of
+/// returns after two periods and after one; below the limit the motion has twice the period. Next
+/// to a symmetry breaking the mirrored return after half a period is used.
 pub(crate) const LEAST_APPROACH: f64 = 1e-5;
-/// Largest return (units of L and L ω10) of a settled motion. Returns that do not grow add up, over
-/// the drive periods that are skipped, to at most this times their number.
+/// Largest return (units of L and L ω10) of a settled motion. Returns that do not grow add up,
+/// over the skipped drive periods, to at most this times their number.
 const STEADY: f64 = 1e-7;
-/// Least number of returns that [`moves`] counts.
+/// Smallest number of returns that [`moves`] counts.
 const RETURNS: f64 = 1000.0;
 
 /// Largest distance that a state and its near return may move apart over a number of returns. A
 /// shorter period whose return exceeds [`RETURN`] by more than this stays excluded through all of
-/// them; so does the mirror image beside [`SAME`].
+/// these returns, and so does a mirror image that exceeds [`SAME`] by more than this.
 fn moves(returns: f64) -> f64 {
     2.0 * returns.max(RETURNS) * STEADY
 }
@@ -45,7 +45,7 @@ fn moves(returns: f64) -> f64 {
 struct PeriodImpacts {
     /// Sequence, encoded as a number.
     pattern: u64,
-    /// Sum of the speeds, and of the times since the period's start.
+    /// Sum of the speeds, and of the times since the start of the period.
     sums: [f64; 2],
 }
 
@@ -60,13 +60,13 @@ pub(crate) struct ImpactRepetition {
 }
 
 impl ImpactRepetition {
-    /// Forgets everything: another motion begins.
+    /// Forgets everything because another motion begins.
     pub(crate) fn clear(&mut self) {
         (self.number, self.open) = (0, PeriodImpacts::default());
     }
 
-    /// Records an impact at `time` (drive periods since the start) with `speed` (in any unit of the
-    /// machine). Returns the period with which the impacts before it repeat, if they do.
+    /// Records an impact at `time` (drive periods since the start) with `speed` (in any unit of
+    /// the machine). Returns the period with which the impacts before it repeat, if they do.
     pub(crate) fn impact(&mut self, time: f64, upper: bool, speed: f64) -> Option<u32> {
         let (number, before) = (time as u32, self.number);
         while self.number < number {
@@ -80,8 +80,8 @@ impl ImpactRepetition {
         if number / CHECK == before / CHECK { None } else { (1..=LONGEST).find(|&n| self.repeats(n)) }
     }
 
-    /// Whether the last periods repeat after `lag` of them, and more exactly in their later half
-    /// than in their earlier.
+    /// Whether the last periods repeat after `lag` periods, more exactly in their later half than
+    /// in their earlier half.
     fn repeats(&self, lag: u32) -> bool {
         let pairs = REPEATED.max(4 * lag) - lag;
         if self.number < pairs + lag {
@@ -114,7 +114,7 @@ pub(crate) struct Confirmation {
 }
 
 impl Confirmation {
-    /// Begins at `time` (drive periods since the start), with its first sample at the next whole
+    /// Begins at `time` (drive periods since the start). The first sample is at the next whole
     /// period.
     pub(crate) fn new(period: u32, time: f64) -> Self {
         Self { period, first: 2 * (time as u32 + 1), start: [0.0; 6] }
@@ -125,10 +125,10 @@ impl Confirmation {
         self.first + 4 * self.period
     }
 
-    /// Whether the motion has settled: states and sequence of impacts over the two periods since
-    /// `start` repeat with the period and with no shorter one, and will still do so after `left`
-    /// drive periods; and for a `symmetric` machine it is decided whether the motion is its own
-    /// mirror image.
+    /// Whether the motion has settled. States and sequence of impacts over the two periods since
+    /// `start` must repeat with the period and with no shorter one, and must still do so after
+    /// `left` drive periods. For a `symmetric` machine it must be decided whether the motion is
+    /// its own mirror image.
     pub(crate) fn holds(&self, record: &StroboscopicRecord, left: u32, symmetric: bool) -> bool {
         let n = self.period as usize;
         let moves = moves(f64::from(left) / f64::from(self.period));
@@ -136,12 +136,12 @@ impl Confirmation {
         let same = |lag: usize, k: usize, near: f64| distance(state(k), state(k + lag)) < near;
         let repeats = (0..=n).all(|k| same(n, k, STEADY))
             && (0..n).all(|k| record.periods[k].pattern == record.periods[k + n].pattern);
-        // A shorter period that is nearly one would later be found, or not, by rounding.
+        // If a shorter period nearly fits, rounding would later decide whether it is found.
         let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, RETURN + moves));
         let most = |lag| (0..=2 * n - lag).map(|k| distance(state(k), state(k + lag))).fold(0.0, f64::max);
         let alternates = |lag: usize| n.is_multiple_of(lag) && most(n) >= LEAST_APPROACH * most(lag);
-        // Half of an odd period with the mirror image either returns as exactly, or stays away and
-        // is no part of the way.
+        // The mirrored return after half of an odd period either is as exact, or is too far away
+        // to be a part of the way.
         let half = record.mirror_distance(self.period);
         let decided = half < STEADY || (half > SAME + moves && most(n) < LEAST_APPROACH * half);
         repeats
@@ -154,8 +154,8 @@ impl Confirmation {
 mod tests {
     use super::*;
 
-    /// The period in which impacts with these speeds, one in the middle of each drive period, are
-    /// found to repeat, and the repetition's length.
+    /// The number of impacts after which repetition is found, and its period. The impacts have
+    /// these speeds and come in the middle of each drive period.
     fn found(speed: impl Fn(f64) -> f64) -> Option<(u32, u32)> {
         let mut impacts = ImpactRepetition::default();
         (0..400).find_map(|k| Some((k, impacts.impact(f64::from(k) + 0.5, true, speed(f64::from(k)))?)))
@@ -165,16 +165,16 @@ mod tests {
     fn closed_form_repetition_of_made_up_impacts() {
         use std::f64::consts::TAU;
         assert_eq!(found(|_| 0.3), Some((16, 1)));
-        // The least period of the impacts, once four of them have passed.
+        // The smallest period of the impacts, once four such periods have passed.
         assert_eq!(found(|k| (TAU * k / 4.0).cos()), Some((16, 4)));
         assert_eq!(found(|k| (TAU * k / 8.0).cos()), Some((32, 8)));
         assert_eq!(found(|k| (TAU * k / 9.0).cos()), None);
         assert_eq!(found(|k| (TAU * k * 0.381_966_011).cos()), None);
-        // A transient: differences of 1 - q times q^k are similar once the first of sixteen is
+        // A transient: differences of (1 - q) times q^k are similar once the first of sixteen is
         // under 1e-6.
         let (at, n) = found(|k| 1.0 + 0.9f64.powf(k)).unwrap();
         assert!(n == 1 && (124..=132).contains(&at), "{at} {n}");
-        // Near an unstable motion differences grow, however small they are.
+        // Near an unstable motion even the smallest differences grow.
         assert_eq!(found(|k| 1.0 + 1e-16 * 1.06f64.powf(k)).map(|f| f.1), Some(1), "round-off tells nothing");
         assert_eq!(found(|k| if k < 16.0 { k } else { 1.0 + 1e-10 * 1.06f64.powf(k) }), None);
     }
@@ -190,9 +190,9 @@ mod tests {
             }
             confirmation.holds(&record, left, symmetric)
         };
-        // Symmetric motions: one; one that approaches its orbit from either side in 10,000 periods;
-        // one so slow that it never seems to; and one so near that the verdict at the end would be
-        // symmetric.
+        // Symmetric motions: one; one that approaches its orbit from alternating sides in 10,000
+        // periods; one so slow that it never seems to; and one so near that the verdict at the end
+        // would be symmetric.
         let breaking = |size: f64, taken: f64| move |k: f64| size * (1.0 - taken).powf(2.0 * k);
         assert!(confirmed_of(true, 0, 3, &|k| (std::f64::consts::TAU * k / 3.0).cos()));
         assert!(
@@ -206,7 +206,7 @@ mod tests {
         let mut confirmed_for = |left: u32, period: u32, coordinate: &dyn Fn(f64) -> f64| {
             confirmed_of(false, left, period, coordinate)
         };
-        // Nearly of period 1: the more periods are skipped, the farther from period 1 it must be.
+        // Nearly of period 1: the more periods are skipped, the farther it must be from period 1.
         let far = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();
         assert!(confirmed_for(2000, 2, &far(1.1e-4)) && !confirmed_for(8192, 2, &far(1.1e-4)));
         assert!(!confirmed_for(8192, 2, &far(4.1e-4)) && confirmed_for(8192, 2, &far(4.2e-4)));
@@ -216,11 +216,11 @@ mod tests {
         assert!(confirmed(1, &|_| 0.3) && confirmed(3, &wave));
         assert!(!confirmed(2, &|_| 0.3) && !confirmed(2, &wave) && !confirmed(6, &wave));
         assert!(!confirmed(1, &|k| 2e-7 * k) && confirmed(1, &|k| 0.5e-7 * k));
-        // Nearly of period 1: left to the verdict at the end.
+        // Nearly of period 1: the verdict at the end must decide.
         let nearly = |size: f64| move |k: f64| size * (std::f64::consts::PI * k).cos();
         assert!(!confirmed(2, &nearly(1e-4)) && confirmed(2, &nearly(1.1e-4)));
-        // An approach from either side to an orbit of period 1 in 10,000 periods, and one so slow
-        // that it has period 2 for all that is observed.
+        // An approach from alternating sides to an orbit of period 1 in 10,000 periods, and one so
+        // slow that it has period 2 for the whole observation.
         let turns =
             |taken: f64| move |k: f64| 4e-4 * (1.0 - taken).powf(k) * (std::f64::consts::PI * k).cos();
         assert!(!confirmed(2, &turns(1e-4)) && confirmed(2, &turns(1e-6)));

@@ -1,8 +1,8 @@
 //! Smooth pieces of a motion, for measures and variations, which need more than states at
 //! communication points.
 //!
-//! The simulator is used through its public methods. The state at the start of each piece is exact,
-//! so that the series of the flow (docs/theory.md (8)) reproduces the motion along the piece.
+//! The simulator is used through its public methods. The state at the start of each piece is
+//! exact, so the series of the flow (docs/theory.md (8)) reproduces the motion.
 
 use vibro_impact::error::{Error, Result};
 use vibro_impact::flow::expand_along;
@@ -20,7 +20,7 @@ pub(crate) enum PieceEnd {
         rate: f64,
         /// Impulse on the box in direction `side`, N·s.
         impulse: f64,
-        /// State after the impact, and after the merge where the block comes to rest.
+        /// State after the impact and, if the block comes to rest, after the merge.
         after: Augmented,
         /// Whether the block comes to rest.
         rests: bool,
@@ -41,8 +41,8 @@ pub(crate) struct SmoothPiece {
     pub(crate) end: PieceEnd,
 }
 
-/// Refuses loads other than the constant ones: the flow along a piece and its variations are those
-/// of the machine under its drive and its constant loads.
+/// Refuses loads other than constant ones: the flow along a piece and its variations hold for the
+/// machine under its drive and its constant loads.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] with the first other load that is not zero.
@@ -61,8 +61,8 @@ fn refuse_loads(simulator: &Simulator) -> Result<()> {
     Ok(())
 }
 
-/// Advances a simulator without loads other than the constant ones of its parameters to the time
-/// `end` (s) and calls `visit` with each smooth piece of its motion.
+/// Advances a simulator, with no loads except the constant ones of its parameters, to the time
+/// `end` (s). Calls `visit` with each smooth piece of its motion.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`], and as [`refuse_loads`].

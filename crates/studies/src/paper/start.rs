@@ -1,5 +1,5 @@
-//! Starts of motions: on the exact orbit, or a state by its coordinates with or without units, such
-//! as `x1=0.2,v2=1` or `block.s=5mm`. This is the only grammar of starts.
+//! Starts of motions: on the exact orbit, or a state given by its coordinates with or without
+//! units, such as `x1=0.2,v2=1` or `block.s=5mm`. All starts use this grammar.
 
 use crate::error::{Error, Result};
 use crate::paper::parameter_set::quantity_in;
@@ -16,7 +16,7 @@ const EXPECTED: &str = "name=value,… with names of x1 x2 x3 (units of L) v1 v2
                         block.v secondary.v (m/s), each also with a unit of length or speed, e.g. x1=0.2,v2=1 or block.s=5mm; \
                         or orbit";
 
-/// Rule by which motions get their starts. Serialized as text.
+/// Rule for the starts of motions. Serialized as text.
 ///
 /// ```
 /// use vibro_studies::paper::start::StartRule;
@@ -32,8 +32,8 @@ const EXPECTED: &str = "name=value,… with names of x1 x2 x3 (units of L) v1 v2
 pub enum StartRule {
     /// All motions start in one state; coordinates without a value are zero.
     State([Coordinate; 6]),
-    /// Each motion starts on the exact orbit if that is stable. Otherwise it starts with the
-    /// [moving block](MOVING_BLOCK).
+    /// Each motion starts on the exact orbit if it is stable. Otherwise it starts with the [moving
+    /// block](MOVING_BLOCK).
     Orbit,
 }
 
@@ -55,7 +55,7 @@ impl Default for StartRule {
 
 crate::text::written_as_text!(StartRule);
 
-/// Finds a coordinate by either of its names. Returns its index, and whether its numbers are in SI.
+/// Finds a coordinate by either name. Returns its index, and whether its numbers are in SI.
 pub(crate) fn coordinate(name: &str) -> Option<(usize, bool)> {
     let place = |names: [&str; 6]| names.iter().position(|own| *own == name.trim());
     place(COORDINATES).map(|index| (index, false)).or_else(|| Some((place(SI_COORDINATES)?, true)))
@@ -112,9 +112,9 @@ impl StartRule {
         Self::State(state.map(Coordinate::Scaled))
     }
 
-    /// The start of a machine, SI: the state with the coordinates; for [`Orbit`](Self::Orbit) the
-    /// stable exact orbit at time 0, or the [moving block](MOVING_BLOCK) where no exact orbit is
-    /// stable.
+    /// The start of a machine, SI: the state with the coordinates. For [`Orbit`](Self::Orbit) it
+    /// is the stable exact orbit at time 0, or the [moving block](MOVING_BLOCK) if no exact orbit
+    /// is stable.
     ///
     /// # Errors
     /// For [`Orbit`](Self::Orbit), errors of the exact orbit, such as the refusal of constant

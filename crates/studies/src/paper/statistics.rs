@@ -2,23 +2,23 @@
 //! motions are on one attractor.
 //!
 //! The observables are x1, x2, x3 and their squares, at whole drive periods and, for the mirror
-//! image, at half ones: two sets of six, which the mirror image of a motion has in the other order.
-//! docs/theory.md, "When two motions without a period are one attractor", states the test and its
-//! limits.
+//! image, at half periods. The mirror image of a motion has these two sets of six in the other
+//! order. docs/theory.md, "When two motions without a period are one attractor", states the test
+//! and its limits.
 
 use super::stroboscopic::StroboscopicState;
 use serde::{Deserialize, Serialize};
 
 /// Drive periods in the shortest blocks.
 const BLOCK: u32 = 8;
-/// Least number of blocks whose scatter is meaningful.
+/// Smallest number of blocks with a meaningful scatter.
 const LEAST_BLOCKS: usize = 8;
-/// Resolution of the test: two means are the same when their difference plus two of its standard
-/// errors is less than this part of the observable's standard deviation, docs/theory.md (N6).
+/// Resolution of the test: two means are equal if their difference plus two of its standard errors
+/// is less than this fraction of the observable's standard deviation, docs/theory.md (N6).
 pub const EQUAL: f64 = 0.25;
 /// Distance of two means, in standard errors, beyond which they differ: docs/theory.md (N7).
 pub const CONFIDENCE: f64 = 6.0;
-/// Differences below this part of L, or of L² for a square, do not count.
+/// Differences below this fraction of L, or of L² for a square, are ignored.
 const FLOOR: f64 = 1e-3;
 
 /// Observables at one kind of instant: x1, x2, x3 (units of L) and their squares.
@@ -27,11 +27,11 @@ type Observables = [f64; 6];
 /// Likeness of two motions without a period by their means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Likeness {
-    /// All means are the same within the resolution of the test.
+    /// All means are equal within the resolution of the test.
     Same,
     /// A mean certainly differs.
     Different,
-    /// The windows are too short to tell.
+    /// The windows are too short to decide.
     Undecided,
 }
 
@@ -40,8 +40,8 @@ pub enum Likeness {
 pub struct Mean {
     /// The mean.
     pub value: f64,
-    /// Standard error of the mean: the largest that blocks of any length give, as long as there are
-    /// eight. Infinite where there are fewer.
+    /// Standard error of the mean: the largest from blocks of any length, if there are at least
+    /// eight blocks. Infinite if there are fewer.
     pub error: f64,
     /// Standard deviation of the observable.
     pub deviation: f64,
@@ -52,14 +52,14 @@ pub struct Mean {
 pub struct Statistics {
     /// Length of the window, in drive periods.
     pub periods: u32,
-    /// Means of x1, x2, x3 (units of L) and their squares at whole drive periods, and those of the
-    /// mirror image at half ones.
+    /// Means of x1, x2, x3 (units of L) and their squares at whole drive periods, and of the
+    /// mirror image at half periods.
     pub means: [[Mean; 6]; 2],
 }
 
 impl Statistics {
-    /// Whether the means are precise enough to compare others with them: to an eighth of the test's
-    /// resolution.
+    /// Whether the means are precise enough to compare others with them: to an eighth of the
+    /// test's resolution.
     pub fn is_precise(&self) -> bool {
         let sharp = |m: &Mean| 8.0 * m.error < FLOOR.max(EQUAL * m.deviation);
         self.means.iter().flatten().all(sharp)
@@ -99,7 +99,7 @@ impl Statistics {
             .zip(self.means.iter().flatten().zip(other.means.iter().flatten()))
         {
             mean.value = a * x.value + b * y.value;
-            // A window too short to have an error contributes none.
+            // A window too short for an error does not contribute one.
             mean.error = match (x.error.is_finite(), y.error.is_finite()) {
                 (true, true) => (a * x.error).hypot(b * y.error),
                 _ => x.error.min(y.error),
@@ -145,7 +145,7 @@ fn observables(state: &StroboscopicState) -> Observables {
 }
 
 impl Blocks {
-    /// Appends a window that follows at once. Only the last window may end in an incomplete block.
+    /// Appends the next window. Only the last window may end in an incomplete block.
     pub(crate) fn append(&mut self, next: Self) {
         self.full.extend(next.full);
         self.count += next.count;
@@ -208,9 +208,9 @@ impl Blocks {
     }
 }
 
-/// Standard error of the mean of correlated numbers: the largest of those from the scatter of
-/// blocks of 1, 2, 4, … numbers, as long as there are [`LEAST_BLOCKS`]. It grows with the length of
-/// blocks while they are shorter than the memory of the motion.
+/// Standard error of the mean of correlated numbers: the largest from the scatter of blocks of 1,
+/// 2, 4, … numbers, while there are [`LEAST_BLOCKS`]. It grows with the length of blocks while
+/// they are shorter than the memory of the motion.
 fn standard_error(numbers: impl Iterator<Item = f64>) -> f64 {
     let mut blocks: Vec<f64> = numbers.collect();
     let mut most = f64::NEG_INFINITY;

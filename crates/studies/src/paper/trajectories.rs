@@ -1,5 +1,5 @@
-//! Many independent motions at once: on all threads, and in each thread sixteen side by side in the
-//! processor's vectors.
+//! Many independent motions at once: on all threads, and in each thread sixteen side by side in
+//! the processor's vectors.
 
 mod queue;
 
@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{LaneUse, Simulator, State, TOGETHER, Way, advance_queue_by};
 
-/// Least number of motions in a part of a study. A lane that has finished a motion takes the next,
-/// so that lanes are idle only for the last few; with this number that is a tenth.
+/// Smallest number of motions in a part of a study. A lane that has finished a motion takes the
+/// next one, so lanes idle only for the last few motions, here a tenth of the time.
 pub(crate) const MOTIONS: usize = 128;
 
 /// Start of a motion at time 0.
@@ -30,17 +30,17 @@ pub struct Start {
 pub struct Program {
     /// Whole drive periods that are discarded.
     pub discard: u32,
-    /// Whether a motion that has certainly settled on a period while discarding, or has no more
-    /// impacts, ends there with the attractor that it would be observed to have. Only for motions
-    /// that are observed and whose maxima are not collected.
+    /// Whether a motion ends early, while discarding, once it has certainly settled on a period or
+    /// has no more impacts; it then has the attractor that an observation would find. Only for
+    /// motions that are observed and whose maxima are not collected.
     pub until_settled: bool,
     /// Displacement whose maxima are collected, if any, and the number of whole drive periods.
     pub maxima: Option<(Displacement, u32)>,
     /// Whether the motion is then [observed](super::attractor::observe).
     pub observed: bool,
-    /// Most drive periods over which the largest exponent of a motion with impacts and without a
-    /// period is computed, if it is. Only for motions that are observed; most of the observation
-    /// counts in any case.
+    /// Largest number of drive periods over which the largest exponent of a motion with impacts
+    /// and without a period is computed, if it is. Only for motions that are observed; most of the
+    /// observation counts in any case.
     pub exponent: Option<u32>,
 }
 
@@ -60,29 +60,29 @@ pub struct MotionEnd<'a> {
     pub maxima: &'a [f64],
     /// Attractor, if the motion was observed.
     pub attractor: Option<Attractor>,
-    /// Largest exponent besides the drive phase's zero, where it was requested and there are
+    /// Largest exponent besides the zero of the drive's phase, if it was requested and there are
     /// impacts and no period.
     pub exponent: Option<LargestExponent>,
     /// Record of the observation, if there was one.
     pub(crate) record: &'a StroboscopicRecord,
 }
 
-/// Workspace of a thread: simulators and records that serve one motion after another, so that
-/// nothing is allocated for each.
+/// Workspace of a thread: simulators and records that are reused for one motion after another
+/// without new allocations.
 #[derive(Debug, Default)]
 pub struct Workspace {
     simulators: Vec<Simulator>,
     lanes: Vec<LaneRecord>,
     /// Use of the lanes so far.
     pub used: LaneUse,
-    /// Way in which motions are advanced; others than the default are for comparisons.
+    /// Way in which motions are advanced; ways other than the default are for comparisons.
     pub way: Way,
 }
 
 impl Workspace {
-    /// Runs a program on motions on this thread, and calls `finished` for each as it ends with its
-    /// index among the starts. The result of a motion does not depend on the others. If the
-    /// simulator refuses a motion, that is its result.
+    /// Runs a program on motions on this thread, and calls `finished` with the index among the
+    /// starts for each motion that ends. The result of a motion does not depend on the others. If
+    /// the simulator refuses a motion, the refusal is its result.
     pub fn run(
         &mut self,
         starts: &mut dyn Iterator<Item = Start>,
@@ -109,13 +109,13 @@ impl Workspace {
     }
 }
 
-/// Advances motions over `periods` whole drive periods on all threads, and calls `done` after each.
-/// The results are in the order of the starts and depend neither on the number of threads nor on
-/// the other starts. Since the periods are whole, a motion may be continued from its result at time
-/// 0.
+/// Advances motions over `periods` whole drive periods on all threads, and calls `done` after
+/// each. The results are in the order of the starts and depend neither on the number of threads
+/// nor on the other starts. Since the periods are whole, a motion may be continued from its result
+/// at time 0.
 ///
 /// # Errors
-/// Each start has its own result: what [`Simulator::new`] or [`Simulator::advance_until`] refuses.
+/// Each start has its own result: errors of [`Simulator::new`] or [`Simulator::advance_until`].
 pub fn propagate(starts: &[Start], periods: u32, done: &(dyn Fn() + Sync)) -> Vec<Result<State>> {
     let program = Program { discard: periods, ..Program::default() };
     let share = starts.len().div_ceil(4 * rayon::current_num_threads()).clamp(TOGETHER, MOTIONS);

@@ -1,11 +1,11 @@
-//! Variations of a motion due to variations of its start: exact transition matrices between events,
-//! and the jump at each event.
+//! Variations of a motion due to variations of its start: exact transition matrices between
+//! events, and the jump at each event.
 //!
 //! A variation has the coordinates of docs/theory.md (83): centre of mass of box and block, w, x3
 //! and their rates, with lengths in L and times in 1/rate, and (δcos θ, δsin θ) = δθ (-sin θ, cos
 //! θ) for the phase of the drive (docs/theory.md (82)). In these coordinates an impact changes w
-//! and w', and it changes the rate of the centre only through the damper's force. Coming to rest is
-//! therefore a projection without cancellation.
+//! and w', and it changes the rate of the centre only through the damper's force. Coming to rest
+//! is therefore a projection without cancellation.
 
 mod single;
 
@@ -22,12 +22,12 @@ type Matrix = [Augmented; COORDINATES];
 /// Orthonormal variations, the most expanding one first.
 pub(crate) type Frame = [Augmented; DIMENSION];
 
-/// Distance of neighbouring nodes of the grid, times the model's rate. The distance of any time
-/// from its nearest node is at most half of it.
+/// Distance of neighbouring nodes of the grid, times the model's rate. Any time is at most half of
+/// this distance from its nearest node.
 const GRID_TIMES_RATE: f64 = 0.16;
 /// Number of nodes: flights of up to 10/rate need one product.
 const NODES: usize = 64;
-/// Terms of the series around a node. The remainder is under 3.4e-15 of the variation's size, in
+/// Terms of the series around a node. The remainder is below 3.4e-15 of the variation's size, in
 /// which the drive's phase is weighted by the acceleration that it causes (docs/numerics.md,
 /// section 1).
 const TERMS: usize = 9;
@@ -188,8 +188,8 @@ fn saltation(model: &Model, rate: f64, after: &Augmented) -> Saltation {
 }
 
 /// Projects the phase's variation onto the tangent of the circle of (cos θ, sin θ), docs/theory.md
-/// (82). A rounding error normal to the circle belongs to no motion, and the flow would not damp
-/// it.
+/// (82). A rounding error normal to the circle does not belong to a motion, and the flow would not
+/// damp it.
 #[inline(always)]
 pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     for v in frame.iter_mut() {
@@ -198,9 +198,9 @@ pub(crate) fn on_circle(frame: &mut Frame, (cosine, sine): (f64, f64)) {
     }
 }
 
-/// Gram–Schmidt: makes each column orthogonal to those before it, and repeats this if the first
-/// pass removed most of the column. Returns the lengths before scaling. A column that vanishes or
-/// is past `rank` becomes zero with length zero.
+/// Gram–Schmidt: makes each column orthogonal to the columns before it, and repeats this if the
+/// first pass removed most of the column. Returns the lengths before scaling. A column that
+/// vanishes or is past `rank` becomes zero with length zero.
 #[inline(always)]
 pub(crate) fn orthonormalize(frame: &mut Frame, rank: usize) -> [f64; DIMENSION] {
     let mut lengths = [0.0; DIMENSION];
@@ -242,8 +242,8 @@ fn dot(a: &Augmented, b: &Augmented) -> f64 {
 }
 
 /// An orthonormal frame in general position. Coming to rest makes no more directions zero than
-/// necessary. Where bodies do not act on each other, as in flight, the first columns have
-/// components along every body.
+/// necessary. If bodies do not act on each other, as in flight, the first columns have components
+/// along every body.
 pub(crate) fn generic_frame(z: &Augmented) -> Frame {
     // The first column: a unit variation, reflected along a direction that is not a coordinate
     // axis.

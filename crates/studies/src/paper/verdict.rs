@@ -1,10 +1,10 @@
-//! Verdict on a motion, which is followed until it is decided or a stated limit is reached.
+//! Verdict on a motion, which is followed until it is decided or a given limit is reached.
 //!
-//! A motion with a period is decided at once. One whose largest exponent is certainly positive or
-//! zero is chaotic or quasi-periodic as far as it was followed; the caller decides whether its
-//! window is long enough. All others are prolonged, twice as far each time, since a transient and a
-//! slow approach come to an end. A motion that is undecided at the limit is *not settled*, and no
-//! attractor. docs/theory.md, "When a verdict is decided", has the reasons.
+//! A motion with a period is decided at once. A motion whose largest exponent is certainly
+//! positive or zero is chaotic or quasi-periodic as far as it was followed; the caller decides
+//! whether its window is long enough. All other motions are prolonged, twice as far each time,
+//! since a transient or a slow approach comes to an end. A motion that is undecided at the limit
+//! is *not settled*, not an attractor. See docs/theory.md, "When a verdict is decided".
 
 use super::attractor::{Attractor, StroboscopicRecord};
 use super::free_limit::is_damped;
@@ -18,40 +18,39 @@ use crate::exponent::LargestExponent;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 
-/// Most drive periods for which a motion is followed after the discarded ones; the last of the
-/// growing steps may exceed it.
+/// Largest number of drive periods for which a motion is followed after the discarded ones. The
+/// last of the growing steps may exceed it.
 pub const PROLONGED: u32 = 8192;
-/// Most drive periods over which the largest exponent is computed at a time.
+/// Largest number of drive periods over which the largest exponent is computed at a time.
 pub const EXPONENT_PERIODS: u32 = 4000;
-/// Drive periods for which chaos must last where there is no other condition.
+/// Drive periods for which chaos must last if there is no other condition.
 pub(crate) const LASTS: u32 = 4 * OBSERVED;
 
-/// Shortest window, in drive periods, whose means may become those of an attractor: eight blocks of
-/// it have 128 each.
+/// Shortest window, in drive periods, whose means may describe an attractor: 8 blocks of 128.
 const WINDOW: u32 = 1024;
 
-/// Largest return (units of L and L ω10) of a motion that has arrived. If it covers a thousandth of
-/// its way in a period, the rest is a thousand returns, less than the distance of two attractors.
+/// Largest return (units of L and L ω10) of a motion that has arrived. At a thousandth of its way
+/// per period it has a thousand such returns left, less than the distance of two attractors.
 const ARRIVED: f64 = 1e-7;
-/// A motion that seems quasi-periodic is a spiral onto an orbit if its nearest return falls, while
-/// the exponent is counted (thousands of drive periods), below the first part of its value before,
-/// and in each later window below the second part. Beside a resonance a torus has falling returns
-/// too, for half of its slow time: at none of 20,553 places on the 221 tori by which these parts
-/// were chosen, and on none of 190 others, were both conditions met.
+/// A motion that seems quasi-periodic is a spiral onto an orbit if its nearest return falls below
+/// the first fraction while the exponent is counted (thousands of drive periods), and below the
+/// second one in each later window. Next to a resonance returns on a torus fall too, for half of
+/// its slow time. Both conditions were met at none of 20,553 places on the 221 tori from which the
+/// fractions were chosen, and on none of 190 other tori.
 const FALLS: [f64; 2] = [0.1, 0.97];
-/// Number of windows after the exponent in which the nearest return must fall.
+/// Number of windows after the exponent during which the nearest return must fall.
 const FALLEN: u32 = 3;
-/// Drive periods after which a damped motion without impacts is at its limit.
+/// Drive periods after which a damped motion without impacts has reached its limit.
 const FAR: u32 = 1 << 22;
 
-/// Options of following motions.
+/// Options for following motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Following {
     /// Drive periods discarded first.
     pub(crate) discard: u32,
-    /// Most drive periods over which the largest exponent is computed, if it is.
+    /// Largest number of drive periods over which the largest exponent is computed, if it is.
     pub(crate) exponent: Option<u32>,
-    /// Most drive periods after the discarded ones; 0 for a single observation.
+    /// Largest number of drive periods after the discarded ones; 0 for a single observation.
     pub(crate) limit: u32,
 }
 
@@ -66,19 +65,19 @@ impl Default for Following {
 pub struct Followed {
     /// Class of the motion.
     pub class: MotionClass,
-    /// The attractor, with the means of the whole window where it has no period.
+    /// The attractor, with means over the whole window if it has no period.
     pub attractor: Attractor,
-    /// Largest exponent besides the drive phase's zero, where there are impacts and no period.
+    /// Largest exponent besides the zero of the drive's phase, if there are impacts and no period.
     pub exponent: Option<LargestExponent>,
     /// Drive periods over which it has been followed since its class last changed.
     pub periods: u32,
-    /// Whether its window, since the means last changed, is long enough to compare others with
-    /// them.
+    /// Whether the window since the means last changed is long enough to compare other motions
+    /// with them.
     pub stationary: bool,
 }
 
 impl Followed {
-    /// Whether the motion stays without a period: chaotic or on a torus.
+    /// Whether the motion has no period: chaotic or on a torus.
     pub(crate) fn wanders(&self) -> bool {
         matches!(self.class, MotionClass::Chaotic | MotionClass::QuasiPeriodic)
     }
@@ -95,17 +94,17 @@ struct Open {
     rests: bool,
     arrived: bool,
     nearest: Option<f64>,
-    /// Number of windows since the exponent in each of which the nearest return [fell](FALLS);
-    /// `None` after one in which it did not.
+    /// Number of windows since the exponent, if the nearest return [fell](FALLS) in each of them;
+    /// otherwise `None`.
     falls: Option<u32>,
-    /// Drive periods over which it has been followed in all.
+    /// Total number of drive periods followed.
     followed: u32,
 }
 
 /// Follows motions on this thread until all are decided. `judge` is called, with the index among
-/// the starts, for each motion that has a period, that wanders and whose window has doubled since,
-/// or that is at the limit; it returns whether that suffices. In the last call (`true`) its answer
-/// does not count. The order of the calls does not depend on other work of the thread.
+/// the starts, for each motion that has a period, that reached the limit, or that wanders and has
+/// doubled its window. It returns whether that suffices. In the last call (`true`) its answer is
+/// ignored. The order of the calls does not depend on other work of the thread.
 pub(crate) fn follow(
     workspace: &mut Workspace,
     starts: &[Start],
@@ -161,8 +160,8 @@ pub(crate) fn follow(
     }
 }
 
-/// Groups of motions that are prolonged in the same way: those that wander, and the others by how
-/// long they have been followed.
+/// Groups motions that are prolonged in the same way: wandering motions, and other motions by the
+/// number of periods followed.
 fn alike(motions: Vec<Open>) -> Vec<Vec<Open>> {
     let kind = |m: &Open| (m.found.wanders(), if m.found.wanders() { 0 } else { m.followed });
     let mut groups: Vec<Vec<Open>> = Vec::new();
@@ -175,17 +174,17 @@ fn alike(motions: Vec<Open>) -> Vec<Vec<Open>> {
     groups
 }
 
-/// Result of a run of a program for one motion.
+/// Result of a program run for one motion.
 struct ProgramResult {
     state: vibro_impact::State,
     attractor: Attractor,
     exponent: Option<LargestExponent>,
-    /// Whether a periodic motion returns so exactly that no slow approach is left, or keeps clear
+    /// Whether a periodic motion returns so exactly that no slow approach is left, or stays clear
     /// of the stops.
     arrived: bool,
     /// Whether it is proved that no impact will follow.
     clear: bool,
-    /// Nearest return of a motion without a period that has impacts to the end.
+    /// Nearest return of a motion without a period that has impacts until the end.
     nearest: Option<f64>,
     blocks: Blocks,
 }
@@ -195,9 +194,9 @@ pub(crate) fn has_arrived(record: &StroboscopicRecord, period: u32, p: &Paramete
     record.return_distance(period) < ARRIVED && has_no_part(record, period, p)
 }
 
-/// Whether a period is not that of an approach from either side in turn. On such an approach states
-/// nearly return in twice the orbit's period; or, for a symmetric orbit, in its period, but not in
-/// half of it with the mirror image. Only an odd period has such a half.
+/// Whether a period is not caused by an approach from alternating sides. On such an approach
+/// states nearly return after twice the orbit's period. For a symmetric orbit they nearly return
+/// after its period, but not after half of it (an odd period) with the mirror image.
 fn has_no_part(record: &StroboscopicRecord, period: u32, p: &Parameters) -> bool {
     let own = record.return_distance(period);
     let half = record.mirror_distance(period);
@@ -218,8 +217,8 @@ fn outcomes(workspace: &mut Workspace, starts: &[Start], program: &Program) -> V
             let mut attractor = attractor.unwrap_or_else(|| record.attractor(p));
             let clear = attractor.is_free() && keeps_clear(p, &state);
             if attractor.period.is_none() && clear {
-                // No impact will follow, and the linear motion has one limit if it is damped;
-                // otherwise it is still moving then.
+                // No impact will follow. If the linear motion is damped, it has one limit;
+                // otherwise it still moves at that time.
                 let mut far = StroboscopicRecord::default();
                 if free_motion::observe(p, &state, FAR, &mut far).is_some() {
                     attractor = far.attractor(p);
@@ -268,13 +267,13 @@ impl Open {
         motion
     }
 
-    /// Takes the result of a run over `discarded` more discarded drive periods and an observation.
+    /// Takes the result of a run over `discarded` more drive periods and an observation.
     fn take(&mut self, mut seen: ProgramResult, discarded: u32) {
         let followed = self.followed.saturating_add(discarded).saturating_add(OBSERVED);
         self.start.state = seen.state;
         let ended = seen.clear && is_damped(&self.start.parameters);
         if !self.found.wanders() || seen.attractor.period.is_some() || ended {
-            // On a torus beside a resonance returns fall within most windows, but not from each
+            // On a torus next to a resonance returns fall within most windows, but not from each
             // window to the next.
             seen.attractor.approaching &=
                 seen.nearest.zip(self.nearest).is_none_or(|(now, before)| now < before);
@@ -302,26 +301,26 @@ impl Open {
         }
     }
 
-    /// Shows the motion to the judge where its verdict may have changed; returns whether it is
+    /// Shows the motion to the judge if its verdict may have changed. Returns whether it is
     /// finished.
     fn is_decided(
         &mut self,
         following: &Following,
         judge: &mut dyn FnMut(usize, Result<&Followed>, bool) -> bool,
     ) -> bool {
-        // A possible spiral must first prove to be none.
+        // A possible spiral must be excluded first.
         let asked = self.found.class == MotionClass::QuasiPeriodic && self.falls.is_some();
         let last = self.followed >= following.limit && !asked;
         let has_period = self.found.attractor.period.is_some();
         let periodic = has_period && self.arrived;
-        // Windows are compared each time they have doubled.
+        // Windows are compared each time their length has doubled.
         let due = self.found.wanders() && !asked && (self.followed / OBSERVED).is_power_of_two();
         if !(last || periodic || due) {
             return false;
         }
         if has_period && !self.arrived && following.limit > 0 {
-            // The motion approaches an orbit of this period or of a part of it, or passes the place
-            // of one that has vanished.
+            // The motion approaches an orbit of this period or of a part of it, or passes the
+            // remnant of a vanished orbit.
             self.found.class = MotionClass::Settling;
         }
         if !has_period {
@@ -352,11 +351,11 @@ impl Open {
     }
 }
 
-/// The verdict on one motion from its start; chaos and quasi-periodic motion must last for 512
+/// The verdict on one motion from its start. Chaos and quasi-periodic motion must last for 512
 /// drive periods.
 ///
 /// # Errors
-/// What the simulator refuses.
+/// Error if the simulator refuses the start.
 pub fn verdict(start: &Start, discard: u32) -> Result<Followed> {
     let mut workspace = Workspace::default();
     workspace.way = Way::OneByOne;

@@ -5,7 +5,7 @@ use crate::{Machine, Start};
 /// Roundings of a few operations.
 const ROUNDING: f64 = 1e-13;
 
-/// A body and a shaft with an element of each kind, at a section that holds 5 Hz and not 7.07 Hz.
+/// A body and a shaft with an element of each kind; the section fixes the phase of 5 Hz only.
 fn mixed() -> (Motion, Section) {
     let file = "name = \"M\"\n[body.a]\nmass = 2.0\nstart = { s = 0.1, v = 0.5 }\n[body.r]\ninertia = 0.5\n\
         start = { s = 0.3, v = -0.7 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\ndamping = 8.0\n\
@@ -53,7 +53,7 @@ fn closed_form_what_must_return_of_elements_of_each_kind() {
     );
 }
 
-/// A record of an elongation and its rate with these returns, one each half second.
+/// A record of an elongation and its rate with these returns, one every half second.
 fn record(states: &[[f64; 2]]) -> ReturnRecord {
     let (motion, section) = text(OSCILLATOR).motion(&Start::default()).unwrap();
     let mut record = ReturnRecord::new(&motion, &section);
@@ -76,7 +76,7 @@ fn closed_form_sizes_are_extents_and_what_the_other_of_a_pair_makes() {
     near(&found.scales(), &[3.0, 3.0 * omega]);
     let found = record(&[[0.0, -40.0], [0.1, 60.0]]);
     near(&found.sizes(), &[100.0 / omega, 0.0, 100.0, 0.0]);
-    // What stands at -10⁶ has the size of a small part of that.
+    // A value that stays at -10⁶ has a small fraction of it as its size.
     near(&record(&[[-1e6, 0.0], [1.0 - 1e6, 0.0]]).sizes()[..1], &[10.0]);
     near(&[record(&[[0.0; 2]]).interval()], &[1.0]);
     // Angles and spins likewise.
@@ -115,16 +115,16 @@ fn closed_form_periods_and_their_distances() {
     let cycle = |k: usize| [[0.0, 1.0], [1.0, 0.5], [3.0, 0.0]][k % 3];
     let mut repeating = record(&(0..24).map(cycle).collect::<Vec<_>>());
     assert_eq!(repeating.period(1e-9), Some(3));
-    // The last return is 0.3 of the size 3 off.
+    // The last return is off by 0.3 at a size of 3.
     repeating.returns[23].state[0] += 0.3;
     assert_eq!((repeating.period(0.09), repeating.period(0.11)), (None, Some(3)));
     near(&[repeating.return_distance(3)], &[0.1]);
-    // Of one lag, the last and the one before it: from 1 to 3.3.
+    // With one lag, the difference of the last two returns: from 1 to 3.3.
     near(&[repeating.return_distance(1)], &[2.3 / 3.0]);
     // Returns before the last two periods do not count.
     repeating.returns[17].state[0] = 50.0;
     near(&[repeating.return_distance(3)], &[0.1]);
-    // Other contacts are another return.
+    // Other contacts make another return.
     let mut other = record(&(0..24).map(cycle).collect::<Vec<_>>());
     other.returns[22].pattern = 1;
     assert_eq!(other.period(1e-9), None);
@@ -140,10 +140,10 @@ fn closed_form_what_goes_one_way_drifts_and_what_approaches_nears() {
         assert!(of(40, &|k| sign * k).drifts());
         // The later half has 16 of 32 returns, and 15 of 30.
         assert!(of(32, &|k| sign * k).drifts() && !of(30, &|k| sign * k).drifts());
-        // What came before the later half does not count.
+        // Returns before the later half do not count.
         assert!(of(60, &|k| if k < 25.0 { (3.0 * k).sin() } else { sign * k }).drifts());
         assert!(!of(60, &|k| sign * k + if k == 50.0 { -2.0 * sign } else { 0.0 }).drifts());
-        // Under 1e-5 of the size of what went before.
+        // Changes below 1e-5 of the earlier size.
         assert!(!of(60, &|k| if k == 0.0 { 1.0 } else { sign * 1e-7 * k }).drifts());
         assert!(of(60, &|k| if k == 0.0 { 1.0 } else { sign * 1e-6 * k }).drifts());
     }
@@ -181,7 +181,7 @@ fn a_pattern_is_of_how_many_contacts_of_each_stop_that_are_no_chatter() {
     let other = [&[(0, 1.0)][..], &[(1, 1.0)], &[(0, 1.0), (0, 1.0)], &[(0, 1.0), (1, 1.0)], &[]]
         .map(|h| pattern(h).1);
     (0..5).for_each(|i| (0..i).for_each(|j| assert_ne!(other[i], other[j], "{i} {j}")));
-    // A contact at 5e-7 of the fastest counts as one, and not in the pattern; at 5e-6 it does.
+    // A contact at 5e-7 of the fastest speed counts, but only one at 5e-6 changes the pattern.
     assert_eq!(pattern(&[(0, 2.0), (0, 1e-6)]), (2, pattern(&[(0, 2.0)]).1));
     assert_eq!(pattern(&[(0, 2.0), (0, 1e-5)]), pattern(&[(0, 2.0), (0, 2.0)]));
 }
@@ -209,7 +209,7 @@ fn contacts_are_counted_from_return_to_return_and_rests_are_noted() {
     let still = Machine::new(ball.description.with([("stop.floor.gap", 0.0)]).unwrap());
     let (lying, section) = still.motion(&Start::default()).unwrap();
     assert!(ReturnRecord::new(&lying, &section).rests);
-    // The size of what is included is the largest.
+    // The smallest value does not exceed the largest.
     assert!(record.extents[0][0] <= record.extents[0][1]);
 }
 
@@ -233,7 +233,7 @@ fn a_contact_beside_a_return_is_told_by_the_interval() {
     assert!(!beside(0.1, false) && !beside(1e-6, false) && !beside(0.2 - 1e-6, false));
 }
 
-/// An undamped oscillator that is looked at where it passes zero, once a period of 0.5 s.
+/// An undamped oscillator that is observed when it passes zero, once per period of 0.5 s.
 #[test]
 fn closed_form_sizes_are_taken_between_returns() {
     let stiffness = (TAU / 0.5).powi(2);
@@ -247,13 +247,13 @@ fn closed_form_sizes_are_taken_between_returns() {
     record.arrive(&motion, false);
     assert!(record.extents[0][1] < ROUNDING);
     record.look_between(&motion, 0.5);
-    // Of nine parts the second is at 80° and the seventh at 280°; of the rate the fourth is at
+    // Of nine parts the second is at 80° and the seventh at 280°. For the rate the fourth is at
     // 160°.
     let omega = TAU / 0.5;
     let top = (80f64).to_radians().sin() / omega;
     near(&record.extents[0], &[-top, top]);
     near(&record.extents[1], &[(160f64).to_radians().cos(), 1.0]);
-    // The terms of the rate have those of the elongation at the spring's frequency.
+    // The terms of the rate include the elongation's terms at the spring's frequency.
     let most = (0..9).map(|k| (TAU / 9.0 * f64::from(k)).sin_cos()).map(|(s, c)| s.abs() + c.abs());
     near(&record.terms, &[top, most.fold(0.0, f64::max)]);
 }

@@ -31,7 +31,7 @@ fn closed_form_common_periods() {
 fn closed_form_what_repeats_counts_in_the_common_period_and_a_sweep_has_none() {
     let with = |signal: &str| text(&OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", signal));
     for (signal, period) in [
-        // Exactly the period that is written, not one over its frequency.
+        // Exactly the written period, without the rounding of a frequency.
         ("steps = [[0.1, 1.0]]\nrepeat = 0.49", Some(0.49)),
         ("steps = [[0.1, 1.0]]\nrepeat = 0.49\namplitude = 1.0\nfrequency = 5.0", Some(9.8)),
         ("table = [[0.1, 0.0], [0.2, 1.0]]\nrepeat = 0.3\namplitude = 1.0\nfrequency = 5.0", Some(0.6)),
@@ -129,7 +129,7 @@ fn closed_form_an_event_among_others_of_its_instant_is_a_return() {
         let (mut motion, section) = machine.motion(&Start::default()).unwrap();
         assert_eq!(section, Section::Stop(place));
         let mut followed = motion.clone();
-        // The fall takes 0.2 s, and the flight after it as long.
+        // The fall takes 0.2 s, and so does the flight after it.
         for time in [0.2, 0.4] {
             section.advance(&mut motion, &mut |_| ()).unwrap();
             section.follow(&mut followed, &mut Flows::default(), &mut []).unwrap();
@@ -146,7 +146,7 @@ fn harmonics_without_a_common_period_beside_constant_signals_are_refused() {
     let machine = text(&format!("{}{friction}", two.description.to_toml()));
     let error = Section::of(&machine.description, &SectionRule::Auto).unwrap_err().to_string();
     assert!(error.contains("no common period"), "{error}");
-    // Without harmonics the first stop, or else the first friction.
+    // Without harmonics the first stop, otherwise the first friction element.
     let steady = OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", "constant = 1.0");
     let stop = "[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 1.0\nrestitution = 0.5\n";
     let of = |more: &str| Section::of(&text(&format!("{steady}{more}")).description, &SectionRule::Auto);

@@ -3,8 +3,8 @@ use crate::tests::{OSCILLATOR, example, text};
 use crate::{Machine, SectionRule, Start};
 use vibro_machine::file;
 
-/// Two coupled oscillators with random numbers, of which the second hits a stop in every second
-/// machine.
+/// Two coupled oscillators with random numbers. In every second machine the second one hits a
+/// stop.
 fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
     let stop =
         if hits { "[stop.s]\nbetween = [\"ground\", \"b\"]\ngap = 0.002\nrestitution = 0.6\n" } else { "" };
@@ -24,11 +24,11 @@ fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
     Machine::new(file::parse(&text, "m.toml", &file::no_records).unwrap())
 }
 
-/// Of 200 machines with a period the multipliers are known; a variation's growth, counted as if
-/// they were not, must be as near as it says.
+/// 200 periodic machines have known multipliers. The growth of a variation, counted as if they
+/// were unknown, must be within its stated error.
 #[test]
 fn second_method_errors_of_growth_cover_the_exponents_by_multipliers() {
-    /// 95 % of normal errors are within two of them; growth that swings regularly is nearer.
+    /// 95 % of normal errors are within two standard errors; regularly swinging growth is closer.
     const COVERED: usize = 190;
     let mut seed = 44u64;
     let mut draw = |from: f64, to: f64| {
@@ -82,11 +82,11 @@ fn two_attractors_differ_by_class_period_or_states_beside_their_sizes() {
         let other = seen(Periodic(1), &[state]);
         assert_eq!((one.differs(&other), other.differs(&one)), (Some(differs), Some(differs)), "{state:?}");
     }
-    // The larger sizes of both count.
+    // The larger of the two motions' sizes counts.
     let mut coarse = seen(Periodic(1), &[[1.01, 5.0]]);
     coarse.scales = vec![20.0, 1.0];
     assert_eq!((one.differs(&coarse), coarse.differs(&one)), (Some(false), Some(false)));
-    // A cycle may begin with any of its states, and all must be met.
+    // A cycle may begin with any of its states, and all states must occur.
     let two = seen(Periodic(2), &[[1.0, 5.0], [3.0, 5.0]]);
     assert_eq!(two.differs(&seen(Periodic(2), &[[3.0, 5.0], [1.0, 5.0]])), Some(false));
     assert_eq!(two.differs(&seen(Periodic(2), &[[3.0, 5.0], [2.0, 5.0]])), Some(true));
@@ -116,7 +116,7 @@ fn closed_form_what_is_said_of_the_impact_pair() {
     }
 }
 
-/// An oscillator whose way to its orbit shrinks by e^(-0.4) a return.
+/// An oscillator whose distance from its orbit shrinks by e^(-0.4) per return.
 #[test]
 fn closed_form_a_motion_is_followed_until_it_has_settled_and_no_longer_than_asked() {
     let of = |returns: u32| {
@@ -125,15 +125,15 @@ fn closed_form_a_motion_is_followed_until_it_has_settled_and_no_longer_than_aske
         (motion.time() / 0.2).round() as u32
     };
     assert_eq!((of(0), of(1), of(10), of(30)), (0, 1, 10, 30));
-    // What has settled is followed for no more than shows that: four returns and those between two
-    // looks, and a period.
+    // A settled motion is followed only as long as needed to recognize it: four returns, the
+    // returns between two checks, and a period.
     let (mut motion, section) = text(OSCILLATOR).motion(&Start::default()).unwrap();
     discard(&mut motion, &section, 100).unwrap();
     let from = motion.time();
     assert_eq!(settled(&mut motion, &section, None).unwrap().period, Some(1));
     assert!((0.8..2.0).contains(&(motion.time() - from)), "{}", motion.time() - from);
-    // It has returned to 1e-9 of its size after some 50, of which four must be seen, and looks are
-    // four apart.
+    // It returns to 1e-9 of its size after about 50 returns. Four such returns are needed, and
+    // checks are four apart.
     assert!((48..80).contains(&of(400)), "{}", of(400));
 }
 
@@ -144,7 +144,7 @@ fn closed_form_exponents_by_multipliers_say_their_period_and_error() {
     let exponent = found.exponent.unwrap();
     assert!((exponent.value + 2.0).abs() < 1e-9 && exponent.error < 1e-9, "{exponent:?}");
     assert_eq!((exponent.periods, found.states.len()), (1, 1));
-    // The same motion looked at three times a period: the states of one of them.
+    // The same motion observed three times per period: one of the states agrees.
     let machine = Machine { section: SectionRule::Period(0.2 / 3.0), ..text(OSCILLATOR) };
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();
     let thirds = settled(&mut motion, &section, Some(16)).unwrap();
@@ -152,14 +152,14 @@ fn closed_form_exponents_by_multipliers_say_their_period_and_error() {
     assert!((thirds.interval - 0.2 / 3.0).abs() < 1e-12);
     let exponent = thirds.exponent.unwrap();
     assert!((exponent.value + 2.0).abs() < 1e-9 && exponent.periods == 3, "{exponent:?}");
-    // One of them is that at whole periods, beside the phases that thirds do not hold.
+    // One of them is the state at whole periods, next to unfixed phases.
     let whole = &found.states[0];
     let is_whole = |state: &Vec<f64>| whole.iter().zip(state).all(|(a, b)| (a - b).abs() < 1e-8);
     assert!(thirds.states.iter().any(is_whole), "{whole:?} {:?}", thirds.states);
 }
 
-/// Beside its doubling a ball comes to its 1T motion from both sides in turn: what seems 2T is
-/// still on its way.
+/// Next to its doubling a ball approaches its 1T motion from alternating sides: an apparent 2T
+/// motion is still on its way.
 #[test]
 fn closed_form_what_comes_nearer_from_two_sides_is_no_doubled_period() {
     let (mut motion, section) = crate::tests::verdicts::ball(0.605e-3).motion(&Start::default()).unwrap();

@@ -5,7 +5,7 @@ use vibro_machine::motion::EventKind;
 /// Rounding of the sum of some thousand logarithms, relative.
 const ROUNDING: f64 = 1e-10;
 
-/// Two coupled bodies, of which one hits a rigid wall and the other a rigid stop between them.
+/// Two coupled bodies: one hits a rigid wall, the other a rigid stop between them.
 const HITTING: &str = r#"name = "C"
 [body.a]
 mass = 1.0
@@ -59,14 +59,14 @@ fn closed_form_the_sum_is_the_dampers_rate_and_the_impacts_share() {
         section.advance(&mut motion, &mut count).unwrap();
     }
     assert!(impacts[0] > 50.0 && impacts[1] > 50.0, "{impacts:?}");
-    // A rigid impact multiplies the closing speed and the place in its direction by -ε each.
+    // A rigid impact multiplies the closing speed and the position in its direction by -ε each.
     let lost = 2.0 * (impacts[0] * 0.9f64.ln() + impacts[1] * 0.7f64.ln()) / (motion.time() - begin);
     let sum: f64 = exponents.iter().map(|e| e.value).sum();
     assert!((sum / (lost - trace) - 1.0).abs() < ROUNDING, "{sum} {}", lost - trace);
 }
 
-/// Rounding of an exponent by its multiplier, relative: that of a linear machine, and of an orbit
-/// with impacts to which the motion has come within 1e-9.
+/// Relative rounding of an exponent from its multiplier: for a linear machine, and for an orbit
+/// with impacts that the motion has approached to 1e-9.
 const EXACT: f64 = 1e-11;
 const SETTLED: f64 = 1e-8;
 
@@ -78,8 +78,8 @@ fn closed_form_exponents_of_a_linear_machine_are_the_real_parts_of_its_roots() {
     for exponent in spectrum.exponents {
         assert!((exponent.value + 2.0).abs() < EXACT, "{exponent:?}");
     }
-    // m = 1 kg between 30 N/m and 20 N/m with 5 N s/m in series: the inner place y has
-    // 5 (x' - y') = 20 y, and the roots of s³ + 4 s² + 50 s + 120 are a real one and a pair.
+    // m = 1 kg between 30 N/m and 20 N/m with 5 N s/m in series: the inner state y has 5 (x' - y')
+    // = 20 y, and s³ + 4 s² + 50 s + 120 has one real root and a pair.
     let series = "name = \"S\"\n[body.m]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"m\"]\nstiffness = 30.0\n\
         [spring.s]\nbetween = [\"ground\", \"m\"]\nstiffness = 20.0\nseries_damping = 5.0\n\
         [load.f]\non = \"m\"\namplitude = 1.0\nfrequency = \"0.5 Hz\"\n";
@@ -115,7 +115,7 @@ fn closed_form_a_pair_of_multipliers_of_an_impact_oscillator_has_half_the_sum_ea
 
 #[test]
 fn second_method_the_largest_is_that_of_one_variation() {
-    // Both count chaos, over other returns: three standard errors of either.
+    // Both estimate chaos, over different returns: three standard errors of either.
     let machine = example("two_blocks.toml");
     let all = found(&machine, 300, 2000);
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();

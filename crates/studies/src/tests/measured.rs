@@ -1,5 +1,5 @@
-//! Measures, quantities, own oscillations and starts of machines whose numbers are known in closed
-//! form.
+//! Measures, quantities, natural oscillations and starts of machines whose numbers are known in
+//! closed form.
 
 use super::*;
 use crate::machine::is_between_stops;
@@ -15,7 +15,7 @@ fn near(found: f64, expected: f64, part: f64) {
 
 #[test]
 fn closed_form_measures_of_the_impact_pair() {
-    /// The digits to which the file gives the start, and to which it settles.
+    /// Digits to which the file gives the start, and to which it settles.
     const DIGITS: f64 = 1e-8;
     let names = [
         "impacts",
@@ -30,7 +30,7 @@ fn closed_form_measures_of_the_impact_pair() {
         "power.lost",
     ];
     let found = measured(&example("impact_pair.toml"), &names);
-    // The ball flies at V to a wall that moves at -V/3; half of the closing speed is given back.
+    // The ball flies at V to a wall that moves at -V/3; half of the closing speed is returned.
     let speed = 1.505_573_953_117_26 * 4.0 / 3.0;
     let lost = 0.5 * 0.5 * speed * 1.5 * speed;
     let expected =
@@ -108,7 +108,7 @@ fn measures_are_read_as_they_are_written_and_of_what_a_machine_has() {
     assert_eq!(units, ["rad/s", "N.m.s"]);
 }
 
-/// A body, a spring and a load may share a name; each of the quantities says whose it is.
+/// A body, a spring and a load may share a name; the quantity determines which of them is meant.
 #[test]
 fn a_quantity_is_of_the_body_or_the_element_by_what_it_is() {
     let file = "name = \"N\"\n[body.k]\nmass = 2.0\nstart = { s = 0.1, v = 0.5 }\n[spring.k]\nbetween = [\"ground\", \"k\"]\nstiffness = 800.0\n\
@@ -166,8 +166,8 @@ fn closed_form_own_oscillations() {
     near(high, 20.0 * 3f64.sqrt() / TAU, 1e-9);
 }
 
-/// A body that a table presses against a wall a fourth of a period after the start, with so much
-/// less room than it needs, m.
+/// A body that a table presses against a wall a quarter period after the start, with `overlap` m
+/// less room than it needs.
 fn jammed(overlap: f64) -> Option<Motion> {
     let file = format!(
         "name = \"J\"\n[body.table]\nmotion = {{ amplitude = {:?}, frequency = 1.0 }}\n[body.a]\nmass = 1.0\n[stop.wall]\n\
@@ -233,12 +233,12 @@ fn a_class_has_no_spread_and_what_a_sweep_measures_has_its_accounts() {
     assert!((found.numbers[1].unwrap() + 2.0).abs() < SETTLED && found.spreads[1] < SETTLED, "{found:?}");
     let row = swept(&machine, &["power.k"], 200, 12);
     near(row.outputs[0].unwrap().largest, found.numbers[2].unwrap(), SETTLED);
-    // Without what needs them, too.
+    // The same for a measure that does not need the accounts.
     let row = swept(&machine, &["maximum.a.s"], 200, 12);
     near(row.outputs[0].unwrap().largest, measured(&machine, &["maximum.a.s"])[0], SETTLED);
 }
 
-/// After a step the middle is 2 m, where a soft stop is met once a period; before it nothing is.
+/// After a step the middle is 2 m, where a soft stop is met once per period; before it nothing is.
 #[test]
 fn closed_form_a_point_of_a_plane_is_the_motion_after_what_is_discarded() {
     use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
@@ -262,11 +262,11 @@ fn closed_form_a_point_of_a_plane_is_the_motion_after_what_is_discarded() {
             "{point:?}"
         );
         assert!((point.interval - 0.2).abs() < 1e-9);
-        // -c/(2 m), by the first axis.
+        // -c/(2 m), along the first axis.
         let damping = [8.0, 9.0][k % 2];
         assert!((point.exponent.unwrap()[0] + damping / 4.0).abs() < 1e-3, "{k}: {point:?}");
     }
-    // A step beyond what is discarded is refused by name.
+    // A step beyond the discarded time is refused by name.
     let short = IsoperiodicRequest { discard: 99, ..request };
     assert!(machine.check_plane(&short).unwrap_err().to_string().starts_with("load.f has a step at 20 s"));
 }

@@ -1,4 +1,4 @@
-//! Own values of chains against closed forms, and sparse against dense computations.
+//! Eigenvalues of chains against closed forms, and sparse against dense computations.
 
 use super::text;
 use crate::natural::{Natural, SHOWN, natural, natural_above};
@@ -6,15 +6,15 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use vibro_machine::{Assembly, Motion};
 
-/// Bracket of ω², and rounding of it beside the largest one of a chain of 320, 2e5 times the
-/// lowest.
+/// Bracket of ω², and its rounding relative to the largest ω² of a chain of 320, 2e5 times the
+/// lowest one.
 const COUNTED: f64 = 2e-9;
-/// Rounding of a value whose iteration has settled, and of a dense matrix's.
+/// Rounding of an eigenvalue whose iteration has settled, and of a dense matrix's eigenvalue.
 const REFINED: f64 = 1e-9;
 
 const STIFFNESS: f64 = 1e4;
 
-/// The own values of a chain from the ground of bodies of 1 kg, with the damping of each spring.
+/// The eigenvalues of a chain of bodies of 1 kg from the ground, with the damping of each spring.
 fn chain(count: usize, damping: impl Fn(usize) -> f64, dense: Option<usize>) -> Natural {
     let mut file = "name = \"C\"\n".to_owned();
     for i in 0..count {
@@ -66,7 +66,7 @@ fn second_method_damping_that_is_not_proportional_has_the_values_of_the_dense_ma
 
 #[test]
 fn invariant_parts_have_the_values_of_the_whole() {
-    // A chain that a spring without stiffness and damping cuts in two is two parts.
+    // A spring without stiffness and damping cuts a chain into two parts.
     let cut = |file: &str| {
         let assembly = std::sync::Arc::new(Assembly::new(text(file).description).unwrap());
         let motion = Motion::new(assembly.clone()).unwrap();

@@ -1,4 +1,4 @@
-//! Studies from starts that are given: each motion begins there, at the start's time.
+//! Studies from given starts: each motion begins there, at the start's time.
 
 use super::*;
 use crate::axis::ParameterAxis;
@@ -7,11 +7,11 @@ use crate::diagram::{DiagramRequest, diagram};
 use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};
 use crate::parts::Task;
 
-/// A body that friction of 3 N holds wherever a spring of some 100 N/m leaves it, beside a stop.
+/// A body that friction of 3 N holds wherever a spring of 100 N/m leaves it, next to a stop.
 const HELD: &str = "name = \"H\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 100.0\n\
     [friction.f]\nbetween = [\"ground\", \"a\"]\nforce = 3.0\n[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 0.05\nrestitution = 1.0\n";
 
-/// An undamped body that a stop reflects, if it comes that far.
+/// An undamped body that a stop reflects if it gets that far.
 const FREE: &str = "name = \"F\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
     [stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 0.05\nrestitution = 1.0\n";
 
@@ -104,6 +104,6 @@ fn second_method_every_motion_of_a_plane_begins_at_its_start() {
         machine.points(&request, 0..3, &mut ()).into_iter().map(|p| p.unwrap().contacts).collect::<Vec<_>>()
     };
     assert!(contacts(0.03).iter().all(|&contacts| contacts == 0.0));
-    // It comes back from as far as it began.
+    // It returns to the distance where it began.
     assert!(contacts(-0.06).iter().all(|&contacts| contacts > 0.2));
 }

@@ -3,7 +3,7 @@
 use super::*;
 use std::f64::consts::TAU;
 
-/// Error of an exponent by multipliers at the distance 1e-9 from the orbit.
+/// Error of an exponent from multipliers at the distance 1e-9 from the orbit.
 const EXACT: f64 = 1e-7;
 
 fn verdict(machine: &Machine, first: u32) -> Settled {
@@ -47,8 +47,8 @@ fn closed_form_a_shaft_that_always_slips_has_the_exponent_zero_and_what_turns_wi
     }
 }
 
-/// A car that friction brakes beside an oscillator: the motion has a period only once the car
-/// stands.
+/// A car braked by friction, next to an oscillator: the motion has a period only once the car is
+/// at rest.
 #[test]
 fn closed_form_what_friction_brakes_has_no_period_before_it_stands() {
     let of = |drag: f64| {
@@ -64,7 +64,7 @@ fn closed_form_what_friction_brakes_has_no_period_before_it_stands() {
     discard(&mut motion, &section, 40).unwrap();
     let amplitude = ["amplitude.m.s".parse().unwrap()];
     assert_eq!(measure(&mut motion, &section, &amplitude, 60).unwrap().unsettled, Some(1));
-    // The car stands after 5 s, at any place; the oscillator beside it has δ'' + 20 δ' + 1e5 δ = 0.
+    // The car is at rest after 5 s, at any position; the oscillator has δ'' + 20 δ' + 1e5 δ = 0.
     let found = verdict(&of(10.0), 400);
     assert_eq!(found.class, MotionClass::Periodic(1), "{found:?}");
     assert!((exponent_of(&found) + 10.0).abs() < EXACT, "{found:?}");
@@ -85,18 +85,18 @@ fn closed_form_what_rests_on_a_table_for_ever_has_the_tables_period_and_no_expon
             assert_eq!(exponent_of(&found), f64::NEG_INFINITY, "{frequency} Hz, {mass} kg");
         }
     }
-    // Nothing can grow where all is held, so that a few returns of 0.2 s tell it.
+    // Nothing can grow if everything is held, so a few returns of 0.2 s decide.
     let (mut motion, section) = text(REST_ON_TABLE).motion(&Start::default()).unwrap();
     settled(&mut motion, &section, None).unwrap();
     assert!(motion.time() < 18.0 * 0.2, "{}", motion.time());
-    // What oscillates beside it: δ'' + δ' + 50 δ = 0.
+    // An oscillator next to it: δ'' + δ' + 50 δ = 0.
     let beside = "[body.other]\nmass = 2.0\nstart = { s = 0.01 }\n[spring.other]\nbetween = [\"ground\", \"other\"]\nstiffness = 100.0\ndamping = 2.0\n";
     let found = verdict(&text(&format!("{REST_ON_TABLE}{beside}")), 0);
     assert_eq!(found.class, MotionClass::Periodic(1));
     assert!((exponent_of(&found) + 0.5).abs() < EXACT, "{found:?}");
 }
 
-/// Position of the table at the impact of the ball's 1T motion, which hits it once a period: sine
+/// Position of the table at the impact of the ball's 1T motion with one impact per period, as sine
 /// and cosine of its phase. The ball leaves and arrives with speed g T/2.
 fn ball_phase(amplitude: f64) -> [f64; 2] {
     // g T/2 = (1 + e) p' + e g T/2.
@@ -108,12 +108,12 @@ const E: f64 = 0.5;
 const G: f64 = 9.81;
 const PERIOD: f64 = 0.04;
 
-/// A ball on a table, which starts on its 1T motion but for a hundredth of its speed.
+/// A ball on a table. It starts on its 1T motion with 1 % more speed.
 pub(crate) fn ball(amplitude: f64) -> Machine {
     ball_from(amplitude, 1.01)
 }
 
-/// A ball on a table that starts with a multiple of the speed of its 1T motion.
+/// A ball on a table. It starts with a multiple of the speed of its 1T motion.
 fn ball_from(amplitude: f64, part: f64) -> Machine {
     let [sine, cosine] = ball_phase(amplitude);
     let since = PERIOD - sine.atan2(cosine) / TAU * PERIOD;
@@ -162,7 +162,7 @@ fn closed_form_a_ball_beside_its_doubling_has_its_period_and_multiplier() {
     }
 }
 
-/// Beyond its doubling the 1T motion is still one, from which neighbours part.
+/// Beyond its doubling the 1T motion still exists, but neighbours depart from it.
 #[test]
 fn closed_form_a_ball_that_starts_on_its_unstable_motion_does_not_have_its_period() {
     assert!(ball_multiplier(0.62e-3) > 1.01);
@@ -185,7 +185,7 @@ fn closed_form_two_frequencies_without_a_common_period_are_quasi_periodic() {
     assert!((exponent.value + 2.0).abs() <= 2.0 * exponent.error, "{exponent:?}");
 }
 
-/// A weak ripple of 1 MHz beside the stick-slip of a block on a belt.
+/// A weak ripple of 1 MHz together with the stick-slip of a block on a belt.
 #[test]
 fn second_method_a_ripple_of_microseconds_is_no_period_of_a_slow_motion() {
     let belt = "name = \"B\"\n[body.belt]\nmotion = { rate = 0.1 }\n[body.block]\nmass = 1.0\n[spring.k]\n\
@@ -196,8 +196,8 @@ fn second_method_a_ripple_of_microseconds_is_no_period_of_a_slow_motion() {
     assert!(matches!(verdict(&text(belt), 8).class, MotionClass::Periodic(1)));
 }
 
-/// Exponents of linear machines, whose multipliers are those of exp(A T), by a characteristic
-/// polynomial.
+/// Exponents of linear machines; the multipliers are the eigenvalues of exp(A T), from a
+/// characteristic polynomial.
 #[test]
 fn closed_form_exponents_of_oscillators_that_turn_against_the_section() {
     for k in 0..12 {
@@ -214,8 +214,8 @@ fn closed_form_exponents_of_oscillators_that_turn_against_the_section() {
     }
 }
 
-/// The ball's 1T motion by a table whose phase makes impacts fall on whole periods: rounding
-/// decides on which side of the section each comes.
+/// The ball's 1T motion on a table whose phase makes impacts fall on whole periods: rounding
+/// decides on which side of the section each impact comes.
 #[test]
 fn closed_form_a_ball_that_hits_the_table_at_the_section_has_its_period_and_multiplier() {
     for amplitude in [0.55e-3, 0.58e-3] {
@@ -248,9 +248,9 @@ fn invariant_what_is_not_decided_is_no_hysteresis() {
     assert_eq!((chaotic.differs(&chaotic), chaotic.differs(&decided)), (None, Some(true)));
 }
 
-/// Three bodies whose returns are within 1e-5 of their sizes, by chatter that ends one bounce
-/// earlier or later. From states 1e-6 apart motions part by a factor 1.57 a return up to there
-/// (computed from changed starts).
+/// Three bodies whose returns are within 1e-5 of their sizes, with chatter that ends one bounce
+/// earlier or later. Up to this size, motions from states 1e-6 apart separate by a factor 1.57 per
+/// return (computed from changed starts).
 const SMALL_CHAOS: &str = r#"
 name = "M565"
 [body.a]
@@ -298,8 +298,8 @@ fn second_method_returns_to_the_size_of_a_small_chaos_are_no_period() {
     assert!((0.3..1.2).contains(&exponent_of(&found)), "{found:?}");
 }
 
-/// Without damping the oscillator swings on beside the drive: two frequencies, each with a zero
-/// exponent.
+/// Without damping the oscillator keeps swinging in addition to the drive: two frequencies, each
+/// with a zero exponent.
 #[test]
 fn closed_form_an_undamped_oscillator_beside_its_drive_is_quasi_periodic() {
     let file = OSCILLATOR
@@ -311,7 +311,7 @@ fn closed_form_an_undamped_oscillator_beside_its_drive_is_quasi_periodic() {
     assert!(exponent.value.abs() <= exponent.error, "{exponent:?}");
 }
 
-/// Contacts of rods and of shafts have one law.
+/// Contacts of rods and of shafts follow the same law.
 #[test]
 fn invariant_a_machine_about_an_axis_has_the_verdict_of_one_along_a_line() {
     let along = "name = \"P\"\n[body.a]\nmass = 2.0\nstart = { v = 0.3 }\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 300.0\n\
@@ -337,7 +337,7 @@ fn a_sweep_takes_each_parameter_once() {
     assert!(refused.contains("body.a.mass"), "{refused}");
 }
 
-/// The engine turns the gears uniformly, so that their angles do not return.
+/// The engine turns the gears uniformly, so their angles do not return.
 #[test]
 fn invariant_gears_that_turn_on_have_the_period_of_their_play() {
     let machine =
@@ -358,8 +358,8 @@ fn a_section_is_found_by_its_elements_name() {
     }
 }
 
-/// Pulses that repeat drive a motion of their period, which decays to it by the oscillator's own
-/// c/(2m) = 2 1/s; so does a sweep that has ended, at the period that is given.
+/// Repeated pulses drive a motion of their period, which the oscillator approaches at its own rate
+/// c/(2m) = 2 1/s. So does a sweep that has ended, at the given period.
 #[test]
 fn closed_form_the_exponent_of_an_oscillator_under_what_repeats() {
     const EXACT: f64 = 1e-9;
@@ -382,7 +382,7 @@ fn closed_form_the_exponent_of_an_oscillator_under_what_repeats() {
     }
 }
 
-/// The period of a stiffness that steps counts, and its turn's multipliers are those of the product
+/// The period of a stiffness that switches counts. The multipliers of a turn come from the product
 /// of two cosine maps: x = exp(-c t/2) y with y'' + (k - c²/4) y = 0.
 #[test]
 fn closed_form_the_exponent_of_a_gear_mesh_within_its_tongue_and_outside() {

@@ -3,8 +3,8 @@ use crate::tests::{OSCILLATOR, text};
 use crate::{Machine, Start};
 use vibro_machine::Motion;
 
-/// An undamped oscillation of 2.5 s beside a ripple of so many hertz: a window has four of them, 10
-/// s.
+/// An undamped oscillation of 2.5 s with a ripple of `frequency` Hz: a window contains four
+/// oscillations, 10 s.
 fn slow(frequency: f64) -> (Motion, Section) {
     slow_machine(frequency).motion(&Start::default()).unwrap()
 }
@@ -19,18 +19,18 @@ fn slow_machine(frequency: f64) -> Machine {
     text(&file)
 }
 
-/// Roundings of the eigenvalues that the period is read off.
+/// Roundings of the eigenvalues that give the period.
 const ROUNDING: f64 = 1e-9;
 
 #[test]
 fn closed_form_a_window_lasts_four_periods_of_the_slowest_own_oscillation() {
     let (motion, section) = slow(100.0);
     assert!((needed(&motion, &section, 11).unwrap() - 10.0).abs() < ROUNDING);
-    // A hundred times 10 periods of 10 ms are 10 s, and of 9 are not.
+    // 10 periods of 10 ms times a hundred are 10 s, but 9 periods are not enough.
     let error = needed(&motion, &section, 9).unwrap_err().to_string();
     assert!(error.contains("9 periods (measured, --periods) last 0.09 s"), "{error}");
     assert!(error.contains("takes 2.5 s") && error.contains("allowed are 1000 periods or more"), "{error}");
-    // Where events are the section the time is not known beforehand.
+    // With events as the section the time is not known in advance.
     assert!((needed(&motion, &Section::Stop(0), 1).unwrap() - 10.0).abs() < ROUNDING);
 }
 
@@ -42,11 +42,11 @@ fn closed_form_what_comes_before_a_window_lasts_as_long() {
     let (mut motion, section) = slow(100.0);
     let error = settle(&mut motion, &section, 9).unwrap_err().to_string();
     assert!(error.contains("9 periods (discarded, --discard)"), "{error}");
-    // More than that is what was asked for alone, and less where the motion repeats.
+    // A longer request is followed exactly, and less if the motion repeats.
     let (mut motion, section) = slow(10.0);
     settle(&mut motion, &section, 150).unwrap();
     assert!((10.0..15.0 + ROUNDING).contains(&motion.time()), "{}", motion.time());
-    // Of a motion that begins later it is counted from there on.
+    // If the motion begins later, time is counted from there.
     let later = Start { time: 7.0, ..Start::default() };
     let (mut motion, section) = slow_machine(100.0).motion(&later).unwrap();
     settle(&mut motion, &section, 11).unwrap();
@@ -56,10 +56,10 @@ fn closed_form_what_comes_before_a_window_lasts_as_long() {
     assert_eq!(motion.time(), 0.0);
 }
 
-/// How many returns a window of at least 12 has, of which each has so many events.
+/// Number of returns of a window of at least 12, with `events` events in each return.
 fn returns(needed: f64, events: u32, repeats: bool) -> u32 {
     let (mut motion, section) = slow(10.0);
-    // Time goes from the window's begin on.
+    // Time counts from the window's beginning.
     motion.advance_to(0.7).unwrap();
     let mut passed = Passed::new(&motion, needed, 12);
     for k in 1.. {
@@ -77,11 +77,11 @@ fn closed_form_a_window_has_its_returns_its_time_and_eight_events_or_ten_times_i
         ((0.0, 0, false), 12),
         ((1.2 - 1e-9, 0, false), 12),
         ((2.05, 0, false), 21),
-        // Three, six and nine events in all: fewer than eight are waited for.
+        // Three, six and nine events in all: a window waits for eight.
         ((0.0, 1, false), 120),
         ((0.0, 2, false), 120),
         ((0.0, 3, false), 12),
-        // Of what repeats one slowest period is enough: a fourth of the time.
+        // For a repeating motion one slowest period is enough: a quarter of the time.
         ((0.0, 1, true), 1),
         ((2.0 - 1e-9, 0, true), 5),
     ] {
@@ -128,7 +128,7 @@ fn the_last_change_is_the_latest_of_all_signals() {
         let d = with(more).description;
         assert_eq!(runs_on(&d, end - 0.1).as_deref(), Some(words));
         assert_eq!(runs_on(&d, end), None, "{more}");
-        // Periods of 0.2 s: so many returns last from the start to the change.
+        // Periods of 0.2 s: this number of returns lasts from the start to the change.
         let returns = (end / 0.2).round() as u32;
         let section = Section::Period(0.2);
         assert_eq!(runs_on_beyond(&d, &section, 0.0, returns - 1).as_deref(), Some(words));
@@ -138,7 +138,7 @@ fn the_last_change_is_the_latest_of_all_signals() {
     assert_eq!(runs_on(&with("").description, 0.0), None);
 }
 
-/// An oscillator with its drive, and a step of it at 3 s.
+/// An oscillator with its drive and a step of the drive at 3 s.
 fn stepped() -> Machine {
     let signal = "amplitude = 10.0\nfrequency = \"5 Hz\"";
     text(&OSCILLATOR.replace(signal, &format!("{signal}\nsteps = [[3.0, 1.0]]")))
@@ -149,7 +149,7 @@ fn what_is_discarded_ends_after_the_last_change_or_after_as_many_returns_as_aske
     let (mut motion, section) = stepped().motion(&Start::default()).unwrap();
     settle(&mut motion, &section, 10).unwrap();
     assert!((motion.time() - 2.0).abs() < 1e-9, "{}", motion.time());
-    // The change after 15 of 20 returns: as many again from there.
+    // The change comes after 15 of 20 returns: 20 more returns follow.
     let (mut motion, section) = stepped().motion(&Start::default()).unwrap();
     settle(&mut motion, &section, 20).unwrap();
     assert!((motion.time() - 7.0).abs() < 1e-9, "{}", motion.time());

@@ -38,14 +38,14 @@ fn invariant_a_basis_is_orthonormal_spans_its_directions_and_is_taken_away_whole
     for b in &basis {
         assert!(b.dot(&metric.scaled(&other)).abs() < ROUNDING, "{other:?}");
     }
-    // It is taken away along the basis: what is left and what was taken make the whole.
+    // The component along the basis is removed: remainder and removed part make the whole.
     let taken: Vec<f64> = before.iter().zip(&other).map(|(a, b)| a - b).collect();
     let mut rest = taken.clone();
     metric.remove(&basis, &mut rest);
     assert!(metric.length(&rest) < ROUNDING * metric.length(&taken));
 }
 
-/// A ball that lies on a floor beside an oscillator.
+/// A ball that lies on a floor next to an oscillator.
 const LYING: &str = "name = \"L\"\ngravity = 10.0\n[body.ball]\nmass = 0.5\ngravity = 1.0\n[stop.floor]\nbetween = [\"ground\", \"ball\"]\n\
     gap = 0.0\nrestitution = 0.5\n";
 
@@ -64,7 +64,7 @@ fn closed_form_what_a_contact_holds_is_no_variation_from_the_start_on() {
 
 #[test]
 fn closed_form_what_is_neutral_is_taken_away_whole() {
-    // A free body alone: its place and its rate are neutral, and a shift along one is nothing more.
+    // A free body alone: position and rate are neutral, and a shift along one adds nothing.
     let machine = text(
         "name = \"F\"\n[body.a]\nmass = 1.0\nstart = { v = 1.0 }\n[load.f]\non = \"a\"\namplitude = 1.0\nfrequency = 1.0\n",
     );
@@ -73,8 +73,8 @@ fn closed_form_what_is_neutral_is_taken_away_whole() {
     let metric = Metric::by_frequency(1, 0, 3.0);
     let mut variation = Variation::new(system, motion.mode(), metric.clone(), &Neutral::of(system));
     assert_eq!(variation.grown(None), f64::NEG_INFINITY);
-    // Of an oscillator nothing is; along a shift, what is left has the length one, and is
-    // orthogonal to it.
+    // An oscillator has no neutral directions. Along a shift, the remainder has length one and is
+    // orthogonal to the shift.
     let (motion, _) = text(OSCILLATOR).motion(&Start::default()).unwrap();
     let system = motion.assembly().system();
     let mut variation = Variation::new(system, motion.mode(), metric.clone(), &Neutral::of(system));
@@ -89,7 +89,7 @@ fn closed_form_what_is_neutral_is_taken_away_whole() {
     assert!(variation.v[0][0].abs() < ROUNDING && (variation.v[0][1] - 1.0).abs() < ROUNDING);
 }
 
-/// A machine on its way after some returns.
+/// A machine's motion after some returns.
 fn on_its_way(machine: &Machine, returns: u32) -> (vibro_machine::Motion, crate::Section) {
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();
     for _ in 0..returns {
@@ -98,7 +98,7 @@ fn on_its_way(machine: &Machine, returns: u32) -> (vibro_machine::Motion, crate:
     (motion, section)
 }
 
-/// One variation, scaled on its way, is the sum of the frame's columns.
+/// One variation, rescaled on its way, is the sum of the frame's columns.
 #[test]
 fn second_method_a_variation_grows_as_the_columns_of_a_frame() {
     /// Roundings of some thousand sub-steps and a dozen impacts.
@@ -132,7 +132,7 @@ fn second_method_a_variation_grows_as_the_columns_of_a_frame() {
     }
 }
 
-/// A body of a start that is changed by a small part.
+/// A start with a small change of one body.
 fn changed(start: &Start, body: &str, (s, v): (f64, f64)) -> Start {
     let mut start = start.clone();
     let own = start.bodies.get_mut(body).unwrap();
@@ -142,8 +142,8 @@ fn changed(start: &Start, body: &str, (s, v): (f64, f64)) -> Start {
 
 #[test]
 fn second_method_columns_are_differences_of_motions() {
-    /// The step of differences, and the part of them that its square and roundings make: a stop of
-    /// 2 MN/m bends them most.
+    /// Step of the differences, and the error from its square and from rounding: a stop of 2 MN/m
+    /// bends them most.
     const STEP: f64 = 1e-7;
     const NEAR: f64 = 2e-3;
     for (name, free) in [("damper_with_buffer.toml", &[0, 1, 2][..]), ("impact_pair.toml", &[0])] {
@@ -180,7 +180,7 @@ fn second_method_columns_are_differences_of_motions() {
     }
 }
 
-/// A ball falls by 0.2 m, bounces and lies still after 0.6 s: wherever it began, it ends there.
+/// A ball falls by 0.2 m, bounces and is at rest after 0.6 s: it ends there from any start.
 #[test]
 fn closed_form_what_an_event_takes_whole_is_no_variation_after_it() {
     let file = LYING.replace("gap = 0.0", "gap = 0.2");

@@ -1,4 +1,4 @@
-//! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow and not from samples.
+//! Local maxima of a displacement q = a x1 + b x2 + c x3, found from the flow, not from samples.
 //!
 //! q is continuous, while its rate jumps at impacts. The rate passes from above to below zero at a
 //! maximum. Either it has a root within a sub-step, which [`turns`] finds with the proof used for
@@ -172,8 +172,8 @@ impl MaximumFinder {
     }
 }
 
-/// Bit sets of the intervals of a sub-step, the first one's bit the lowest: those with a rate above
-/// `margin` at both ends, and those with a rate below `-margin` at both ends.
+/// Bit sets of the intervals of a sub-step, with the first interval in the lowest bit: those with
+/// a rate above `margin` at both ends, and those with a rate below `-margin` at both ends.
 #[inline(always)]
 fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &LaneRow, margin: f64) -> [u64; 2] {
     let (mut above, mut below) = (u64::from(start > margin), u64::from(-start > margin));

@@ -64,7 +64,7 @@ EXAMPLES
   vibro paper template > parameters.toml";
 
 /// The command line as clap's command, with the commands for the paper's machine in a group. The
-/// help of each command names the options of that command.
+/// help of each command names only the options of that command.
 pub fn command() -> clap::Command {
     paper::grouped(ungrouped())
 }
@@ -76,8 +76,8 @@ fn ungrouped() -> clap::Command {
     all.mut_subcommands(|command| with_shared(command, &shared))
 }
 
-/// Shared options that a command has no use for: its help leaves them out, and [`check_options`]
-/// refuses them. Only a study that is computed in parts can have unfinished parts.
+/// Shared options that a command does not use: its help leaves them out, and [`check_options`]
+/// refuses them. Only a study computed in parts can have unfinished parts.
 fn unused(command: &str) -> &'static [&'static str] {
     match command {
         "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
@@ -92,9 +92,9 @@ fn unused(command: &str) -> &'static [&'static str] {
     }
 }
 
-/// A command with its shared options. An option without use for the command is hidden; an option
-/// that only the paper's machine has is under the heading of that machine. One motion of a
-/// machine's file has no use for threads.
+/// A command with its shared options. An option that the command does not use is hidden; an option
+/// of the paper's machine only is under the heading of that machine. One motion of a machine's
+/// file does not use threads.
 fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
     let (name, of_file) = (command.get_name().to_owned(), has_file(&command));
     let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
@@ -112,11 +112,11 @@ pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
 
-/// Refuses a FILE behind `vibro paper`, a shared option for which the command has no use, an option
-/// of the paper's machine if a FILE is named, and an option of a FILE if none is named.
+/// Refuses a FILE after `vibro paper`, a shared option that the command does not use, an option of
+/// the paper's machine with a FILE, and an option of a FILE without one.
 ///
 /// # Errors
-/// [`Error::Refused`] with the option and the allowed options.
+/// [`Error::Refused`] with the option and the valid options.
 pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     let (all, file) = (ungrouped(), file(matches));
     let Some((name, matches)) = matches.subcommand() else { return Ok(()) };
@@ -153,8 +153,7 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     Err(Error::Refused { what: option(given), problem })
 }
 
-/// Reads numbers below zero as values, so that the error of an option that refuses them states what
-/// is allowed.
+/// Reads numbers below zero as values, so that an option can refuse them with a reason.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let taken = |arg: clap::Arg| {
         let takes = arg.get_action().takes_values() && !arg.is_positional();
@@ -210,8 +209,8 @@ pub enum Command {
     ///
     /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in
     /// several motions: over a band such as that of the drive's frequency (--over), and from
-    /// several starts. The row then has the least, mean and largest values. A design that cannot be
-    /// simulated has a row with the reason.
+    /// several starts. The row then has the least, mean and largest values. A design that cannot
+    /// be simulated has a row with the reason.
     Sweep(Box<Sweep>),
     /// The design of the machine of a FILE with the best output: least or largest, over a band,
     /// with limits and tolerances
@@ -220,8 +219,8 @@ pub enum Command {
     /// derivatives of periodic orbits). It reports the best numbers with the error of the output,
     /// whether other designs are told apart from them, and other motions of the best design.
     Design(DesignArguments),
-    /// Numbers of the machine of a FILE fitted to a record, with their errors, what the record does
-    /// not determine, the residuals and the fitted file
+    /// Numbers of the machine of a FILE fitted to a record, with their errors, what the record
+    /// does not determine, the residuals and the fitted file
     ///
     /// Nonlinear least squares with exact derivatives through impacts and friction. The fit begins
     /// with the time over which the motion keeps near the record, and goes on to longer ones.
@@ -231,8 +230,8 @@ pub enum Command {
     ///
     /// Each value starts from the last state of the value before. This chain cannot be divided, so
     /// every shard repeats it, which is about a fifth of the work. Only what is computed at each
-    /// value is divided, so that more than about four shards hardly help. `lyapunov` and the planes
-    /// gain from more.
+    /// value is divided, so that more than about four shards hardly help. `lyapunov` and the
+    /// planes gain from more.
     ///
     /// The motion of a FILE is looked at after each common period of what drives the machine;
     /// --period and --section say otherwise.
@@ -244,8 +243,8 @@ pub enum Command {
     Lyapunov(Lyapunov),
     /// All steady-state values of one parameter set, by three theories (figure 8)
     Steady,
-    /// Response curves, stable and unstable parts, with their folds and ends: of a FILE over any of
-    /// its numbers; of the paper's machine by theory (figures 10, 11)
+    /// Response curves, stable and unstable parts, with their folds and ends: of a FILE over any
+    /// of its numbers; of the paper's machine by theory (figures 10, 11)
     ///
     /// With FILE motions are followed until they settle, rising and falling over the range, and
     /// each orbit on which one settles is followed over the whole range, stable or not.
@@ -261,8 +260,9 @@ pub enum Command {
     Compare(Compare),
     /// Basins of attraction over two initial values: of a FILE over any two numbers of its starts
     ///
-    /// With FILE attractors are told apart by class, period and states at the section, and named by
-    /// the events of their orbits. Motions without a period count as one attractor of their class.
+    /// With FILE attractors are told apart by class, period and states at the section, and named
+    /// by the events of their orbits. Motions without a period count as one attractor of their
+    /// class.
     Basin(Basin),
     /// Poincaré section of a FILE's settled motion: at a phase of the period, or at each event of
     /// an element
@@ -275,8 +275,8 @@ pub enum Command {
     /// with a given word (--word). `special-points.csv` lists the special points of the branches:
     /// LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, CH chatter, EP
     /// end of the range, MX not followed further. `vibro locus` follows the first six over two
-    /// parameters. With --tree `orbits-search.csv` lists at which values, and from how many starts,
-    /// orbits were sought.
+    /// parameters. With --tree `orbits-search.csv` lists at which values, and from how many
+    /// starts, orbits were sought.
     Orbits(Box<Orbits>),
     /// One periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),

@@ -1,10 +1,10 @@
-//! Arguments that commands share: those of every command, those of a machine's FILE, and constant
-//! loads.
+//! Arguments that commands share: arguments of every command, arguments of a machine's FILE, and
+//! constant loads.
 //!
-//! Commands with an optional FILE take two machines: the machine of the FILE that they name, or the
-//! paper's machine if they name none. An option that only one of the two has
-//! stands under the heading [`WITH_FILE`] or [`WITHOUT_FILE`]; by these headings
-//! [`crate::arguments::check_options`] refuses it for the other machine.
+//! Commands with an optional FILE take two machines: the machine of the FILE or, without FILE, the
+//! paper's machine. An option that only one of the two has is under the heading [`WITH_FILE`] or
+//! [`WITHOUT_FILE`]; by these headings [`crate::arguments::check_options`] refuses it for the
+//! other machine.
 
 use crate::ranges::whole;
 use clap::Args;
@@ -31,7 +31,7 @@ NUMBERS
   Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
   Names of parameters are the file's own: docs/machine-file.md.";
 
-/// Help of `--start`, for either machine, after the words that say of what it is the start.
+/// Help of `--start`, for either machine, after the words that name the motion.
 macro_rules! start_help {
     ($of:literal) => {
         concat!(
@@ -66,7 +66,7 @@ pub fn has_file(command: &clap::Command) -> bool {
     command.get_arguments().any(|arg| arg.get_id() == FILE)
 }
 
-/// Help that ends with these notes.
+/// Adds notes to the end of a command's help.
 pub fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
     let own = command.get_after_help().map(ToString::to_string);
     let notes: Vec<String> = own.into_iter().chain(notes.iter().map(|note| (*note).into())).collect();
@@ -76,15 +76,15 @@ pub fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
 /// Arguments of every command.
 #[derive(Args, Debug)]
 pub struct Common {
-    /// Set one parameter of a machine's FILE, e.g. stop.steel.gap=5mm, or of the paper's machine, e.g.
-    /// kappa=0.6, box.k=48kN/m. May be repeated
+    /// Set one parameter of a machine's FILE, e.g. stop.steel.gap=5mm, or of the paper's machine,
+    /// e.g. kappa=0.6, box.k=48kN/m. May be repeated
     #[arg(long, global = true, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
     /// Folder for pictures (SVG, PNG) and tables (CSV)
     ///
     /// A folder with results or parts of another run (other parameters, other options) is refused
-    /// if it is named here. In the default folder the new run gets a folder of its own, named after
-    /// the command and a digest of its parameters.
+    /// if it is named here. In the default folder the new run gets a folder of its own, named
+    /// after the command and a digest of its parameters.
     #[arg(long, global = true, value_name = "FOLDER", default_value = DEFAULT_OUT)]
     pub out: PathBuf,
     /// Overwrite finished results of other parameters in the folder

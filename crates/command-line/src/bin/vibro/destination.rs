@@ -1,8 +1,8 @@
 //! Destination of results. A run never destroys results of another run.
 //!
-//! Every result has a manifest beside it, and every folder of parts has a manifest. A run
-//! overwrites only results of the same command with the same parameters. If a folder that the user
-//! names holds other results or parts, the run is refused before work begins: a script either finds
+//! Every result has a manifest next to it, and every folder of parts has a manifest. A run
+//! overwrites only results of the same command with the same parameters. If a folder named by the
+//! user holds other results or parts, the run is refused before work begins: a script either finds
 //! the requested results there or gets an exit code. In the default folder, a run that finds
 //! results or parts of another run gets a separate subfolder, named by a digest of its options and
 //! parameters.
@@ -22,7 +22,7 @@ use vibro_figures::canvas;
 /// Endings of a result's files.
 const ENDINGS: [&str; 5] = ["csv", "parquet", "svg", "png", "html"];
 
-/// Something that a run is going to write.
+/// Something that a run will write.
 pub enum Claim {
     /// A finished result.
     Result(Manifest),
@@ -48,7 +48,7 @@ impl<'a> Destination<'a> {
         Claim::Result(Manifest::of_result(name, self.invocation, self.subject))
     }
 
-    /// The folder where everything claimed can be written.
+    /// The folder into which everything claimed can be written.
     ///
     /// # Errors
     /// [`Error::Config`] if a folder that the user named holds results or parts of another run, or
@@ -149,7 +149,7 @@ impl<'a> Destination<'a> {
         Manifest::of_result(&study.name, self.invocation, self.subject_of(study))
     }
 
-    /// The machine of a study: its own if it has one, else that of the command.
+    /// The machine of a study: its own if it has one, otherwise the machine of the command.
     fn subject_of<'s>(&'s self, study: &'s Study) -> &'s dyn Subject {
         study.set.as_deref().map_or(self.subject, |set| set)
     }
@@ -167,7 +167,7 @@ fn manifest_path(out: &Path, name: &str) -> PathBuf {
     out.join(format!("{name}.manifest.toml"))
 }
 
-/// Writes a manifest beside its result.
+/// Writes a manifest next to its result.
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Output`].

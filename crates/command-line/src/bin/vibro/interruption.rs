@@ -1,5 +1,5 @@
-//! Ctrl-C during a computation: a long study says which parts are kept and how to continue; a search
-//! ends with the best result so far.
+//! Ctrl-C during a computation: a long study reports the finished parts and how to continue; a
+//! search ends with the best result so far.
 
 use crate::invocation::as_typed;
 use std::io::{IsTerminal, Write};
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, Once};
 use vibro::part_folder::{PartFolder, parts_in_words, stop_saving};
 
-/// Exit code of a program that Ctrl-C has ended, by the convention of shells: 128 + SIGINT.
+/// Exit code of a program ended by Ctrl-C, by the convention of shells: 128 + SIGINT.
 pub const INTERRUPTED: i32 = 130;
 
 /// The long study in progress.
@@ -22,7 +22,7 @@ struct InterruptedStudy {
 static WORK: Mutex<Option<InterruptedStudy>> = Mutex::new(None);
 static HANDLER: Once = Once::new();
 
-/// A second Ctrl-C while the first one still waits for work that has begun.
+/// Effect of a second Ctrl-C while the program still waits for unfinished work after the first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Second {
     /// It has no effect.
@@ -31,7 +31,7 @@ pub enum Second {
     Ends,
 }
 
-/// From now on Ctrl-C sets the returned flag, by which a computation ends early with what it has.
+/// From now on Ctrl-C sets the returned flag; a computation then ends early with its results.
 pub fn flag(second: Second) -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     let asked = flag.clone();
@@ -44,7 +44,7 @@ pub fn flag(second: Second) -> Arc<AtomicBool> {
     flag
 }
 
-/// From now on Ctrl-C ends the program and prints how many of `count` parts are kept; 0 stands for
+/// From now on Ctrl-C ends the program and prints how many of `count` parts are finished; 0 means
 /// an unknown count. Parts are in `folders`, each of which is `home` or lies in it. Finished parts
 /// are complete files, so nothing has to be saved at that time.
 pub fn announce(name: &str, home: PathBuf, folders: Vec<PathBuf>, count: usize) {

@@ -1,4 +1,4 @@
-//! The invocation that manifests keep: command, options with their defaults, command line.
+//! The invocation stored in manifests: command, options with their defaults, command line.
 
 use crate::arguments::Arguments;
 use crate::ranges::{ParameterPair, ParameterRange, ParameterValues};
@@ -12,7 +12,7 @@ use vibro_studies::paper::basin::InitialValueRange;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, number};
 
-/// Options on which the numbers of a result do not depend. `figure` and `kind` choose which results
+/// Options that do not affect the numbers of a result. `figure` and `kind` choose which results
 /// are made, `folders` are the folders of `merge`, and `list` only prints names.
 const APART: [&str; 5] = ["shard", "figure", "kind", "folders", "list"];
 /// Options that a manifest's command line leaves out: destination, threads, share.
@@ -66,7 +66,7 @@ fn canonical(id: &str, text: &str, at: Option<Name>) -> String {
     found.unwrap_or_else(|| text.into())
 }
 
-/// The command line without the options on which results do not depend.
+/// The command line without the options that do not affect results.
 fn command_line(given: &[String]) -> String {
     let mut words = vec!["vibro".to_owned()];
     let mut arguments = given.iter();

@@ -21,15 +21,15 @@ pub trait Curves: Sync {
     /// The special point of a row, on its branch.
     fn start(&self, point: &Self::Point) -> Result<Self::Start>;
 
-    /// Whether two rows are one special point.
+    /// Whether two rows are the same special point.
     fn is_same(&self, one: &Self::Start, other: &Self::Start) -> bool;
 
     /// The curve of a special point.
     fn follow(&self, point: &Self::Point, start: &Self::Start) -> Result<(Self::Shown, Vec<LocusPoint>)>;
 }
 
-/// The chosen special points, each with its file and row in words; `number` reads a value of the
-/// parameter.
+/// The chosen special points, each with a description of its file and row. `number` reads a value
+/// of the parameter.
 pub fn chosen<P: PointOfTable>(
     a: &Loci,
     along: &str,
@@ -52,8 +52,8 @@ pub fn chosen<P: PointOfTable>(
 /// Curves, and reasons for points without one.
 pub type Followed<S> = (Vec<LocusCurve<S>>, Vec<String>);
 
-/// The curves of special points, and a reason for each point without a curve. Rows of one special
-/// point have one curve, from the first row from which it can be followed.
+/// The curves of special points, and a reason for each point without a curve. Rows of the same
+/// special point have one curve, from the first row from which it can be followed.
 pub fn followed<C: Curves>(curves: &C, points: &[(String, C::Point)]) -> Result<Followed<C::Shown>> {
     let told = |k: usize, error: Error| {
         let (from, point) = &points[k];

@@ -51,8 +51,8 @@ fn displacement(a: &Bifurcation) -> Result<Displacement> {
     a.of.as_ref().map_or(Ok(Displacement::X2), |of| of.parse().map_err(in_option("--of")))
 }
 
-/// Values at which spectra are listed: the given values, else the value that was set, else the
-/// defaults of the axis.
+/// Values at which spectra are listed: the given values, otherwise the value that was set,
+/// otherwise the defaults of the axis.
 fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<Vec<f64>> {
     if !given.is_empty() {
         let texts: Vec<&str> = given.iter().map(String::as_str).collect();
@@ -75,7 +75,7 @@ fn name(study: &str, of: Displacement) -> String {
     if of == Displacement::X2 { study.into() } else { format!("{study}-{of}") }
 }
 
-/// Refuses a parameter that orbits cannot vary before work begins.
+/// Before work begins, refuses a parameter that orbits cannot vary.
 fn check_orbits(set: &ParameterSet, kind: &StudyKind<ParameterSet>) -> Result<()> {
     match kind {
         StudyKind::Diagram { request: sweep, over: OverSweep { orbits: Some(_), .. } } => {

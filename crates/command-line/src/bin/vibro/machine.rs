@@ -52,7 +52,7 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
     Ok(true)
 }
 
-/// The machine, with what `--set` changes.
+/// The machine, with the changes of `--set`.
 fn read(file: &Path, common: &Common) -> Result<Machine> {
     vibro::machine::read(file, &common.set, &mut |words| crate::note(&words))
 }
@@ -73,7 +73,7 @@ fn follow(
     RunArguments { samples, start, of_file: a, .. }: &RunArguments,
     common: &Common,
 ) -> Result<bool> {
-    // The machine is read first, since a file of another kind needs other options.
+    // The machine is read first, since another kind of file needs other options.
     let machine = read(file, common)?;
     let start = start_of(&machine, start)?;
     let times = match (&a.times, a.until) {

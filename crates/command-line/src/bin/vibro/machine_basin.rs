@@ -21,7 +21,7 @@ fn is_axis(text: &&String) -> bool {
     text.split_once('=').is_some_and(|(_, values)| values.contains(':'))
 }
 
-/// An axis of a plane of starts.
+/// Reads an axis of a plane of starts.
 fn axis(machine: &Machine, text: &str, resolution: u16) -> Result<StartAxis> {
     let named = text.split_once('=').filter(|(name, _)| !name.trim().is_empty());
     let (name, values) = named.ok_or_else(|| Error::form(text, FORM))?;

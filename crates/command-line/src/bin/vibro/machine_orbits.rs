@@ -1,5 +1,5 @@
-//! `orbit`, `orbits`, `locus` and `response` with a machine's file: from arguments to the library's
-//! studies.
+//! `orbit`, `orbits`, `locus` and `response` with a machine's file: from arguments to the
+//! library's studies.
 
 use crate::common_arguments::{Common, SectionArguments, time};
 use crate::destination::{self, Destination};
@@ -56,7 +56,7 @@ fn period(text: &String) -> Result<WantedPeriod> {
     })
 }
 
-/// What is asked of an orbit; `None` for that of the settled motion.
+/// The requested orbit; `None` for the orbit of the settled motion.
 fn wanted(machine: &Machine, a: &OneOrbit, start: &Start) -> Result<Option<WordSearch>> {
     if a.word.is_none() && a.period.is_none() {
         return Ok(None);
@@ -68,7 +68,7 @@ fn wanted(machine: &Machine, a: &OneOrbit, start: &Start) -> Result<Option<WordS
     Ok(Some(WordSearch { start, word, period, starts, discard }))
 }
 
-/// One orbit: that on which a motion settles, or one with a given word or period.
+/// Finds one orbit: the orbit on which a motion settles, or one with a given word or period.
 pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
     let settling = &a.settling;
     let machine = machine(file, &settling.section(), common)?;
@@ -126,7 +126,7 @@ fn in_words(family: &Family) -> String {
     format!("{}={}:{}", family.parameter, family.range.0, family.range.1)
 }
 
-/// A folder of paths, a file each.
+/// A folder of paths, one file per path.
 struct FolderOfPaths(PathBuf);
 
 impl FolderOfPaths {
@@ -141,14 +141,14 @@ impl KeptPaths for FolderOfPaths {
     }
 
     fn keep(&self, key: u64, bytes: &[u8]) {
-        // A path that is not kept is followed anew.
+        // A path that cannot be stored is followed again.
         let _ = std::fs::create_dir_all(&self.0);
         let _ = write_whole(&self.file(key), bytes);
     }
 }
 
-/// The branches of a tree, and whether all were followed; Ctrl-C ends the growth, and paths kept in
-/// a folder let it go on.
+/// The branches of a tree, and whether all were followed. Ctrl-C ends the growth; stored paths let
+/// a later run continue.
 fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<Branch>, bool)> {
     let stop = interruption::flag(Second::Waits);
     let progress = Progress::new(0, "branches");
@@ -159,28 +159,28 @@ fn grown(family: &Family, options: &TreeOptions, paths: PathBuf) -> Result<(Vec<
     })?;
     let is_whole = !stop.load(Ordering::Relaxed);
     if is_whole {
-        // Absent where nothing was followed.
+        // The folder is absent if nothing was followed.
         let _ = std::fs::remove_dir_all(&kept.0);
     }
     Ok((found, is_whole))
 }
 
-/// Branches over a parameter, as a command asks for them.
+/// Branches over a parameter, as requested by a command.
 struct Asked<'a> {
     name: &'static str,
     vary: &'a [String],
     of: Option<&'a String>,
     settling: &'a Settling,
     step: f64,
-    /// Number of values at which motions settle and of switches; `None` for the one branch of the
-    /// settled motion.
+    /// Number of values at which motions settle and number of switches; `None` for the single
+    /// branch of the settled motion.
     tree: Option<(u32, u32)>,
 }
 
 type MakeStudy = fn(&Machine, &Family, &[Branch], &Measure, &str) -> Result<Study>;
 
-/// Follows branches and writes their study. `options` are those of the command alone, for
-/// manifests; `vary` is the option of the range. Returns whether all were followed.
+/// Follows branches and writes their study. `options` are the command's own options, for
+/// manifests; `vary` is the option of the range. Returns whether all branches were followed.
 fn branches(
     file: &Path,
     common: &Common,
@@ -221,7 +221,7 @@ fn branches(
     written(&[study], &machine, &destination, common).map(|()| is_whole)
 }
 
-/// The branches over a parameter: that of the settled motion, or all.
+/// The branches over a parameter: the branch of the settled motion, or all.
 pub fn orbits(file: &Path, common: &Common, a: &Orbits) -> Result<bool> {
     let (of, settling) = (a.of_file.of.as_ref(), &a.of_file.settling);
     let tree = a.tree.then_some((a.seeds, a.depth));
@@ -271,7 +271,7 @@ impl Curves for [Family; 2] {
     type Start = (LocusStart, LocusStart);
     type Shown = LocusStart;
 
-    /// The special point is sought on the branch of the orbit beside it.
+    /// The special point is searched for on the branch of the orbit next to it.
     fn start(&self, point: &PointOfFile) -> Result<Self::Start> {
         let PointOfFile { special, value, beside: (at, period, start), .. } = point;
         let start = LocusStart::from_beside(&self[0], (special, *value), (*at, *period, start))?;

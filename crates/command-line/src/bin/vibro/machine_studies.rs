@@ -26,7 +26,7 @@ use vibro_studies::{
 
 /// Largest number of values on an axis of a plane.
 const MOST_OF_PLANE: usize = 3_000;
-/// Allowed numbers of periods over which an exponent is computed.
+/// Valid numbers of periods over which an exponent is computed.
 const EXPONENT_PERIODS: std::ops::RangeInclusive<u32> = 8..=1_000_000;
 
 /// Reads the machine, with the changes of `--set`.
@@ -44,12 +44,12 @@ fn read_start(machine: &Machine, given: &str) -> Result<Start> {
     vibro::machine::read_start(machine, given, &mut |words| crate::note(&words))
 }
 
-/// The start that `--start` gives; the machine's own without it.
+/// The start given by `--start`, or the machine's own.
 pub fn start_of(machine: &Machine, given: &[String]) -> Result<Start> {
     one_of(given)?.map_or_else(|| Ok(Start::default()), |given| read_start(machine, given))
 }
 
-/// The starts that `--start` gives.
+/// The starts given by `--start`.
 pub fn starts_of(machine: &Machine, given: &[String]) -> Result<Vec<Start>> {
     given.iter().map(|given| read_start(machine, given)).collect()
 }
@@ -98,7 +98,7 @@ fn axis(machine: &mut Machine, text: &str, resolution: u16, most: usize) -> Resu
     range.axis(resolution.into(), 2..=most)
 }
 
-/// The invocation with the options on which the results depend.
+/// The invocation with the options that affect the results.
 pub fn invocation(common: &Common, options: &[(&str, String)]) -> Invocation {
     let mut found = common.invocation.clone();
     found.options.extend(options.iter().map(|(name, words)| ((*name).into(), words.clone())));

@@ -1,4 +1,4 @@
-//! `vibro`: arguments, files and printing. The studies are those of the library `vibro`.
+//! `vibro`: arguments, files and printing. The library `vibro` contains the studies.
 
 mod arguments;
 mod common_arguments;
@@ -171,8 +171,8 @@ fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
     Ok(set)
 }
 
-/// Notes on the values of `--set` without a unit that were read in the unit in which the file or an
-/// earlier value wrote the parameter.
+/// Notes on the values of `--set` without a unit that were read in the unit in which the file or
+/// an earlier value wrote the parameter.
 fn unit_notes(common: &Common) -> Result<Vec<String>> {
     let mut set = ParameterSet::basic();
     if let Some(path) = &common.config {

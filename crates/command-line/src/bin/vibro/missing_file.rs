@@ -1,5 +1,5 @@
-//! Commands for a machine's file without the FILE: the options and names in the arguments that only
-//! a machine's file has.
+//! Commands for a machine's file without the FILE: finds options and names that only a machine's
+//! file has.
 
 use crate::common_arguments::{WITH_FILE, time};
 use clap::parser::ValueSource;
@@ -8,7 +8,7 @@ use vibro::{Error, Result};
 use vibro_studies::Measure;
 use vibro_studies::paper::{Name, maxima::Displacement, measures};
 
-/// Options whose values may belong to a machine's file, by identifier, with the name that is shown.
+/// Options with values that may belong to a machine's file, by identifier and shown name.
 const OPTIONS: [(&str, &str); 8] = [
     ("range", "vary"),
     ("vary", "vary"),
@@ -26,8 +26,8 @@ fn is_parameter_of_file(name: &str) -> bool {
     name.split('.').filter(|part| !part.is_empty()).count() >= 3 && Name::find(name).is_err()
 }
 
-/// Whether a name is an output or a quantity of a machine's file alone, such as `amplitude.box.s` or
-/// `box.s`.
+/// Whether a name is an output or a quantity of a machine's file alone, such as `amplitude.box.s`
+/// or `box.s`.
 fn is_output_of_file(name: &str) -> bool {
     let of_file = match name.split('.').collect::<Vec<_>>()[..] {
         [_, "s" | "v" | "a" | "e" | "f" | "rate"] => true,
@@ -37,7 +37,7 @@ fn is_output_of_file(name: &str) -> bool {
     of_file && name.parse::<measures::Measure>().is_err() && name.parse::<Displacement>().is_err()
 }
 
-/// Whether a start has what only a start of a machine's file has: a range, a time, a file.
+/// Whether a start has something that only a machine's file has: a range, a time, a file.
 fn is_start_of_file(text: &str) -> bool {
     let is_own =
         |part: &str| part.contains(':') || part.trim().starts_with("time=") || part.ends_with(".toml");
@@ -62,8 +62,8 @@ fn error(command: &Command, given: String) -> Error {
     Error::Refused { what: given, problem }
 }
 
-/// Refuses options and values of a machine's file in a command without FILE. Behind `vibro paper`
-/// the options are refused with those that are allowed there.
+/// Refuses options and values of a machine's file in a command without FILE. After `vibro paper`
+/// the options are refused together with the valid options.
 ///
 /// # Errors
 /// [`Error::Refused`] with the first such option, and how to write FILE.

@@ -16,14 +16,14 @@ use vibro_orbits::paper::{
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::{Name, ParameterSet, find_group, number, numbers};
 
-/// Number of guesses of the phases from which the orbits of a word are sought.
+/// Number of guesses of the phases from which the orbits of a word are searched.
 const TRIES: u32 = 400;
-/// Drive periods discarded before the orbit of a settled motion is sought.
+/// Drive periods discarded before the orbit of a settled motion is searched.
 const SETTLE: u32 = 2000;
 
 impl Which {
-    /// The orbits of the word; first those without a shorter word, nearest to stability first.
-    /// Without a word, the orbit of the settled motion.
+    /// The orbits of the word: first the ones without a shorter word, the one nearest to stability
+    /// first. Without a word, the orbit of the settled motion.
     fn orbits(&self, system: &System) -> Result<Vec<Orbit>> {
         let Some(text) = &self.word else {
             let state = settle(system, &moving_block(system.parameters()), SETTLE)?;
@@ -75,7 +75,7 @@ fn marks(a: &Orbits, along: &Span) -> Result<Vec<f64>> {
     }
 }
 
-/// Computes all branches, in parts that are kept until the study is finished.
+/// Computes all branches, in parts that are stored until the study is finished.
 fn whole_tree(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<()> {
     let family = family(set, a)?;
     let span = *family.span();

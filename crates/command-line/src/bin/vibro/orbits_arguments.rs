@@ -1,4 +1,4 @@
-//! Arguments of `vibro orbits`, `vibro orbit` and `vibro locus`, and of a file's response.
+//! Arguments of `vibro orbits`, `vibro orbit`, `vibro locus`, and of a file's response.
 
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
@@ -45,7 +45,6 @@ pub struct Settling {
 }
 
 impl Settling {
-    /// Where the motion is looked at.
     pub fn section(&self) -> SectionArguments {
         SectionArguments { period: None, section: self.section.clone() }
     }
@@ -58,11 +57,11 @@ pub struct OneOrbit {
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Events of the orbit in order [default: the orbit of the settled motion]. With FILE kinds and
-    /// elements, "impact steel, press buffer"; kinds of events other than impact, chatter and press
-    /// that are not mentioned are left out. Without FILE impacts as U (upper stop) and L (lower
-    /// stop); a word that ends in "-" is half of a symmetric orbit: U- is the motion with two
-    /// symmetric impacts a period
+    /// Events of the orbit in order [default: the orbit of the settled motion]. With FILE kinds
+    /// and elements, "impact steel, press buffer"; kinds of events other than impact, chatter and
+    /// press that are not mentioned are left out. Without FILE impacts as U (upper stop) and L
+    /// (lower stop); a word that ends in "-" is half of a symmetric orbit: U- is the motion with
+    /// two symmetric impacts a period
     #[arg(long, value_name = "WORD", allow_hyphen_values = true)]
     pub word: Option<String>,
     /// Period of the orbit: with FILE in common periods of the drive, 2T, or a time, 0.1s; without
@@ -86,10 +85,10 @@ pub struct OneOrbit {
 }
 
 impl OneOrbit {
-    /// Which orbit of the paper's machine.
+    /// The requested orbit of the paper's machine.
     ///
     /// # Errors
-    /// [`Error::Refused`](vibro::Error::Refused) for another period than 1 to 32.
+    /// [`Error::Refused`](vibro::Error::Refused) for a period outside 1 to 32.
     pub fn which(&self) -> vibro::Result<Which> {
         let read = |text: &String| {
             whole::<u32>(1..=32)(text).map_err(|problem| vibro::Error::Refused {
@@ -144,8 +143,8 @@ pub struct Orbits {
 #[group(skip)]
 pub struct OrbitsOfFile {
     /// What is drawn and listed of each orbit: an output of `vibro sweep`, such as
-    /// amplitude.box.s, maximum.buffer.f or impact.speed.steel, or a quantity, of which the largest
-    /// value is drawn [default: amplitude of the first free body]
+    /// amplitude.box.s, maximum.buffer.f or impact.speed.steel, or a quantity, of which the
+    /// largest value is drawn [default: amplitude of the first free body]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
     /// The motion.
@@ -163,7 +162,8 @@ pub struct ResponseOfFile {
     /// Number of values at which settled motions are looked for, rising and falling
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
-    /// Most changes from one branch to another in a row, at bifurcations and touches of rigid stops
+    /// Most changes from one branch to another in a row, at bifurcations and touches of rigid
+    /// stops
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
@@ -179,15 +179,15 @@ pub struct OrbitsOfPaper {
     #[command(flatten)]
     pub which: Which,
     /// Number of further motions, from starts spread over the visited states and over the range;
-    /// half as many again are added where motions did not settle on a stable orbit. Stable branches
-    /// near which these motions pass are followed too
+    /// half as many again are added where motions did not settle on a stable orbit. Stable
+    /// branches near which these motions pass are followed too
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = whole::<u32>(0..=1_000_000))]
     pub starts: u32,
     /// Most impacts in an orbit
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = whole::<u32>(1..=128))]
     pub letters: u32,
-    /// At a touch, also follow the orbits that touch only once in up to so many passages; they have
-    /// a longer period
+    /// At a touch, also follow the orbits that touch only once in up to so many passages; they
+    /// have a longer period
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=16))]
     pub repetitions: u32,
     /// Values of the parameter at which every branch gets a point, labelled UZ; separated by

@@ -36,7 +36,7 @@ pub fn print(studies: &[Study], subject: &dyn Subject, folder: &Path, common: &C
     say(text.trim_end_matches('\n'))
 }
 
-/// A line that says why results have a folder of their own; empty if they have none.
+/// A line that explains why results have a separate folder; empty if they do not.
 pub fn apart(folder: &Path, common: &Common) -> String {
     if folder == common.out {
         return String::new();

@@ -1,4 +1,4 @@
-//! `vibro new`, which writes a machine's file to start from, and `vibro fmu`, which packs one.
+//! `vibro new`, which writes a machine's file to start from, and `vibro fmu`, which packs it.
 
 use crate::common_arguments::Common;
 use crate::output;
@@ -16,7 +16,7 @@ const ARCHIVES: &str = "VIBRO_IMPACT_ARCHIVES";
 /// Writes the file of a machine of the gallery, or lists the machines.
 ///
 /// # Errors
-/// [`Error::Refused`] for an unknown name, and for a file that is there; [`Error::File`].
+/// [`Error::Refused`] for an unknown name, and for a file that already exists; [`Error::File`].
 pub fn begin(arguments: &New) -> Result<()> {
     let Some(name) = &arguments.name else {
         let lines: Vec<String> = EXAMPLES.iter().map(|e| format!("{:20} {}", e.name, e.about())).collect();
@@ -41,7 +41,7 @@ pub fn begin(arguments: &New) -> Result<()> {
 /// FMI 3.0. An archive that it replaces is named.
 ///
 /// # Errors
-/// [`Error::Refused`] where no library is at hand, and for a machine that cannot be packed;
+/// [`Error::Refused`] if no library is available, and for a machine that cannot be packed;
 /// [`Error::File`].
 pub fn pack(machine: &Description, arguments: &Fmu, common: &Common) -> Result<()> {
     let refused =
@@ -56,7 +56,7 @@ pub fn pack(machine: &Description, arguments: &Fmu, common: &Common) -> Result<(
     output::say(&format!("packed in {} (FMI {}.0){replaced}", to.display(), arguments.fmi))
 }
 
-/// The library: the one that is named, or the first that is at hand.
+/// The library: the one named by the user, or the first one found.
 fn kit(named: Option<&Path>) -> Result<PathBuf> {
     if let Some(path) = named {
         return Ok(path.to_owned());

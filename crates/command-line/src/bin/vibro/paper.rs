@@ -1,9 +1,9 @@
-//! `vibro paper COMMAND`, the commands for the paper's machine, and the help of the other commands,
-//! which describes a machine's file alone.
+//! `vibro paper COMMAND`, the commands for the paper's machine, and the help of the other
+//! commands, which describes a machine's file alone.
 //!
-//! Commands with an optional FILE take either machine (see [`crate::common_arguments`]). `vibro
-//! COMMAND FILE` and `vibro paper COMMAND` are the two spellings of such a command. Both parse into
-//! one [`crate::arguments::Command`]; only their help differs.
+//! Commands with an optional FILE take either machine (see [`crate::common_arguments`]).
+//! `vibro COMMAND FILE` and `vibro paper COMMAND` are the two spellings of such a command. Both
+//! parse into one [`crate::arguments::Command`]; only their help differs.
 
 use crate::common_arguments::{FILE, NUMBERS, WITH_FILE, WITHOUT_FILE, has_file, with_notes};
 use crate::design_arguments;
@@ -66,8 +66,8 @@ fn takes_paper(command: &Command) -> bool {
     !needs_file && !["new", "merge"].contains(&command.get_name())
 }
 
-/// The commands as they are shown: those with a FILE described by themselves, and those for the
-/// paper's machine in a group. The old spellings of the latter are hidden.
+/// The commands as shown to the user: commands with a FILE on their own, and commands for the
+/// paper's machine in a group. The old spellings of the paper's commands are hidden.
 pub fn grouped(all: Command) -> Command {
     let papers: Vec<Command> =
         all.get_subcommands().filter(|command| takes_paper(command)).cloned().map(of_paper).collect();
@@ -91,7 +91,7 @@ fn old_spelling(command: Command) -> Command {
     command.hide(true).override_usage(usage).before_help(note)
 }
 
-/// The words on a command that is called without `paper`.
+/// Note on a command that is called without `paper`.
 fn note_of_old_spelling(name: &str, without: &str) -> String {
     format!("`vibro {name}`{without} is now `vibro {PAPER} {name}`; the old spelling works until 0.5")
 }
@@ -144,8 +144,8 @@ pub fn spelled(command: &Command, file: Option<&Path>) -> String {
     if file.is_none() && takes_paper(command) { format!("{PAPER} {name}") } else { name.into() }
 }
 
-/// Refuses a FILE behind `vibro paper`. Notes the new spelling of a command for the paper's machine
-/// that was called without `paper`, as in version 0.3.
+/// Refuses a FILE behind `vibro paper`. Notes the new spelling of a command for the paper's
+/// machine that was called without `paper`, as in version 0.3.
 ///
 /// # Errors
 /// [`Error::Refused`] with the spelling for a machine's file.

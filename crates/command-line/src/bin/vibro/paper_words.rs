@@ -123,7 +123,7 @@ const SET: [&str; 2] = [
     "Set one parameter, e.g. kappa=0.6, box.k=48kN/m. May be repeated",
 ];
 
-/// Help of `basin --start` for the paper's machine, which has nothing of that for a file.
+/// Help of `basin --start` for the paper's machine; it shares nothing with the help for a file.
 const BASIN_START: [&str; 2] = [
     "With FILE two ranges of numbers of the starts",
     "Initial values that are on no axis, e.g. block.s=5mm,v1=1; zero unless named",

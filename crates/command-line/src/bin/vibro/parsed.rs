@@ -1,5 +1,5 @@
-//! Parsing of the command line: help texts that show FILE as required, and errors for commands that
-//! stand in the wrong group.
+//! Parsing of the command line: help texts that show FILE as required, and errors for commands in
+//! the wrong group.
 
 use crate::arguments::command;
 use crate::common_arguments::{FILE, has_file};
@@ -7,7 +7,7 @@ use crate::invocation::quoted;
 use clap::ArgMatches;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-/// Words that ask for help.
+/// Words that request help.
 const HELP: [&str; 3] = ["--help", "-h", "help"];
 /// Group of commands with a machine's file in version 0.2.
 const OLD_GROUP: &str = "assembly";
@@ -16,7 +16,8 @@ const OLD_GROUP: &str = "assembly";
 pub fn matches() -> ArgMatches {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let asks = words.iter().any(|word| HELP.contains(&word.as_str()));
-    // Without FILE the old spellings for the paper's machine are parsed, which no help describes.
+    // Without FILE the old spellings for the paper's machine are parsed; the help does not
+    // describe them.
     let command = if asks { with_required_file(command()) } else { command() };
     command.try_get_matches().unwrap_or_else(|error| explained(error, &words).exit())
 }
@@ -29,8 +30,7 @@ fn with_required_file(command: clap::Command) -> clap::Command {
     })
 }
 
-/// An error for an unknown command. It names the spelling of a command that stands in the wrong
-/// group.
+/// Error for an unknown command. It names the spelling of a command in the wrong group.
 fn explained(error: clap::Error, words: &[String]) -> clap::Error {
     let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return error };
     let after = words.iter().skip_while(|word| *word != name).skip(1);

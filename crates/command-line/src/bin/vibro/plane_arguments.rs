@@ -1,5 +1,5 @@
-//! Arguments of `basin` and `section`: where motions from many starts settle, and the points of
-//! one.
+//! Arguments of `basin` and `section`: the attractors of motions from many starts, and the points
+//! of one motion at its section.
 
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, angle, start_help,
@@ -83,9 +83,9 @@ pub struct SectionOfFile {
     /// Points of the section
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u32>(1..=10_000_000))]
     pub keep: u32,
-    /// What is drawn across and up: two of the columns, such as box.s,box.v, of time and phase, and
-    /// at an element's events of speed, with which it closes
-    /// [default: the first free body's place and rate; at an element's events phase,speed]
+    /// What is drawn across and up: two of the columns, such as box.s,box.v, of time and phase,
+    /// and at an element's events of speed, with which it closes [default: the first free body's
+    /// place and rate; at an element's events phase,speed]
     #[arg(long, value_name = "NAME,NAME")]
     pub of: Option<String>,
 }

@@ -1,5 +1,5 @@
-//! Progress on the terminal for work of more than a second: a bar where steps are counted, and the
-//! time gone where none is.
+//! Progress on the terminal for work of more than a second: a bar if steps are counted, otherwise
+//! the elapsed time.
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -28,8 +28,8 @@ struct Terminal {
     bars: usize,
 }
 
-/// Shows the time that a command has taken, from [`PATIENCE`] on, until it is dropped. It gives way
-/// to bars, so that no command is silent, whatever it does before, between and after them.
+/// Shows the time that a command has taken, from [`PATIENCE`] on, until it is dropped. It makes
+/// way for bars, so that no command is silent before, between or after them.
 pub struct Clock {
     over: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -71,7 +71,7 @@ impl Drop for Clock {
     }
 }
 
-/// Takes the clock off the terminal, before something is printed. It comes back at its next tick.
+/// Takes the clock off the terminal before something is printed. It returns at its next tick.
 pub fn clear() {
     if let Ok(mut terminal) = TERMINAL.lock() {
         terminal.clock.take().into_iter().for_each(|clock| clock.finish_and_clear());
@@ -89,7 +89,7 @@ pub struct Progress {
     total: u64,
     unit: &'static str,
     done: AtomicU64,
-    /// When a fraction was last shown, ms after the begin.
+    /// When a fraction was last shown, ms after the beginning.
     told: AtomicU64,
     bar: OnceLock<ProgressBar>,
     target: Mutex<Option<ProgressDrawTarget>>,
@@ -132,14 +132,14 @@ impl Progress {
         }
     }
 
-    /// Sets the completed fraction, from 0 to 1, of work that is a length of time. It may be called
-    /// at every event of a motion.
+    /// Sets the completed fraction, from 0 to 1, of work that is a length of time. It may be
+    /// called at every event of a motion.
     pub fn part(&self, part: f64) {
         self.described(part, &|| format!("{part:.3e} of all"), "left");
     }
 
-    /// Sets the completed fraction, from 0 to 1, with words for it; `left` names the time that is
-    /// left, such as "left at most".
+    /// Sets the completed fraction, from 0 to 1, with words for it. `left` names the remaining
+    /// time, such as "left at most".
     pub fn described(&self, part: f64, words: &dyn Fn() -> String, left: &str) {
         let gone = self.begin.elapsed();
         let since = (gone.as_millis() as u64).saturating_sub(self.told.load(Ordering::Relaxed));
@@ -204,9 +204,9 @@ mod tests {
         (terminal, progress)
     }
 
-    /// Waits until the terminal shows what is expected: a bar is drawn by a thread of its own.
+    /// Waits until the terminal shows the expected text: a bar is drawn by its own thread.
     fn wait(terminal: &InMemoryTerm, is_met: impl Fn(&str) -> bool) {
-        /// Longest wait, some hundred ticks: other tests hold the processor.
+        /// Longest wait, a few hundred ticks: other tests use the processor.
         const LONGEST: Duration = Duration::from_secs(60);
         let begin = Instant::now();
         while !is_met(&terminal.contents()) {

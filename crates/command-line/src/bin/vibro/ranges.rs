@@ -25,7 +25,7 @@ pub struct Share {
 pub struct ParameterRange<N = Name> {
     /// The parameter.
     pub name: N,
-    /// Its ends in its SI unit, the lower one first; both are allowed values. Ends without a unit
+    /// Its ends in its SI unit, the lower one first; both are valid values. Ends without a unit
     /// are as typed until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit) converts
     /// them.
     pub ends: (f64, f64),
@@ -40,7 +40,7 @@ pub struct ParameterRange<N = Name> {
 pub struct ParameterValues<N = Name> {
     /// The parameter.
     pub name: N,
-    /// The values in its SI unit, as given; all are allowed. Values without a unit are as typed
+    /// The values in its SI unit, as given; all are valid. Values without a unit are as typed
     /// until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit) converts them.
     pub values: Vec<f64>,
     /// The unit in which they were written.
@@ -142,8 +142,8 @@ impl FromStr for ParameterPair {
     }
 }
 
-// The text is in SI and has the parameter's own name, so that equal ranges have equal texts even if
-// they were typed in different forms.
+// The text is in SI and has the parameter's own name, so that equal ranges have equal texts even
+// if they were typed in different forms.
 impl<N: AxisName> fmt::Display for ParameterRange<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}={}:{}", self.name.text(), self.ends.0, self.ends.1)?;
@@ -170,8 +170,8 @@ pub fn shown(set: &ParameterSet, name: Name, default: (f64, f64)) -> ParameterRa
     ParameterRange { name, ends: (default.0.min(own), default.1.max(own)), count: None, unit: None }
 }
 
-/// Values of a parameter on an axis. A number without a unit is in the unit that the machine's file
-/// or `--set` used for that parameter. This unit is known only after these are read.
+/// Values of a parameter on an axis. A number without a unit is in the unit that the machine's
+/// file or `--set` used for that parameter. This unit is known only after these are read.
 pub trait InWrittenUnit: fmt::Display {
     /// The parameter.
     fn name(&self) -> Name;
@@ -229,7 +229,7 @@ impl InWrittenUnit for ParameterValues {
     }
 }
 
-/// Checks values whose unit cannot change any more: those with a unit, and groups, which have none.
+/// Checks values whose unit is final: values with a unit, and groups, which have none.
 fn check_if_certain(name: Name, unit: Option<&Unit>, values: &[f64]) -> Result<()> {
     let certain = unit.is_some() || matches!(name, Name::Group(_));
     let check = |value: &f64| name.check(*value).map_err(|e| vibro_studies::Error::from(e).into());

@@ -1,4 +1,4 @@
-//! `vibro run`: its arguments, and their conversion for the paper's machine to the library's study.
+//! `vibro run`: its arguments, and their conversion for the paper's machine.
 
 use crate::common_arguments::{START_VALUE, WITH_FILE, WITHOUT_FILE, start_help, time};
 use crate::ranges::{in_option, whole};
@@ -15,7 +15,7 @@ use vibro_impact::load::Interpolation;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{ParameterSet, quantity_in};
 
-/// Largest number of rows of the table in a drive period.
+/// Largest number of rows of the table per drive period.
 const MOST_SAMPLES: u32 = 10_000;
 
 /// Arguments of `run`.
@@ -25,8 +25,8 @@ pub struct RunArguments {
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Rows of the table: in each drive period, at most 10000; with FILE in all, after that of time
-    /// 0 [default: 100; with FILE 1000]
+    /// Rows of the table: in each drive period, at most 10000; with FILE in all, after that of
+    /// time 0 [default: 100; with FILE 1000]
     #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "1000"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub samples: u32,
@@ -61,8 +61,8 @@ pub struct RunOfFile {
     #[arg(long)]
     pub knots: bool,
     /// Write the exact derivatives of all columns (derivatives.csv) and of the events' times
-    /// (event-derivatives.csv) by these parameters, e.g. stop.steel.gap,friction.guide.force, or by
-    /// numbers of the start: start.box.s, start.box.v, start.time
+    /// (event-derivatives.csv) by these parameters, e.g. stop.steel.gap,friction.guide.force, or
+    /// by numbers of the start: start.box.s, start.box.v, start.time
     #[arg(long, value_name = "NAME,…")]
     pub derivatives: Vec<String>,
 }
@@ -84,8 +84,8 @@ pub struct RunOfPaper {
     #[arg(skip)]
     pub start: Option<StartRule>,
     /// Load on box, block or secondary: a constant force (block=-3.4N), or a CSV file of time (s)
-    /// and force (N). A constant force acts from the start on; time 0 of a file is the beginning of
-    /// the record. May be repeated; loads on one body add
+    /// and force (N). A constant force acts from the start on; time 0 of a file is the beginning
+    /// of the record. May be repeated; loads on one body add
     #[arg(long, value_name = "BODY=FORCE|FILE", allow_hyphen_values = true)]
     pub load: Vec<LoadArgument>,
     /// Interpolation of the force between two samples
@@ -93,12 +93,12 @@ pub struct RunOfPaper {
     pub interpolation: InterpolationName,
 }
 
-/// How long a run is.
+/// Length of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Duration {
     /// In s.
     Seconds(f64),
-    /// In drive periods, of which a part is allowed.
+    /// In drive periods, not necessarily a whole number.
     Periods(f64),
 }
 
@@ -139,7 +139,7 @@ pub enum InterpolationName {
     Cubic,
 }
 
-/// Constant loads are among the parameters of the set.
+/// Computes a run; constant loads are among the parameters of the set.
 pub fn run(set: &ParameterSet, RunArguments { samples, of_paper: a, .. }: &RunArguments) -> Result<Study> {
     if *samples > MOST_SAMPLES {
         let problem = format!("allowed are 1 to {MOST_SAMPLES} in each drive period");

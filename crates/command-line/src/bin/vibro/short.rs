@@ -23,8 +23,8 @@ fn range_of(set: &ParameterSet, given: &[ParameterRange], name: Name, default: (
     found.copied().unwrap_or_else(|| shown(set, name, default))
 }
 
-/// Values of a family of curves: the value that was set and the listed values; the default if there
-/// are neither.
+/// Values of a family of curves: the value that was set and the listed values, or the default if
+/// there are neither.
 fn members<'a>(
     set: &ParameterSet,
     name: Name,
@@ -57,7 +57,7 @@ fn check_useful(
     }
 }
 
-/// Refuses a set value of a group for which the figure has values of its own.
+/// Refuses a set value of a group if the figure has its own values.
 pub fn check_used(set: &ParameterSet, figure: &str, unused: &[&str], instead: &str) -> Result<()> {
     match set.first_set(unused) {
         Some(name) => Err(Error::Refused {
@@ -74,7 +74,7 @@ fn wants(figures: &[String], figure: &str) -> bool {
 }
 
 /// Names of the results of a short command. Results of long studies are checked with their parts,
-/// and the result for figure 19, which has parameters of its own, when it is written.
+/// and the result for figure 19, which has its own parameters, when it is written.
 pub fn names(command: &Command) -> Vec<String> {
     let figures = |stem: &str, all: &[&str], asked: &[String]| {
         all.iter().filter(|f| wants(asked, f)).map(|f| format!("{stem}-{f}")).collect()
@@ -157,7 +157,7 @@ pub fn response(set: &ParameterSet, Response { of_paper: a, .. }: &Response) -> 
 
 const COUNT: &str = "name=from:to without a count: curves are followed and have no fixed number of values";
 
-/// The response along any parameter, for the values listed of one other.
+/// The response along any parameter, for the listed values of one other parameter.
 fn along(set: &ParameterSet, range: &ParameterRange, a: &ResponseOfPaper) -> Result<Study> {
     if range.count.is_some() {
         return Err(Error::form(range.name.name(), COUNT));

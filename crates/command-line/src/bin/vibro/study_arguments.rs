@@ -1,5 +1,4 @@
-//! Arguments of diagrams, and of the studies of the paper's machine that have no module of their
-//! own.
+//! Arguments of diagrams, and of the studies of the paper's machine that have no separate module.
 
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
@@ -135,9 +134,9 @@ pub struct Isoperiodic {
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u16>(2..=3_000))]
     pub resolution: u16,
-    /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v
-    /// block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not
-    /// named is zero. "orbit" starts on the exact orbit where it is stable
+    /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s
+    /// box.v block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is
+    /// not named is zero. "orbit" starts on the exact orbit where it is stable
     #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
     pub start: StartRule,
     /// Drive periods discarded. A motion that has settled earlier is not simulated further
@@ -214,16 +213,16 @@ pub struct Response {
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Range of the parameter along which the response is drawn: with FILE any of its numbers, such
-    /// as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 (force
+    /// Range of the parameter along which the response is drawn: with FILE any of its numbers,
+    /// such as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 (force
     /// response) or another parameter
     #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO")]
     #[arg(allow_hyphen_values = true)]
     pub range: Vec<String>,
     /// What is drawn. With FILE an output of `vibro sweep`, such as amplitude.box.s or
-    /// maximum.buffer.f, or a quantity, of which the largest value is drawn; without, the amplitude
-    /// of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the amplitude of the
-    /// first free body; without, the paper's C and A3]
+    /// maximum.buffer.f, or a quantity, of which the largest value is drawn; without, the
+    /// amplitude of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the
+    /// amplitude of the first free body; without, the paper's C and A3]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
     /// Of a machine's file.
@@ -272,8 +271,8 @@ pub struct Manifold {
     /// paper's figure numbers [default: all]
     #[arg(long, value_name = "N", value_parser = ["2", "7", "9"])]
     pub figure: Vec<String>,
-    /// The parameter that differs between the panels of the fixed points (figure 9), and its values
-    /// [default: f10=0.6,1.2,1.5,2.5, or the f10 that was set]
+    /// The parameter that differs between the panels of the fixed points (figure 9), and its
+    /// values [default: f10=0.6,1.2,1.5,2.5, or the f10 that was set]
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
     pub values: Option<ParameterValues>,
 }
@@ -281,8 +280,8 @@ pub struct Manifold {
 /// Arguments of `stability`.
 #[derive(Args, Debug)]
 pub struct Stability {
-    /// What is drawn: limits over restitution and mass ratio (5), Masri's plane (6), by the paper's
-    /// figure numbers [default: both]
+    /// What is drawn: limits over restitution and mass ratio (5), Masri's plane (6), by the
+    /// paper's figure numbers [default: both]
     #[arg(long, value_name = "N", value_parser = ["5", "6"])]
     pub figure: Vec<String>,
 }

@@ -65,7 +65,7 @@ pub fn request<M: DesignMachine>(
     })
 }
 
-/// Axes or measures in words, in SI, for manifests.
+/// Text of axes or measures, in SI, for manifests.
 pub fn in_words<T: Display>(axes: &[T]) -> String {
     axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
@@ -73,7 +73,7 @@ pub fn in_words<T: Display>(axes: &[T]) -> String {
 /// The sweep of the paper's machine.
 ///
 /// # Errors
-/// An error if a design, measure or start is not allowed; the errors of [`perform_as`].
+/// An error if a design, measure or start is not valid; the errors of [`perform_as`].
 pub fn sweep(set: &ParameterSet, common: &Common, a: &Sweep) -> Result<()> {
     let own = &a.of_paper;
     let measures: Vec<Measure> = texts("--output", &a.output)?;

@@ -37,7 +37,7 @@ EXAMPLES of the paper's machine
   vibro paper sweep --vary block.m=0.4kg:1.6kg --vary stop.gap=2mm:24mm --sobol 256 --config parameters.toml
   vibro paper sweep --design rows.csv    (a header with names of parameters, then numbers, with or without units)";
 
-/// What the tables of a sweep contain.
+/// Description of the tables of a sweep.
 pub const TABLE: &str = "\
 THE TABLE (sweep.csv, sweep.parquet) has a row for each design: the parameters and outputs in SI, the reason if values are
 missing, and at the end each parameter that was written in another unit, in that unit (`drive.frequency [Hz]`). With one motion a
@@ -53,8 +53,8 @@ pub struct Sweep {
     /// paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// A parameter and its values, as a range or a list. May be repeated; all combinations are run,
-    /// the last parameter fastest
+    /// A parameter and its values, as a range or a list. May be repeated; all combinations are
+    /// run, the last parameter fastest
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub vary: Vec<String>,
     /// Number of values of a range without a count
@@ -198,7 +198,7 @@ impl<N: AxisName> AxisArgument<N> {
     /// Its values.
     ///
     /// # Errors
-    /// An error if the number of values is not allowed.
+    /// An error if the number of values is out of range.
     pub fn sampled(&self, resolution: u32) -> Result<SampledAxis<N>> {
         Ok(match self {
             Self::Range(range) => {

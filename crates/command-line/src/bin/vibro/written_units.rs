@@ -1,4 +1,4 @@
-//! Numbers without a unit on a command's axes, which are in the units in which the machine was
+//! Numbers without a unit on a command's axes; they are in the units in which the machine was
 //! written.
 
 use crate::arguments::Command;

@@ -1,4 +1,4 @@
-//! Mean speeds of bodies whose acceleration is prescribed, where they do not stay in place.
+//! Mean speeds of bodies whose acceleration is prescribed, if they do not stay in place.
 
 use super::{short, units};
 use vibro_machine::Assembly;
@@ -8,9 +8,9 @@ use vibro_machine::system::BodyRows;
 use vibro_numerics::double_double::DoubleDouble;
 use vibro_studies::common_period;
 
-/// Mean speed, relative to the largest speed beside it, below which a body stays in place.
+/// Mean speed, relative to the largest speed of the span, below which a body stays in place.
 const STAYS: f64 = 1e-6;
-/// Times of a span at which speeds are looked at for their size.
+/// Number of times in a span at which speeds are sampled to find their size.
 const SPEEDS: u32 = 16;
 
 /// The span of a motion that repeats.
@@ -50,7 +50,7 @@ pub(super) fn drifts(assembly: &Assembly) -> Vec<String> {
 }
 
 /// Time over which the mean speed of a body is taken, s, and its name: the body's record or sweep,
-/// which does not repeat, or else the machine's common period.
+/// which does not repeat, otherwise the machine's common period.
 fn span(own: &Integrated, d: &Description) -> Option<(f64, &'static str)> {
     if own.level != Level::Acceleration {
         return None;

@@ -19,7 +19,7 @@ impl ShownBasins for Machine {
         own.into_iter().chain(names.into_iter().map(|(name, _)| name)).collect()
     }
 
-    /// With the orbit's events and stability, or why it was not found.
+    /// Includes the orbit's events and stability, or the reason why it was not found.
     fn listed(&self, SettledAttractor { settled, start }: &SettledAttractor, [share, _]: [f64; 2]) -> Listed {
         /// Longest list of events in an entry of the legend.
         const LONGEST: usize = 48;
@@ -63,10 +63,10 @@ impl ShownBasins for Machine {
     }
 }
 
-/// Difference of coordinates of one place of rest, relative to their size.
+/// Difference of coordinates of the same position of rest, relative to their size.
 const ONE_PLACE: f64 = 1e-6;
 
-/// The share of the motions that came to rest, and where; `None` where none did.
+/// The share of the motions that came to rest, and where; `None` if none did.
 fn rest_in_words(machine: &Machine, basins: &Basins<SettledAttractor>) -> Option<String> {
     let d = &machine.description;
     let bodies = d.bodies.iter().zip(&basins.rest).filter(|(body, _)| !body.is_inner());

@@ -1,4 +1,4 @@
-//! The best design of a sweep, in words.
+//! Description of the best design of a sweep.
 
 use super::collected::value_in_words;
 use super::words::Labelled;
@@ -53,7 +53,7 @@ pub(super) fn best_in_words<M: Labelled>(
     lines
 }
 
-/// The numbers of the designs that are listed.
+/// The indices of the listed designs.
 pub(super) fn told(choice: &Choice) -> &[usize] {
     &choice.possible[..choice.possible.len().min(MAX_LISTED)]
 }

@@ -8,7 +8,7 @@ use vibro_studies::significant;
 /// Largest number of designs in a picture.
 const MOST_DRAWN: usize = 100_000;
 
-/// Least and largest value of a measure over the motions of a design; `None` if it has no value.
+/// Smallest and largest value of a measure over a design's motions; `None` without a value.
 pub(super) type Reach = Option<(f64, f64)>;
 
 /// One measure of all designs.
@@ -18,13 +18,13 @@ pub(super) struct MeasureRecord<M: Labelled> {
     index: usize,
     /// Values for the picture, by design.
     pub reaches: Vec<Reach>,
-    /// Designs with the least and the largest value.
+    /// Designs with the smallest and the largest value.
     least: Option<Extremum>,
     largest: Option<Extremum>,
 }
 
 impl<M: Labelled> MeasureRecord<M> {
-    /// The least value in a unit, rounded to its spread.
+    /// The smallest value in a unit, rounded to its spread.
     pub fn least_in(&self, factor: f64) -> Option<String> {
         let least = self.least.as_ref()?;
         Some(with_spread(factor * least.value, factor * least.spread))
@@ -39,7 +39,7 @@ struct Extremum {
     design: Vec<f64>,
 }
 
-/// Relative spread up to which a value is shown without its spread, since the spread is then due to
+/// Relative spread up to which a value is shown without its spread, because the spread is only
 /// rounding.
 const REGULAR: f64 = 1e-6;
 
@@ -63,7 +63,7 @@ pub(super) struct Collected<M: Labelled> {
     unsettled: usize,
     /// First reason why a design lacks a value, and first reason why one had not settled.
     reasons: [Option<String>; 2],
-    /// Whether the class was asked for.
+    /// Whether the class was requested.
     has_class: bool,
 }
 

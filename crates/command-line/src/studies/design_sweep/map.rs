@@ -6,8 +6,8 @@ use vibro_figures::chart::{Axis, Colour, Layer, Mark, Panel, Shape};
 use vibro_studies::design_sweep::SampledAxis;
 use vibro_studies::significant;
 
-/// Colours from the least to the largest value (viridis): ever darker, so that grey separates them
-/// too.
+/// Colours from the smallest to the largest value (viridis), increasingly dark, so that they also
+/// differ in greyscale.
 const SCALE: [Colour; 8] = [
     Colour(253, 231, 37),
     Colour(160, 218, 57),
@@ -18,14 +18,14 @@ const SCALE: [Colour; 8] = [
     Colour(70, 50, 126),
     Colour(68, 1, 84),
 ];
-/// Beginning of the legend of the least value.
+/// Beginning of the legend of the smallest value.
 pub(super) const LEAST: &str = "least, ";
 /// Colour of a cell without a value.
 const NOTHING: Colour = Colour(200, 200, 200);
 /// Tolerance of equal distances on an axis, relative to its length.
 const EVEN: f64 = 1e-9;
 
-/// Equally spaced round numbers that enclose a range in at most as many steps as there are colours.
+/// Equally spaced round numbers that enclose a range in at most one step per colour.
 fn steps(least: f64, largest: f64) -> Vec<f64> {
     if least >= largest {
         return vec![least];
@@ -44,7 +44,7 @@ fn steps(least: f64, largest: f64) -> Vec<f64> {
 }
 
 /// The axis of a map, the range of its cells, and the position of each value. Unequally spaced
-/// values have cells of equal size, labelled one by one.
+/// values have cells of equal size, labelled individually.
 fn axis<M: Labelled>(set: &M, of: &SampledAxis<M::Name>) -> (Axis, (f64, f64), Vec<f64>) {
     let (values, count) = (&of.values, of.values.len());
     let (first, last) = (values[0], values[count - 1]);
@@ -77,8 +77,8 @@ pub(in crate::studies) fn limits<'a>(values: impl IntoIterator<Item = &'a Option
     if least <= largest { steps(least, largest) } else { Vec::new() }
 }
 
-/// Map of `values` in steps between these limits. Values are numbered as designs are, the second
-/// axis fastest.
+/// Map of `values` in steps between these limits. Values are numbered as designs are, with the
+/// second axis varying fastest.
 pub(in crate::studies) fn map<M: Labelled>(
     set: &M,
     title: String,
@@ -118,7 +118,7 @@ pub(in crate::studies) fn map<M: Labelled>(
     }
     let least_at =
         (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j))).find(|&(i, j)| value(i, j) == Some(least));
-    // If all values are equal, none is marked as the least.
+    // If all values are equal, none is marked as the smallest.
     if let (Some((i, j)), true) = (least_at, limits.len() > 1) {
         let name = format!("{LEAST}{}{unit}", significant(least));
         layers.push(Layer::marks(&name, VERMILLION, Mark::Disc, vec![(x_places[i], y_places[j])]));

@@ -1,5 +1,5 @@
 //! The picture of a sweep: lines over one parameter; maps over two; for more parameters, maps of
-//! the least value over all others; for designs that are not a grid, marks over each parameter.
+//! the smallest value over all others; for designs that are not a grid, marks over each parameter.
 
 use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
@@ -93,11 +93,11 @@ fn changing<'a, M: Labelled>(
     (changing, (!told.is_empty()).then(|| format!("Not drawn, since it is the same at all designs: {told}.")))
 }
 
-/// Kind and unit of a measure: equal ones share a panel.
+/// Kind and unit of a measure. Measures with equal ones share a panel.
 fn kind<M: Labelled>(set: &M, measure: &M::Measure) -> (String, &'static str) {
     let name = measure.to_string();
     let kind = name.split('.').next().unwrap_or_default().to_owned();
-    // Speed and impulse have units of their own.
+    // Speed and impulse have their own units.
     (kind, set.measure_unit(measure))
 }
 
@@ -107,7 +107,7 @@ fn unbounded_axis<M: Labelled>(set: &M, name: &M::Name) -> Axis {
 }
 
 /// Panels over one parameter, one for each kind of measure. For several motions, the largest value
-/// is a curve, with a pale area between it and the least value.
+/// is a curve, with a pale area between it and the smallest value.
 fn lines<M: Labelled>(
     set: &M,
     axis: &SampledAxis<M::Name>,
@@ -193,7 +193,7 @@ fn largest(reach: &Reach) -> Option<f64> {
     reach.map(|r| r.1)
 }
 
-/// A map whose legend has the least value with its spread.
+/// A map whose legend shows the smallest value with its spread.
 fn with_least(mut panel: Panel, least: Option<String>, unit: &str) -> Panel {
     let marked =
         panel.layers.iter_mut().find(|layer| layer.name.as_ref().is_some_and(|name| name.starts_with(LEAST)));
@@ -222,8 +222,8 @@ fn maps<M: Labelled>(
     records.iter().take(PANELS).map(panel).collect()
 }
 
-/// Maps for more than two parameters: for each pair the least of the first measure over all other
-/// parameters, all on one scale.
+/// Maps for more than two parameters: for each pair the smallest value of the first measure over
+/// all other parameters, all on one scale.
 fn projections<M: Labelled>(
     set: &M,
     axes: &[&SampledAxis<M::Name>],
@@ -247,7 +247,7 @@ fn projections<M: Labelled>(
     best.into_iter().map(panel).collect()
 }
 
-/// The least value over all axes but a pair, the second of the pair fastest.
+/// The smallest value over all axes except a pair, the second of the pair varying fastest.
 fn best_over_others<N>(axes: &[&SampledAxis<N>], [i, j]: [usize; 2], reaches: &[Reach]) -> Vec<Option<f64>> {
     let counts: Vec<usize> = axes.iter().map(|a| a.values.len()).collect();
     let place = |design: usize, axis: usize| {

@@ -37,7 +37,7 @@ enum Cell {
 
 impl Cell {
     fn number(value: Option<f64>) -> Self {
-        // -inf is a valid value of an exponent; NaN stands for a missing value.
+        // -inf is a valid value of an exponent; NaN means a missing value.
         value.filter(|v| !v.is_nan()).map_or(Self::Empty, Self::Number)
     }
 
@@ -47,8 +47,8 @@ impl Cell {
 }
 
 /// Columns: parameters; outputs; reason; spreads of the outputs; periods of the window; number of
-/// values between those of `over`. If there are several motions for each design, an output has its
-/// least, mean and largest value, and the place of the largest.
+/// values between the values of `over`. With several motions per design, an output has its
+/// smallest, mean and largest value, and the motion with the largest.
 fn columns<M: Labelled>(set: &M, request: &SweepRequest<M>) -> Vec<SweepColumn> {
     let number = |name: String, unit: &str| SweepColumn { name, unit: Some(unit.into()) };
     let text = |name: String| SweepColumn { name, unit: None };
@@ -80,7 +80,7 @@ fn columns<M: Labelled>(set: &M, request: &SweepRequest<M>) -> Vec<SweepColumn> 
     all
 }
 
-/// The columns of parameters that were written in another unit than SI: index, unit, name of the
+/// The columns of parameters that were written in a unit other than SI: index, unit, name of the
 /// column in that unit.
 fn written(set: &dyn Subject, columns: &[SweepColumn]) -> Vec<(usize, &'static Unit, String)> {
     let unit = |(i, c): (usize, &SweepColumn)| {

@@ -20,10 +20,10 @@ pub trait Labelled: DesignMachine + Subject {
     fn symbol_is(&self, name: &Self::Name, value: f64) -> String;
     /// The machine's parameters in one line, except `names`.
     fn caption_but(&self, names: &[Self::Name]) -> String;
-    /// Description in one line of the machine with varying parameters `names`; `None` if the
+    /// One-line description of the machine with varying parameters `names`; `None` if the
     /// machine's own caption is right for it.
     fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
-    /// A measure in words.
+    /// Description of a measure.
     fn words(measure: &Self::Measure) -> String;
     /// A measure's SI unit; `1` if it has none.
     fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
@@ -147,7 +147,7 @@ impl MeasureUnit {
         if self.symbol.is_empty() { String::new() } else { format!(" {}", self.symbol) }
     }
 
-    /// A value, given in SI, with this unit.
+    /// Text of a value, given in SI, with this unit.
     pub fn told(&self, si: f64) -> String {
         format!("{}{}", significant(self.number(si)), self.spaced())
     }

@@ -1,4 +1,4 @@
-//! Picture of a design search: the goal over the evaluations, and over each number that varies.
+//! Picture of a design search: the goal over the evaluations, and over each varying number.
 
 use crate::studies::design_sweep::Labelled;
 use crate::studies::orbits::shown_axis;
@@ -6,9 +6,9 @@ use vibro_design::{DesignRequest, Designed, Evaluation, Stage};
 use vibro_figures::canvas::palette::{BLUE, GREY, ORANGE, PURPLE, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path};
 
-/// Largest number of panels over numbers that vary.
+/// Largest number of panels over varying numbers.
 const NUMBERS: usize = 5;
-/// Parts of the best goal up to which designs are drawn; the rest would hide the differences.
+/// Multiple of the best goal up to which designs are drawn; the rest would hide the differences.
 const WORST: f64 = 6.0;
 
 const STAGES: [(Stage, Colour, Mark); 5] = [
@@ -19,7 +19,7 @@ const STAGES: [(Stage, Colour, Mark); 5] = [
     (Stage::Nearby, ORANGE, Mark::Disc),
 ];
 
-/// The picture; `None` where no design has a value.
+/// The picture; `None` if no design has a value.
 pub fn figure(request: &DesignRequest, found: &Designed) -> Option<Figure> {
     let machine = &request.machine;
     let goal = |own: &Evaluation| own.goal.map(|goal| goal.value);

@@ -1,4 +1,4 @@
-//! The result of a design search in words.
+//! Description of the result of a design search.
 
 use crate::studies::design_sweep::with_spread;
 use crate::studies::orbits::shown_unit;
@@ -71,7 +71,7 @@ fn rival(request: &DesignRequest, own: &Rival) -> String {
     format!("  other: {goal} at {}: {apart}", numbers(request, &own.values))
 }
 
-/// The motions to which the starts lead at the place of the worst value.
+/// Descriptions of the motions that the starts lead to at the point with the worst value.
 fn attractors(request: &DesignRequest, best: &Best) -> Vec<String> {
     let all: usize = best.attractors.iter().map(|own| own.starts).sum();
     let one = |own: &Attractor| {

@@ -1,4 +1,4 @@
-//! Steady motion by theory against simulation (figures 8, 16, 17).
+//! Comparison of steady motion by theory with simulation (figures 8, 16, 17).
 
 use super::lengths::Lengths;
 use super::steady::{comparison_panel, four_panels};
@@ -55,9 +55,9 @@ pub(super) fn simulate(parameters: &Parameters, near: &SteadyMotion) -> Result<S
     Ok(SimulatedMotion { amplitudes, samples: simulated(&flights, p), motion: observe(&mut simulator)? })
 }
 
-/// Reason why the errors of a theory's amplitudes have no meaning: the theory's motion is unstable,
-/// so that a simulation leaves it, or the simulated motion is of another kind. `None` if the errors
-/// have a meaning.
+/// Reason why the errors of a theory's amplitudes have no meaning: the theory's motion is
+/// unstable, so that a simulation leaves it, or the simulated motion is of another kind. Otherwise
+/// `None`.
 pub(super) fn not_compared(theory: &SteadyMotion, simulated: &SimulatedMotion) -> Option<String> {
     let mut reasons = Vec::new();
     if !theory.is_stable() {
@@ -95,8 +95,8 @@ pub(super) fn no_motion(name: &str, theory: &str) -> Study {
     Study::without_figure(name, format!("no picture: {theory} has no motion with two symmetric impacts here"))
 }
 
-/// Amplitudes by theory and simulation with the theory's errors, as a table and in words. If the
-/// motions are not comparable, the reason replaces the errors.
+/// Table and description of the amplitudes by theory and simulation with the theory's errors. If
+/// the motions are not comparable, the reason replaces the errors.
 pub(super) fn amplitude_table(
     name: &str,
     analytical: [f64; 4],
@@ -122,7 +122,7 @@ pub(super) fn caption_lines(not_compared: Option<&str>) -> Vec<String> {
     not_compared.iter().flat_map(|reason| reason.split("; ")).map(str::to_owned).collect()
 }
 
-/// Figure 8 against the simulation: time histories and phase portraits, and the amplitudes.
+/// Figure 8 and the simulation: time histories and phase portraits, and the amplitudes.
 ///
 /// # Errors
 /// The errors of theory and simulator.
@@ -150,7 +150,7 @@ pub fn histories(set: &ParameterSet) -> Result<Study> {
 /// maxima of X2 of a sweep up and down.
 ///
 /// # Errors
-/// An error if the range is not allowed; the errors of theory and simulator.
+/// An error if the range is not valid; the errors of theory and simulator.
 pub fn force_overlay(
     set: &ParameterSet,
     range: (f64, f64),
@@ -210,7 +210,7 @@ impl EpsilonComparison {
 /// Figure 17: U and W for some ε, and the errors of the amplitudes over ε with their slopes.
 ///
 /// # Errors
-/// An error if a value of ε is not allowed; the errors of theory and simulator.
+/// An error if a value of ε is not valid; the errors of theory and simulator.
 pub fn accuracy(set: &ParameterSet, epsilons: &[f64]) -> Result<Study> {
     let group = find_group("epsilon")?;
     let run = |&epsilon: &f64| EpsilonComparison::new(&set.with(group, epsilon)?, epsilon);

@@ -87,8 +87,8 @@ pub struct DiagramOrbits {
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
     let family = Family::new(set, span)?;
-    // A free block and undamped modes are refused for any word. Whether this word has an orbit does
-    // not matter.
+    // A free block and undamped modes are refused for any word. Whether this word has an orbit
+    // does not matter.
     let middle = family.system(&[0.5 * (span.from + span.to)])?;
     match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
         Ok(_) | Err(vibro_studies::Error::NoOrbit { .. }) => Ok(family),
@@ -97,9 +97,9 @@ pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
 }
 
 impl DiagramOrbits {
-    /// Follows all branches in the range of a sweep and assigns each periodic row of its diagram to
-    /// a branch. Finished branches are kept in a store; `told` receives the number of traced starts
-    /// and the number of waiting ones.
+    /// Follows all branches in the range of a sweep and assigns each periodic row of its diagram
+    /// to a branch. Finished branches are kept in a store; `told` receives the number of traced
+    /// starts and the number of waiting ones.
     ///
     /// # Errors
     /// The errors of the machines and of the store.
@@ -167,7 +167,7 @@ impl DiagramOrbits {
         (count(&|c| matches!(c, Covering::Branch { .. })), ended)
     }
 
-    /// The coverage in words: the share, and the number of rows without a branch by reason.
+    /// Description of the coverage: the share, and the number of rows without a branch by reason.
     pub fn coverage_in_words(&self, set: &ParameterSet, sweep: &Sweep) -> Vec<String> {
         let (covered, ended) = self.share();
         let mut words = vec![format!(
@@ -241,8 +241,8 @@ impl DiagramOrbits {
         })
     }
 
-    /// Table of the diagram's periodic windows, with the stable ranges that contain their first and
-    /// last rows.
+    /// Table of the diagram's periodic windows, with the stable ranges that contain their first
+    /// and last rows.
     fn window_table(&self, sweep: &Sweep, diagram: &Diagram) -> Result<Vec<u8>> {
         let name = sweep.axis.name.name();
         let (from, to) = (format!("{name}_from"), format!("{name}_to"));

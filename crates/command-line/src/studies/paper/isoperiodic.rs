@@ -1,4 +1,4 @@
-//! Planes of the paper's machine: impacts at both stops, and the exact orbit beside the motions.
+//! Planes of the paper's machine: impacts at both stops, and comparison with the exact orbit.
 
 use crate::studies::here;
 use crate::studies::isoperiodic::{ClassifiedMotion, ShownPlane, number, percent, word};

@@ -6,7 +6,7 @@ use vibro_studies::paper::{Name, ParameterSet};
 
 /// Gap, in m, below which lengths are shown in mm unless the gap was written in another unit.
 const SMALL_GAP: f64 = 0.1;
-/// Number from which a rate is shown in a larger unit.
+/// Numbers from this value on are shown in a larger unit of rate.
 const LARGE_RATE: f64 = 500.0;
 
 /// A unit of length: its number per metre, and its symbol.
@@ -40,8 +40,8 @@ impl LengthUnit {
     }
 }
 
-/// How a picture shows lengths, whose data are in units of L, and rates, whose data are in units of
-/// L ω10.
+/// Display of lengths, whose data are in units of L, and of rates, whose data are in units of L
+/// ω10.
 #[derive(Clone, Debug)]
 pub(in crate::studies) struct Lengths {
     /// Unit shown; `None` for units of L.
@@ -53,7 +53,7 @@ pub(in crate::studies) struct Lengths {
 }
 
 impl Lengths {
-    /// Lengths in SI if the machine was given in SI, else in units of L.
+    /// Lengths in SI if the machine was given in SI, otherwise in units of L.
     pub fn of(set: &ParameterSet) -> Self {
         let p = set.parameters();
         let unit = set.is_si().then(|| LengthUnit::of(set));
@@ -88,7 +88,7 @@ impl Lengths {
         }
     }
 
-    /// Name of the displacement with the symbol U, W, X₁, …: in SI u, w, x₁, ….
+    /// Name of the displacement with the symbol U, W, X₁, …; in SI u, w, x₁, ….
     pub fn displacement(&self, symbol: &str) -> String {
         if self.unit.is_some() { symbol.to_lowercase() } else { symbol.into() }
     }
@@ -98,7 +98,7 @@ impl Lengths {
         symbols.iter().map(|s| self.displacement(s)).collect::<Vec<_>>().join(", ")
     }
 
-    /// Name of the amplitude with the dimensionless symbol B, C, A₁, …: in SI times L.
+    /// Name of the amplitude with the dimensionless symbol B, C, A₁, …; in SI times L.
     pub fn amplitude(&self, symbol: &str) -> String {
         if self.unit.is_some() { format!("{symbol}·L") } else { symbol.into() }
     }

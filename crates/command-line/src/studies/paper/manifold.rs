@@ -31,7 +31,7 @@ fn both(roots: Option<Roots<FixedPoint>>) -> Vec<(&'static str, FixedPoint)> {
     roots.into_iter().flat_map(|r| [("P₁", r.lower), ("P₂", r.upper)]).collect()
 }
 
-/// The fixed points as marks: filled where all tests hold.
+/// The fixed points as marks, filled if all tests hold.
 fn points(points: &[(&'static str, FixedPoint)], colour: vibro_figures::chart::Colour) -> Vec<Layer> {
     let of = |all: bool| {
         points
@@ -120,11 +120,11 @@ pub fn shapes(set: &ParameterSet) -> Result<Study> {
 }
 
 /// The ranges of C, on the left and on the right branch, at which a fixed point is stable for the
-/// force that holds it there. With the closed forms of
-/// [`multiple_scales`](vibro_impact::steady::multiple_scales): on the right branch the determinant
-/// is positive beyond the quadratic's vertex and the trace always negative; on the left the
-/// determinant is positive before the vertex and the trace negative for C < γ̂1/(γ̂1 (1+ρ²) +
-/// (8/π²) ρ).
+/// force that holds it there, from the closed forms of
+/// [`multiple_scales`](vibro_impact::steady::multiple_scales). On the right branch the determinant
+/// is positive beyond the quadratic's vertex and the trace is always negative. On the left branch
+/// the determinant is positive before the vertex and the trace is negative for C < γ̂1/(γ̂1 (1+ρ²)
+/// + (8/π²) ρ).
 fn stable_fixed_points(system: &MultipleScales) -> [(f64, f64); 2] {
     let (m, g) = (system.manifold(), system.groups());
     if g.gamma3 == 0.0 {
@@ -201,7 +201,7 @@ fn admissible(m: &Manifold, right: (f64, f64)) -> (f64, f64) {
     (m.c_smin().max(right.0), m.c_smax().min(m.c_gmax()).min(right.1))
 }
 
-/// Table of the ranges of C that pass the tests, with empty cells where there is none, and of the
+/// Table of the ranges of C that pass the tests, with empty cells if there is none, and of the
 /// fixed points.
 fn part_table(
     m: &Manifold,

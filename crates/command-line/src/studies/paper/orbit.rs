@@ -12,7 +12,7 @@ use vibro_impact::parameters::FIELDS;
 use vibro_orbits::paper::Orbit;
 use vibro_studies::paper::ParameterSet;
 
-/// Points of a curve in a drive period.
+/// Points of a curve per drive period.
 const SAMPLES: u32 = 400;
 
 /// The study of the first orbit in `found`, with its shortest word.
@@ -86,8 +86,8 @@ fn shorter(asked: &Orbit, orbit: &Orbit, passages: u32) -> Option<String> {
     })
 }
 
-/// The largest multiplier in words; for a symmetric orbit, the largest multipliers of half a period
-/// and of the whole period.
+/// The largest multiplier in words; for a symmetric orbit, the largest multipliers of half a
+/// period and of the whole period.
 fn largest_multiplier(orbit: &Orbit) -> String {
     let (radius, period) = (orbit.spectral_radius(), orbit.word().period());
     if orbit.word().closing() < 0 {
@@ -117,8 +117,8 @@ fn multiplier_table(orbit: &Orbit) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// Table of parameters, loads and state at time 0 by the names of the FMU's variables: start values
-/// for the motion on the orbit.
+/// Table of parameters, loads and state at time 0 by the names of the FMU's variables: start
+/// values for the motion on the orbit.
 fn start_table(orbit: &Orbit) -> Result<Vec<u8>> {
     let mut table = CsvRows::new(["variable", "unit", "start"])?;
     let (parameters, start) = (orbit.system().parameters(), orbit.start_state());

@@ -106,7 +106,7 @@ fn point_table(span: &Span, all: &[Branch], tops: &[Vec<f64>]) -> Result<Vec<u8>
     })
 }
 
-/// Table of the special points, with what another study needs to start from them.
+/// Table of the special points, with the data that another study needs to start from them.
 pub(in crate::studies) fn special_table(span: &Span, all: &[Branch]) -> Result<Vec<u8>> {
     let own =
         ["word", "closing", "period", "longer_word", "turns", "stable_before", "stable_after", "phases"];

@@ -18,7 +18,7 @@ const PAPER: Colour = Colour(255, 255, 255);
 /// Largest size of a row of the table, bytes.
 const ROW: usize = 64;
 
-/// Planes of pairs of parameters, classified by one theory; `done` is called for each finished row.
+/// Planes of pairs of parameters, classified by one theory; `done` is called after each row.
 ///
 /// # Errors
 /// An error if a pair is not a plane, if a range is not allowed, or if a plane does not fit into

@@ -15,7 +15,7 @@ use vibro_studies::paper::{Name, ParameterSet};
 
 /// Number of nodes on each sheet in each interval of solutions.
 const NODES: usize = 400;
-/// Stroke of the curves of multiple scales, over which those of the exact orbit are drawn.
+/// Stroke of the curves of multiple scales; the curves of the exact orbit are drawn over them.
 const WIDE: u32 = 14;
 
 const METHODS: [Method; 2] = [Method::MultipleScales, Method::ExactOrbit];
@@ -98,8 +98,8 @@ fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> Option<f64>) -> [Ve
     for curve in &response.curves {
         let mut state = None;
         for pair in curve.windows(2) {
-            // As in the paper, only the right branch is shown. A solution in which the block passes
-            // through a stop is not a motion.
+            // As in the paper, only the right branch is shown. A solution in which the block
+            // passes through a stop is not a motion.
             let shown = |p: &ResponsePoint| if p.right && p.clear { y(p) } else { None };
             let (Some(from), Some(to)) = (shown(&pair[0]), shown(&pair[1])) else {
                 state = None;
@@ -126,12 +126,12 @@ enum ShownAmplitude {
 }
 
 impl ShownAmplitude {
-    /// Amplitudes of a figure: the paper's C and A3, or the one asked for.
+    /// Amplitudes of a figure: the paper's C and A3, or the requested one.
     fn of(asked: Option<Displacement>) -> Vec<Self> {
         asked.map_or_else(|| vec![Self::C, Self::A3], |of| vec![Self::Of(of)])
     }
 
-    /// The amplitude at a point in units of L; `None` where the point does not have it.
+    /// The amplitude at a point in units of L; `None` if the point does not have it.
     fn value(self, p: &ResponsePoint) -> Option<f64> {
         match self {
             Self::C => Some(p.c),
@@ -184,7 +184,7 @@ impl Panels<'_> {
                     over.push(lines(Dash::Solid, stable).stroke(THIN));
                     over.push(lines(Dash::Dotted, unstable).stroke(THIN));
                 } else {
-                    // The name stands beside the part with more points, which has more room.
+                    // The name is next to the part with more points, which has more room.
                     let mut curves = [lines(Dash::Solid, stable), lines(Dash::Dotted, unstable)];
                     let more = curves[1].extent().len() > curves[0].extent().len();
                     let named = &mut curves[usize::from(more)];
@@ -252,8 +252,8 @@ struct ResponseFigure<'a> {
 }
 
 impl ResponseFigure<'_> {
-    /// The study. A family without a value is left out. A family whose only curve is that of the
-    /// set itself is left out if an earlier family has only that curve, too.
+    /// The study. A family without a value is left out, and so is a family whose only curve is the
+    /// set's own if an earlier family also has only that curve.
     fn study(&self, set: &ParameterSet) -> Result<Study> {
         let (along, range) = (self.along, self.range);
         let own = |family: &(Name, &str, &[f64])| family.2 == [family.0.value(set)];
@@ -264,7 +264,7 @@ impl ResponseFigure<'_> {
         let families =
             shown.iter().map(|f| family(set, along, range, (f.0, f.2))).collect::<Result<Vec<_>>>()?;
         let panels = Panels { set, lengths: Lengths::of(set), along, range };
-        // Families differ in parameters, so each panel states those of the other families.
+        // Each panel states the parameters of the other families.
         let elsewhere = |name: Name| {
             let others = shown.iter().map(|f| f.0).filter(|other| *other != name);
             others.map(|o| format!("; {}", set.told(o, o.value(set)))).collect::<String>()
@@ -305,7 +305,7 @@ impl ResponseFigure<'_> {
 /// for some γ̂1.
 ///
 /// # Errors
-/// Ranges and values that are not allowed.
+/// Error for ranges and values that are not valid.
 pub fn frequency(
     set: &ParameterSet,
     range: (f64, f64),
@@ -328,10 +328,10 @@ pub fn frequency(
 }
 
 /// Figure 11: C and A3, or the amplitude of a coordinate, over the excitation amplitude f̂10, for
-/// some detunings σ̂1, those above resonance first.
+/// some detunings σ̂1, first the ones above resonance.
 ///
 /// # Errors
-/// Ranges and values that are not allowed.
+/// Error for ranges and values that are not valid.
 pub fn force(
     set: &ParameterSet,
     range: (f64, f64),
@@ -351,10 +351,10 @@ pub fn force(
     .study(set)
 }
 
-/// C and A3, or the amplitude of a coordinate, along any parameter, for some values of another.
+/// C and A3, or the amplitude of a coordinate, along one parameter for some values of another.
 ///
 /// # Errors
-/// Ranges and values that are not allowed.
+/// Error for ranges and values that are not valid.
 pub fn along(
     set: &ParameterSet,
     along: Name,

@@ -20,19 +20,19 @@ use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::trajectories;
 use vibro_studies::paper::verdict::{PROLONGED, verdict};
 
-/// Drive periods discarded where neither a start nor a load is given.
+/// Drive periods discarded if neither a start nor a load is given.
 const DISCARD: u32 = 400;
 /// Drive periods recorded by default.
 const PERIODS: u32 = 20;
-/// Smallest number of steps in a drive period: cubic interpolation between them is exact to about
-/// 1e-8 of the amplitudes.
+/// Smallest number of steps per drive period: cubic interpolation between them is accurate to
+/// about 1e-8 of the amplitudes.
 const LEAST: u32 = 128;
 /// Largest number of steps of a run; they take a few hundred megabytes.
 const MOST: u32 = 3_000_000;
-/// Names of the displacements, of which the fourth is x2 - x1.
+/// Names of the displacements; the fourth one is x2 - x1.
 const NAMES: [&str; 4] = ["x1", "x2", "x3", "w"];
 
-/// How long a run is.
+/// Length of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RunLength {
     /// In drive periods.
@@ -46,16 +46,16 @@ pub enum RunLength {
 /// A run to be computed.
 #[derive(Clone, Debug)]
 pub struct RunRequest {
-    /// How long.
+    /// Length of the run.
     pub length: RunLength,
     /// Drive periods discarded before the run begins, without loads; by default 400, and 0 with a
     /// start or a load.
     pub discard: Option<u32>,
-    /// The start, before what is discarded; by default the moving block (v2 = 1).
+    /// The start, before the discarded periods; by default the moving block (v2 = 1).
     pub start: Option<StartRule>,
-    /// Rows of the table in a drive period.
+    /// Rows of the table per drive period.
     pub samples: u32,
-    /// Loads from records, whose time 0 is the beginning of the run. Constant loads are parameters.
+    /// Loads from records; time 0 is the beginning of the run. Constant loads are parameters.
     pub loads: Vec<Load>,
 }
 
@@ -82,7 +82,7 @@ impl RunRequest {
         self.discard.unwrap_or(if given { 0 } else { DISCARD })
     }
 
-    /// The state in which the run, or what is discarded before it, begins, and its description.
+    /// State at the start of the discarded periods or of the run, and its description.
     fn first_state(&self, p: &Parameters) -> Result<(State, String)> {
         match self.start.unwrap_or_default() {
             StartRule::State(start) => {
@@ -116,7 +116,7 @@ pub fn run(set: &ParameterSet, request: &RunRequest) -> Result<Study> {
     let (first, start) = request.first_state(p)?;
     let discarded = request.discarded();
     let state = settled_simulator(p, &first, f64::from(discarded))?.state();
-    // After whole drive periods the phase is that of time 0.
+    // After whole drive periods the phase equals the phase at time 0.
     let mut simulator = Simulator::new(p, &state, 0.0)?;
     let history = history::record(&mut simulator, &request.loads, duration, grid)?;
     let mut remarks = account(p, &history);
@@ -144,7 +144,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// How the run begins, in words.
+/// Description of how the run begins.
 fn beginning(start: &str, discarded: u32, loads: &[Load]) -> String {
     let mut words = format!("started with {start}; {discarded} drive periods discarded before time 0");
     for load in loads {
@@ -283,8 +283,8 @@ mod tests {
 
     #[test]
     fn closed_form_of_a_free_box_under_a_constant_load() {
-        // x1 = f t²/2m up to the end of the record: largest x there, rms x(T)/√5; no impacts, since
-        // the gap is wide.
+        // x1 = f t²/2m up to the end of the record: the largest x is at the end, rms x(T)/√5.
+        // There are no impacts, since the gap is wide.
         let p = Parameters {
             box_stiffness: 0.0,
             box_damping: 0.0,

@@ -14,16 +14,16 @@ use vibro_studies::paper::plane::Method;
 use vibro_studies::paper::response::response;
 use vibro_studies::paper::{ParameterSet, find_group, short};
 
-/// The legend's words for the machine's own values.
+/// Text of the legend for the machine's own values.
 const OWN: &str = "this set of parameters";
 const POINTS: u32 = 200;
-/// Values at which the exact orbit's limits are found.
+/// Number of values at which the exact orbit's limits are found.
 const EXACT_POINTS: u32 = 16;
 /// Nodes of each search for the exact orbit's limits.
 const NODES: usize = 200;
 /// Largest ε of figure 5b, unless the machine's own is larger.
 const LARGEST_EPSILON: f64 = 0.1;
-/// Force range in which the exact orbit's limits are sought.
+/// Force range in which the exact orbit's limits are searched.
 const FORCES: (f64, f64) = (0.01, 12.0);
 /// Masri's mass ratio and damping ratio (paper 3.3).
 const MASRI_EPSILON: f64 = 0.05;
@@ -33,7 +33,7 @@ fn steps(from: f64, to: f64, count: u32) -> Vec<f64> {
     (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect()
 }
 
-/// The least and largest C (A2 in units of C) of stable exact orbits along the force. `None` if
+/// The smallest and largest C (A2 in units of C) of stable exact orbits along the force. `None` if
 /// there is no such orbit.
 fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     let along = find_group("f10")?;
@@ -61,8 +61,8 @@ struct Regions {
     manifolds: Vec<Manifold>,
     /// Manifold of multiple scales at the set's own κ.
     own: Manifold,
-    /// On the planes (κ, C) and (ε, C): the value of κ or ε, and the least and largest stable C of
-    /// the exact orbit.
+    /// On the planes (κ, C) and (ε, C): the value of κ or ε, and the smallest and largest stable C
+    /// of the exact orbit.
     exact: [Vec<(f64, [f64; 2])>; 2],
     /// The set's own ε and motions.
     epsilon: f64,
@@ -184,8 +184,8 @@ fn region_layers(
     layers
 }
 
-/// Figure 5: the region of stable periodic motions on the planes (κ, C) and (ε, C), with the limits
-/// of the exact orbit. They hold for all forces; the motions of a force that was set are marked.
+/// Figure 5: the region of stable periodic motions on the planes (κ, C) and (ε, C), with the
+/// limits of the exact orbit. It holds for all forces; the motions for the set force are marked.
 ///
 /// # Errors
 /// The errors of the theories.
@@ -222,7 +222,7 @@ fn row(plane: &str, value: f64, theory: &str, numbers: &[f64]) -> Vec<String> {
     row
 }
 
-/// A value of κ with the least and largest ξ of stable motions.
+/// A value of κ with the smallest and largest ξ of stable motions.
 type MasriLimits = (f64, f64, f64);
 
 /// The set of figure 6: ε, ζ, σ̂1 and m3 have the paper's values unless they were set.
@@ -248,7 +248,7 @@ fn own_epsilon(set: &ParameterSet) -> Result<f64> {
 }
 
 /// Figure 6: Masri's plane, ξ = k1 L/F10 over κ (docs/theory.md (57)), at σ̂1 = 0, ε = 0.05, ζ =
-/// 0.01 and m3 = m2, except for those that were set. The scale of ξ is this program's choice.
+/// 0.01 and m3 = m2, unless these were set. The scale of ξ is this program's choice.
 ///
 /// # Errors
 /// The errors of the theories.
@@ -259,8 +259,8 @@ pub fn masri(set: &ParameterSet) -> Result<Study> {
     let xi = |f10: f64| 1.0 / (base.epsilon * f10);
     let mut scales = Vec::new();
     for kappa in steps(0.0, 1.0, POINTS) {
-        // At κ = 1 motions are only neutrally stable. The limits there are those for κ → 1 from
-        // below.
+        // At κ = 1 motions are only neutrally stable. The limits there are the limits for κ → 1
+        // from below.
         let system = MultipleScales::new(&groups(kappa.min(1.0 - 1e-9)))?;
         scales.extend(system.force_range()?.admissible.map(|(low, high)| (kappa, xi(high), xi(low))));
     }
@@ -320,7 +320,7 @@ fn masri_panel(
     }
 }
 
-/// κ and the least and largest ξ of stable exact orbits.
+/// κ and the smallest and largest ξ of stable exact orbits.
 fn exact_masri(
     set: &ParameterSet,
     groups: impl Fn(f64) -> Groups + Sync,

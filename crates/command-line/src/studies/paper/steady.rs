@@ -15,7 +15,7 @@ use vibro_studies::paper::ParameterSet;
 
 /// Periods of the drive that histories show.
 const PERIODS: f64 = 2.0;
-/// Stroke of a curve below another.
+/// Stroke of a curve under another.
 const WIDE: u32 = 14;
 
 /// Names and colours of U, W, X1, X2, X3.
@@ -79,8 +79,8 @@ fn root_name(sheet: Sheet) -> &'static str {
 /// orbit over it.
 ///
 /// # Errors
-/// The errors of multiple scales and of the exact orbit. If strong coupling is singular, it is left
-/// out with a remark.
+/// The errors of multiple scales and of the exact orbit. If strong coupling is singular, it is
+/// left out with a remark.
 pub fn steady(set: &ParameterSet) -> Result<Study> {
     let mut rows = SteadyRows(TextTable::new(&["quantity", "unit", "theory", "root", "value"]));
     let mut remarks = Vec::new();
@@ -259,8 +259,8 @@ pub(super) fn four_panels(
     }
 }
 
-/// Panel of one motion in wide pale strokes and another in thin dashes over it, both in the colours
-/// of their bodies; symbols stand beside the curves.
+/// Panel of one motion in wide pale strokes and another in thin dashes over it, both in the
+/// colours of their bodies, with symbols next to the curves.
 pub(super) fn comparison_panel(
     title: &str,
     lengths: &Lengths,

@@ -1,5 +1,5 @@
-//! The motion with two symmetric impacts by a theory, dimensionless (docs/theory.md (20)), over the
-//! phase of the drive.
+//! The motion with two symmetric impacts by a theory, dimensionless (docs/theory.md (20)), over
+//! the phase of the drive.
 
 use std::f64::consts::{PI, TAU};
 use vibro_impact::parameters::{Groups, Parameters};
@@ -26,8 +26,8 @@ pub struct MotionSample {
     pub v: [f64; 5],
 }
 
-/// The steady state that figures show: the upper root if it is admissible, else the lower root if
-/// it is admissible, else the upper root.
+/// The steady state that figures show: the upper root if it is admissible, otherwise the lower
+/// root if it is admissible, otherwise the upper root.
 #[derive(Clone, Copy, Debug)]
 pub enum SteadyMotion {
     /// Multiple scales: paper, section 3.

@@ -1,8 +1,8 @@
 //! The exported functions, except those that access values (FMI 3.0.2, 2.2, 2.3, 3.2 and 4.2).
 
 /// Exports a [`Component`](crate::Component) by FMI 3.0: all functions of the standard, each a
-/// public function by its C name. The macro belongs into a module of the library that hosts load,
-/// where the type is in scope.
+/// public function with its C name. The macro belongs in a module of the library that hosts load,
+/// with the type in scope.
 #[macro_export]
 macro_rules! export_fmi3 {
     ($component:ty) => {
@@ -28,7 +28,7 @@ macro_rules! export_fmi3 {
             fmi3Terminate, Terminate() |instance, _| instance.terminate();
 
             "2.2.7.4":
-            /// Writes into a new FMU state, or over one that this instance gave out.
+            /// Writes into a new FMU state, or over one that this instance has returned.
             fmi3GetFMUState, GetFMUState(handle FMUState)
                 |instance, _| FMUState.replace(|old| instance.save(old));
             /// Any address is safe: only addresses that this instance has returned are accepted.
@@ -37,10 +37,10 @@ macro_rules! export_fmi3 {
             fmi3FreeFMUState, FreeFMUState(handle FMUState) |instance, _| FMUState.free(|old| instance.free(old));
             fmi3SerializedFMUStateSize, SerializedFMUStateSize(state FMUState, out size: usize[1])
                 |instance, _| size.give(instance.serialized(FMUState).map(|bytes| bytes.len()));
-            /// Into as many bytes as `fmi3SerializedFMUStateSize` says.
+            /// The array must have the size that `fmi3SerializedFMUStateSize` returns.
             fmi3SerializeFMUState, SerializeFMUState(state FMUState, out serializedState: u8[size], value size: usize)
                 |instance, _| serializedState.copy(&instance.serialized(FMUState)?, "size");
-            /// Writes into a new FMU state, or over one that this instance gave out.
+            /// Writes into a new FMU state, or over one that this instance has returned.
             fmi3DeserializeFMUState, DeserializeFMUState(array serializedState: u8[size], value size: usize, handle FMUState)
                 |instance, _| FMUState.replace(|old| instance.deserialize(serializedState, old));
 
@@ -58,7 +58,7 @@ macro_rules! export_fmi3 {
             "2.3.5":
             /// Never allowed, since getters in Event Mode show the values after the event.
             fmi3EvaluateDiscreteStates, EvaluateDiscreteStates() |instance, _| instance.never();
-            /// One call does all that happens at an instant, and nothing ends the simulation.
+            /// One call carries out all events of an instant, and nothing ends the simulation.
             fmi3UpdateDiscreteStates, UpdateDiscreteStates(out discreteStatesNeedUpdate: $crate::fmi3::types::FmiBoolean[1],
                 out terminateSimulation: $crate::fmi3::types::FmiBoolean[1], out nominalsOfContinuousStatesChanged: $crate::fmi3::types::FmiBoolean[1],
                 out valuesOfContinuousStatesChanged: $crate::fmi3::types::FmiBoolean[1], out nextEventTimeDefined: $crate::fmi3::types::FmiBoolean[1],
@@ -145,8 +145,8 @@ macro_rules! __instances_of_fmi3 {
         }
 
         /// `fmi3InstantiateModelExchange` (FMI 3.0.2, 2.3.1): a new instance, or null and a log
-        /// message. Instances are independent of each other and may be used from different threads,
-        /// each from one at a time.
+        /// message. Instances are independent and may be used from different threads, each from
+        /// one thread at a time.
         ///
         /// # Safety
         /// `instanceName`, `instantiationToken` and `resourcePath` are null or C strings; logger
@@ -170,7 +170,7 @@ macro_rules! __instances_of_fmi3 {
                 environment: instanceEnvironment,
                 logger: logMessage,
             };
-            // SAFETY: as the caller says.
+            // SAFETY: as the caller ensures.
             unsafe { $crate::fmi3::abi::instantiate_model_exchange::<$component>(request) }
         }
 
@@ -178,8 +178,8 @@ macro_rules! __instances_of_fmi3 {
         ///
         /// # Safety
         /// As for [`fmi3InstantiateModelExchange`]; `requiredIntermediateVariables` is null or has
-        /// as many elements as the count says; `intermediateUpdate` stays valid until the instance
-        /// is freed.
+        /// the given number of elements; `intermediateUpdate` stays valid until the instance is
+        /// freed.
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case, clippy::too_many_arguments)] // the standard's
         pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
@@ -206,7 +206,7 @@ macro_rules! __instances_of_fmi3 {
             };
             let required = (requiredIntermediateVariables, nRequiredIntermediateVariables);
             let events = (eventModeUsed, earlyReturnAllowed);
-            // SAFETY: as the caller says.
+            // SAFETY: as the caller ensures.
             unsafe {
                 $crate::fmi3::abi::instantiate_co_simulation::<$component>(
                     request,
@@ -244,7 +244,7 @@ macro_rules! __instances_of_fmi3 {
                 environment: instanceEnvironment,
                 logger: logMessage,
             };
-            // SAFETY: as the caller says.
+            // SAFETY: as the caller ensures.
             unsafe { $crate::fmi3::abi::instantiate_scheduled::<$component>(request) }
         }
 
@@ -258,7 +258,7 @@ macro_rules! __instances_of_fmi3 {
         #[unsafe(no_mangle)]
         #[allow(unsafe_code, non_snake_case)]
         pub unsafe extern "C" fn fmi3FreeInstance(instance: $crate::fmi3::abi::FmiInstance) {
-            // SAFETY: as the caller says.
+            // SAFETY: as the caller ensures.
             unsafe { $crate::fmi3::abi::free::<$component>(instance) }
         }
 
@@ -282,7 +282,7 @@ macro_rules! __instances_of_fmi3 {
         ) -> $crate::fmi3::types::FmiStatus {
             let step = (currentCommunicationPoint, communicationStepSize);
             let flags = [eventHandlingNeeded, terminateSimulation, earlyReturn];
-            // SAFETY: as the caller says.
+            // SAFETY: as the caller ensures.
             unsafe { $crate::fmi3::abi::do_step::<$component>(instance, step, flags, lastSuccessfulTime) }
         }
     };

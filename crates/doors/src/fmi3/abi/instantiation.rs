@@ -23,12 +23,12 @@ pub struct Request {
     pub logger: Option<FmiLogMessage>,
 }
 
-/// Name, token and place of the resources, checked.
+/// Name, token and location of the resources, checked.
 type Who<'a> = (&'a str, (&'a str, Option<&'a str>));
 
 impl Request {
     /// A new instance, made by `make` from name, token, resources and log categories. On an error
-    /// the result is null, and a log message tells the reason.
+    /// the result is null, and a log message gives the reason.
     ///
     /// # Safety
     /// Name, token and resources are null or C strings.
@@ -76,7 +76,7 @@ impl Request {
 /// instance is freed.
 pub unsafe fn instantiate_model_exchange<C: Component>(request: Request) -> FmiInstance {
     let handling = EventHandling { event_mode: true, early_return: false };
-    // SAFETY: as the caller says.
+    // SAFETY: as the caller ensures.
     unsafe {
         request.instantiate::<C>("fmi3InstantiateModelExchange", None, |(name, files), enabled, _| {
             Instance::new(name, Interface::ModelExchange, files, handling, enabled)
@@ -84,12 +84,12 @@ pub unsafe fn instantiate_model_exchange<C: Component>(request: Request) -> FmiI
     }
 }
 
-/// `fmi3InstantiateCoSimulation` (FMI 3.0.2, 2.3.1), with `eventModeUsed` and `earlyReturnAllowed`,
-/// `requiredIntermediateVariables` and their number.
+/// `fmi3InstantiateCoSimulation` (FMI 3.0.2, 2.3.1), with `eventModeUsed` and
+/// `earlyReturnAllowed`, `requiredIntermediateVariables` and their number.
 ///
 /// # Safety
-/// As for [`instantiate_model_exchange`]; the required variables are null or as many as the count
-/// says; the callback stays valid until the instance is freed.
+/// As for [`instantiate_model_exchange`]; the required variables are null or have the given
+/// number; the callback stays valid until the instance is freed.
 pub unsafe fn instantiate_co_simulation<C: Component>(
     request: Request,
     (event_mode, early_return): (FmiBoolean, FmiBoolean),
@@ -97,7 +97,7 @@ pub unsafe fn instantiate_co_simulation<C: Component>(
     intermediate_update: Option<FmiIntermediateUpdate>,
 ) -> FmiInstance {
     let handling = EventHandling { event_mode: event_mode != 0, early_return: early_return != 0 };
-    // SAFETY: as the caller says.
+    // SAFETY: as the caller ensures.
     unsafe {
         request.instantiate::<C>(
             "fmi3InstantiateCoSimulation",
@@ -117,7 +117,7 @@ pub unsafe fn instantiate_co_simulation<C: Component>(
 /// # Safety
 /// As for [`instantiate_model_exchange`].
 pub unsafe fn instantiate_scheduled<C: Component>(request: Request) -> FmiInstance {
-    // SAFETY: as the caller says.
+    // SAFETY: as the caller ensures.
     unsafe {
         request.instantiate::<C>("fmi3InstantiateScheduledExecution", None, |_, _, _| {
             Err(CallProblem::Sequence {

@@ -65,7 +65,7 @@ pub unsafe fn do_step<C: Component>(
     [event_handling_needed, terminate_simulation, early_return]: [*mut FmiBoolean; 3],
     last_successful_time: *mut f64,
 ) -> FmiStatus {
-    // SAFETY: null or valid for one element, as the caller says; the instance likewise.
+    // SAFETY: null or valid for one element, as the caller ensures; the instance likewise.
     let (returned, callback) = unsafe {
         let returned = Returned {
             event_handling_needed: variable(event_handling_needed),
@@ -172,7 +172,7 @@ unsafe fn ask(
     let Update { set_requested, can_return_early, .. } = update;
     guarded(|| {
         let shown = FmiBoolean::from(!set_requested);
-        // SAFETY: as the caller says; both addresses are valid for the call.
+        // SAFETY: as the caller ensures; both addresses are valid for the call.
         unsafe {
             callback(
                 environment,

@@ -1,5 +1,5 @@
-//! The table against the standard's lists of allowed calls, transcribed a second time from its
-//! text.
+//! The table compared with the standard's lists of allowed calls, transcribed a second time from
+//! its text.
 
 use super::*;
 use crate::allowed::assert_is_the_standards;
@@ -10,8 +10,8 @@ use crate::life::Interface;
 /// Instantiated, Initialization Mode, Event Mode, Step Mode, Intermediate Update Mode, Terminated,
 /// fatal.
 ///
-/// x: listed, and allowed here. l: not listed, and allowed here. n: listed for FMUs with structural
-/// parameters, input clocks or `providesEvaluateDiscreteStates`, which this is not. -: neither.
+/// x: listed, and allowed here. l: allowed here only. n: listed for FMUs with structural
+/// parameters, input clocks or `providesEvaluateDiscreteStates`, unlike this one. -: neither.
 const STANDARD: &str = "
     fmi3SetDebugLogging                 xxxxx- xxxxlx-
     fmi3FreeInstance                    xxxxx- xxxx-x-
@@ -98,7 +98,7 @@ fn table_is_the_standards() {
     );
 }
 
-/// 75 functions with those that act on no instance: version and the three instantiations.
+/// 75 functions, including those without an instance: version and three instantiations.
 #[test]
 fn every_function_of_the_header_is_there() {
     assert_eq!(FUNCTIONS.len() + 4, 75);

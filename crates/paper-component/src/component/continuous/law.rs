@@ -1,21 +1,21 @@
-//! What happens at an event of the model for a host's own solver.
+//! Laws at events of the model for a host's own solver.
 
 use super::Continuous;
 use vibro_impact::model::{Augmented, BOX_RATE, Impact, RELATIVE_RATE, SmoothMode};
 use vibro_impact::simulator::{Contact, Event};
 
-/// Distance from a stop within which a block is in contact, in gaps; a solver's root finding has an
-/// error of about 1e-10. A bounce lower than this distance cannot be distinguished from rest, so a
-/// chatter run ends there.
+/// Distance from a stop within which a block is in contact, in gaps; a solver's root finding has
+/// an error of about 1e-10. A bounce lower than this distance cannot be distinguished from rest,
+/// so a chatter run ends there.
 const CONTACT: f64 = 1e-9;
 /// Distance from the stop at which the block is placed after an event, in gaps. No event indicator
 /// then restarts at zero, where a host could not detect a crossing. The distance is far below
 /// [`CONTACT`] and above the rounding of displacements up to a thousand gaps.
 const SHIFT: f64 = 1e-12;
-/// Smallest value of that distance, in units in the last place of the displacements. It applies to
-/// larger displacements, since w is their difference.
+/// Smallest value of [`SHIFT`], in units in the last place of the displacements. It applies to
+/// large displacements, since w is their difference.
 const SHIFT_UNITS: f64 = 4.0;
-/// Smallest distance within which a block is in contact, in units of that distance.
+/// Smallest distance within which a block is in contact, as a multiple of the shift.
 const CONTACT_SHIFTS: f64 = 2.0;
 
 impl Continuous {
@@ -70,9 +70,9 @@ impl Continuous {
             return;
         }
         if pressing > 0.0 {
-            // The block is moved by `way` off the stop. Its speed is reduced by what it would lose
-            // over this distance; otherwise each low bounce would grow by `way`. A bounce that is
-            // not low has enough speed for this.
+            // The block is moved by `way` off the stop. Its speed is reduced by the loss over this
+            // distance; otherwise each low bounce would grow by `way`. A bounce that is not low
+            // has enough speed for this.
             let slower = (rebound * rebound - 2.0 * pressing * way).max(0.0).sqrt();
             let change = side * (rebound - slower);
             z[RELATIVE_RATE] += change;
@@ -83,8 +83,8 @@ impl Continuous {
         self.keep_off(side);
     }
 
-    /// Merges box and block at stop `side` if the stop then presses on the block. Otherwise nothing
-    /// changes.
+    /// Merges box and block at stop `side` if the stop then presses on the block. Otherwise
+    /// nothing changes.
     fn rest(&mut self, mut z: Augmented, side: f64) -> bool {
         let before = self.data;
         self.data.record.box_impulse += self.model.reduced_mass * z[RELATIVE_RATE];

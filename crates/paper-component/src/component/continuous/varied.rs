@@ -33,14 +33,14 @@ impl Continuous {
             rates.damped = along.time * self.power(&v, &v)[0];
         }
         if self.values().contact_force == 0.0 {
-            rates.contact_force = 0.0; // at a release that the host has yet to handle it is held at 0
+            rates.contact_force = 0.0; // at a release that the host has not handled yet it is held at 0
         }
         rates.input = rates.mechanical + rates.damped;
         rates
     }
 
     /// Derivative of the damped energy with respect to the end time of the open interval, at
-    /// constant state at the end. It is a difference of fourth order of the quadrature.
+    /// constant state at the end: a fourth-order difference of the quadrature.
     fn damped_with_time(&self, h: f64) -> f64 {
         const PART: f64 = 1e-3; // of the interval
         let at = |places: f64| {

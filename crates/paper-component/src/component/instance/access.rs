@@ -1,4 +1,4 @@
-//! Checks of when a variable may be set, and the time derivatives of outputs.
+//! Checks whether a variable may be set now, and the time derivatives of outputs.
 
 use super::events::Present;
 use super::{ComponentProblem, Engine, Instance, Interface, Outcome, Phase};
@@ -7,7 +7,7 @@ use crate::component::settings::Settings;
 use crate::component::values::OutputValues;
 use crate::component::variables::{Access, Bases, Causality, Numbering, Set, Variable, WRITERS, Writer};
 
-/// Allowed loads while a closed form is played.
+/// Valid loads while a closed form is played.
 pub(super) const NO_LOADS: &str = "0 in a closed-form mode";
 
 #[cold]
@@ -23,7 +23,7 @@ pub(super) fn no_such(numbering: Numbering, reference: u32, bases: Bases) -> Com
 }
 
 impl Instance {
-    /// The variable of that reference.
+    /// The variable with a value reference.
     ///
     /// # Errors
     /// [`Reference`](fmi_doors::Problem::Reference) if no variable has the reference.
@@ -31,7 +31,7 @@ impl Instance {
         self.look_up(reference, Bases::ANY)
     }
 
-    /// The variable of that reference, which must have one of the types.
+    /// The variable with a value reference; it must have one of the types.
     #[inline]
     pub(super) fn look_up(&self, reference: u32, bases: Bases) -> Outcome<&'static Variable> {
         match self.numbering.variable(reference) {
@@ -64,7 +64,7 @@ impl Instance {
     pub(super) fn assign(&mut self, variable: &Writer, value: f64) {
         let set = match (&mut self.engine, variable.set) {
             (Engine::Continuous(continuous), Set::Start(set)) => {
-                // A continuous state, set one by one.
+                // One continuous state of a solver, set individually.
                 let mut settings = Settings { start: continuous.state(), ..self.settings };
                 set(&mut settings, value);
                 continuous.set_state(settings.start);
@@ -77,7 +77,7 @@ impl Instance {
         if variable.input {
             let slopes = (self.slopes_set != [false; 3]).then_some(settings.loads.derivatives);
             set(settings, value);
-            // Derivatives set for this communication point apply in either order of the two calls.
+            // Derivatives set for this communication point apply in any order of the calls.
             if let Some(slopes) = slopes {
                 for body in (0..3).filter(|body| self.slopes_set[*body]) {
                     settings.loads.derivatives[body][1..].copy_from_slice(&slopes[body][1..]);
@@ -96,7 +96,7 @@ impl Instance {
         }
     }
 
-    /// The present phase's bit of [`Writer`].
+    /// The bit of the present phase in [`Writer`].
     pub(super) fn when(&self) -> u8 {
         match self.life.phase {
             Phase::Instantiated | Phase::Initialization => Writer::INITIAL,
@@ -148,7 +148,7 @@ impl Instance {
     }
 }
 
-/// A phase in words: a step ends early at impacts alone.
+/// Description of a phase; a step ends early only at an impact.
 fn words(phase: Phase) -> &'static str {
     match phase {
         Phase::StoppedEarly => "at the impact at which the step ended",
@@ -156,7 +156,7 @@ fn words(phase: Phase) -> &'static str {
     }
 }
 
-/// How the time derivatives of a variable are read.
+/// The reading of the time derivatives of a variable.
 pub(super) fn jet_of(variable: &Variable) -> Outcome<fn(&OutputValues<Jet>) -> Jet> {
     let reading = match variable.access {
         Access::Output(reading) | Access::Start { now: reading, .. }

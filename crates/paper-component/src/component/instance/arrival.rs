@@ -1,5 +1,5 @@
 //! The end of a step, and the return to its beginning after an error. By rounding, the simulator's
-//! own time may be past the end of a step, and an event at the end may lie slightly past it.
+//! own time may be past the end of a step, and an event at the end may be slightly past it.
 
 use super::ComponentProblem;
 use vibro_impact::State;
@@ -8,7 +8,7 @@ use vibro_impact::simulator::{AdvanceOutcome, Contact, EventObserver, Pause, Sim
 use vibro_numerics::double_double::DoubleDouble;
 
 /// Advances to `end`. The simulator's own time may already be past `end` by the rounding that the
-/// `point` of a step is allowed. Then nothing is done.
+/// `point` of a step may have; then nothing is done.
 pub(super) fn advance(
     simulator: &mut Simulator,
     end: DoubleDouble,
@@ -21,10 +21,10 @@ pub(super) fn advance(
     }
 }
 
-/// Whether an event lies past a step's end by rounding alone. If so, advances to the event and
-/// pauses before its law; if not, leaves the motion unchanged. A host may step to the announced
-/// time of an event. The event must then be at the end of this step or before it. Otherwise the
-/// next step would end where it began, and the host would make no progress.
+/// Whether an event is past a step's end only by rounding. If so, advances to the event and pauses
+/// before its law; otherwise leaves the motion unchanged. A host may step to the announced time of
+/// an event. The event must then be at the end of this step or before it. Otherwise the next step
+/// would end where it began, and the host would make no progress.
 pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Error> {
     if is_clear(simulator, rounding(end)) {
         return Ok(false);
@@ -40,8 +40,8 @@ pub(super) fn is_at_end(simulator: &mut Simulator, end: f64) -> Result<bool, Err
 
 /// Whether no event can occur within `late`, s, the rounding of a time. A block in flight must be
 /// farther from the stops than it moves in that time at its present speed, by a margin that is far
-/// larger than the effect of its acceleration. A block in rest must have a contact force far larger
-/// than the change of the force in that time.
+/// larger than the effect of its acceleration. A block in rest must have a contact force far
+/// larger than the change of the force in that time.
 fn is_clear(simulator: &Simulator, late: f64) -> bool {
     const MARGIN: f64 = 1e-6; // in units of the gap, and of `forces`
     let ((w, rate), parameters) = (simulator.relative_motion(), simulator.parameters());
@@ -65,18 +65,18 @@ pub(super) fn rounding(end: f64) -> f64 {
     UNITS * f64::EPSILON * end.abs()
 }
 
-/// Largest time past a step's end at which an event counts as at the end, s. It is the rounding of
-/// times plus the rounding of w divided by the speed |w'|, by which the time of an impact may be
-/// off (docs/numerics.md, section 2, *The root*). A master may step to the time that it was told
-/// for an impact. A slow block may then be a few units in the last place of w before the stop, and
+/// Largest time past a step's end at which an event counts as at the end, s: the rounding of times
+/// plus the rounding of w divided by the speed |w'|. The latter is the error of an impact's time
+/// (docs/numerics.md, section 2, *The root*). If a master steps to the announced time of an
+/// impact, a slow block may still be a few units in the last place of w before the stop. It then
 /// counts as at the stop.
 fn lateness(simulator: &Simulator, end: f64) -> f64 {
-    /// Rounding of w in units in its last place. Since the time of the event was told, each
-    /// sub-step that differs from those by which the time was found may have moved w by one unit.
+    /// Rounding of w in units in its last place. Since the announcement, each sub-step that
+    /// differs from the sub-steps with which the time was found may have moved w by one unit.
     const UNITS: f64 = 256.0;
-    /// Largest time that the rounding of w may add, in parts of the fastest time constant: bounces
-    /// so slow that they would need more are the last of a chatter run. The time is also at most
-    /// this part of max(1, |t|), a tenth of the tolerance of a master's time
+    /// Largest time that the rounding of w may add, as a fraction of the fastest time constant:
+    /// slower bounces are the last of a chatter run. The time is also at most this fraction of
+    /// max(1, |t|), a tenth of the tolerance of a master's time
     /// ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
     const LONGEST: f64 = 1e-10;
     let (_, rate) = simulator.relative_motion();
@@ -84,7 +84,7 @@ fn lateness(simulator: &Simulator, end: f64) -> f64 {
     rounding(end) + (UNITS * f64::EPSILON * size(simulator) / rate.abs()).min(longest)
 }
 
-/// Size S of the motion by docs/numerics.md, section 1, without its part from loads, m.
+/// Size S of the motion in docs/numerics.md, section 1, without the contribution of loads, m.
 fn size(simulator: &Simulator) -> f64 {
     let (parameters, fastest) = (simulator.parameters(), simulator.fastest_rate());
     let State { x, v } = simulator.state();
@@ -92,7 +92,7 @@ fn size(simulator: &Simulator) -> f64 {
     parameters.stop_gap + x[0].abs() + x[2].abs() + (v[0].abs() + v[2].abs()) / fastest + pushed
 }
 
-/// Undoes a step that failed. Returns the step's error, or an error that says that undoing failed.
+/// Undoes a failed step. Returns the step's error, or an error that states that undoing failed.
 #[cold]
 pub(super) fn take_back(
     simulator: &mut Simulator,

@@ -15,8 +15,8 @@ use vibro_impact::simulator::{Contact, State};
 const CONTACTS: [Contact; 3] = [Contact::Flight, Contact::RestUpper, Contact::RestLower];
 
 impl Instance {
-    /// Dependencies of a variable: before the end of initialization those of its initial value,
-    /// later those in the present contact. They are a subset of the declared ones: box and block
+    /// Dependencies of a variable: before the end of initialization, of its initial value; later,
+    /// in the present contact. They are a subset of the declared dependencies: box and block
     /// depend on each other's loads in rest, but not in flight.
     ///
     /// # Errors
@@ -37,7 +37,7 @@ impl Instance {
             None if variable.dimensions.is_empty() => Vec::new(),
             None => structure::declared(variable),
         };
-        // At an event the contact after the event, as it is shown.
+        // At an event, the contact after the event, since that is shown.
         let contact = match self.present() {
             Ok(Present::Simulation(simulator)) => Some(simulator.contact()),
             Ok(Present::Continuous(continuous)) => Some(continuous.contact()),
@@ -55,7 +55,7 @@ impl Instance {
                 }
                 (Access::Output(reading), Some(contact)) => {
                     let depends = |contact| matters(&reading.value, &VARIABLES[known], contact);
-                    // A dependency that exists in no contact at a given time comes from
+                    // A dependency that does not exist in any contact at a given time comes from
                     // accumulation in time, and is kept.
                     if depends(contact) || !CONTACTS.into_iter().any(depends) {
                         found.push(entry(0));

@@ -25,15 +25,15 @@ const LEAST: f64 = 0.1;
 /// Smallest rate in these products, relative to the fastest rate.
 const SLOWEST: f64 = 1e-2;
 /// Smallest scale of the drive's frequency, relative to the fastest rate, and of its amplitude,
-/// relative to the forces on the box. A steady state at the frequency of a slow drive hardly
-/// depends on much faster modes.
+/// relative to the forces on the box. A slow drive's steady state hardly depends on fast modes.
 const FAINT: (f64, f64) = (1e-6, 1e-3);
-/// Largest change of the drive's phase since time 0 by a change of its frequency by its scale, rad.
+/// Largest change of the drive's phase since time 0 by a change of its frequency by its scale,
+/// rad.
 const TURN: f64 = 10.0;
 /// Attempts at a difference: the factor of the step, and the distance in time of the samples from
-/// now, in periods. If impacts lie within the step on both sides, a shorter step is tried, whose
-/// rounding error is 1e-10. If that fails, the derivative is extrapolated from later or earlier
-/// samples, with an error of the square of the distance.
+/// now, in periods. If impacts lie within the step on both sides, a shorter step is tried, with a
+/// rounding error of 1e-10. If that fails, the derivative is extrapolated from later or earlier
+/// samples.
 const ATTEMPTS: [(f64, f64); 6] =
     [(1.0, 0.0), (1e-2, 0.0), (1e-2, 1e-5), (1e-2, -1e-5), (1e-2, 1e-3), (1e-2, -1e-3)];
 
@@ -44,15 +44,15 @@ impl Instance {
     /// The derivative of unknowns along `seed` in the space of knowns. After initialization the
     /// unknowns are Real outputs and state derivatives; the knowns are inputs and continuous
     /// states, and in an extended description also tunable parameters and time. These derivatives
-    /// are exact, except that those of a closed form with respect to parameters are differences of
-    /// fourth order. Before the end of initialization the unknowns are calculated outputs and
+    /// are exact, except for a closed form with respect to parameters, where they are fourth-order
+    /// differences. Before the end of initialization the unknowns are calculated outputs and
     /// parameters; the knowns are inputs and Reals whose initial value is exact. These derivatives
-    /// are differences of fourth order.
+    /// are fourth-order differences.
     ///
     /// # Errors
-    /// If a reference is not an unknown or a known here, or a seed or a derivative is not finite,
-    /// or an intermediate value overflows, as with seeds near the largest doubles. Nothing is
-    /// written then.
+    /// If a reference is not an unknown or a known here, a seed or a derivative is not finite, or
+    /// an intermediate value overflows, for example with seeds near the largest doubles. Then
+    /// nothing is written.
     pub(super) fn derivative_along(
         &mut self,
         unknowns: &[u32],
@@ -153,9 +153,9 @@ impl Instance {
     }
 
     /// Weighted samples whose sum is the derivative. The formula is a central difference. It is
-    /// one-sided if a range ends within the step, or if an impact of a closed form lies between the
-    /// samples, since the values jump there. If neither side is possible, the derivative is
-    /// extrapolated from two times a little away from the impact.
+    /// one-sided if a range ends within the step, or if an impact of a closed form lies between
+    /// the samples, since the values jump there. If neither side is possible, the derivative is
+    /// extrapolated from two times slightly away from the impact.
     fn differences(&self, knowns: &[u32], seed: &[f64]) -> Outcome<Vec<(f64, Sample)>> {
         const FORMULAS: [&[(f64, f64)]; 3] = [
             &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)],
@@ -237,7 +237,7 @@ impl Instance {
         if size > 0.0 && size.is_finite() { size } else { 1.0 }
     }
 
-    /// The closed form that is played, or before the end of initialization the one at the start.
+    /// The closed form that is played or, in initialization, at the start.
     fn form(&self) -> Outcome<Option<ClosedForm>> {
         match self.present()? {
             Present::Closed(form) => Ok(Some(form.into_owned())),
@@ -248,7 +248,7 @@ impl Instance {
         }
     }
 
-    /// Values with other settings; those of a closed form at the time `away` (s) from now.
+    /// Values with other settings; for a closed form at the time `away` (s) from now.
     fn sample(&self, settings: &Settings, contact: Contact, away: f64) -> Outcome<Sample> {
         if let Some(form) = self.form()? {
             let (side, initial) = (form.counted_side(), matches!(self.engine, Engine::None));
@@ -292,7 +292,7 @@ fn is_derivative(variable: &Variable) -> bool {
     EXTENDED_DERIVATIVES.contains(&variable.name)
 }
 
-/// Whether a variable is a known in addition to inputs and states: time or a tunable parameter.
+/// Whether a variable is a further known besides inputs and states: time or a tunable parameter.
 fn is_further_known(variable: &Variable) -> bool {
     let tunable = variable.causality == Causality::Parameter && variable.variability == Variability::Tunable;
     tunable || variable.causality == Causality::Independent

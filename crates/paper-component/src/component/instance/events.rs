@@ -13,8 +13,7 @@ use std::borrow::Cow;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, DueEvent, Event, ImpactRecord, Loads, Simulator};
 
-/// The motion from which values are read now: at an event that the host handles, a copy after the
-/// event.
+/// The motion from which values are read now: a copy after the event if the host handles an event.
 #[allow(clippy::large_enum_variant)] // it lives while it is read, and boxes would allocate
 pub(super) enum Present<'a> {
     None,
@@ -31,7 +30,7 @@ pub(super) struct Changes<'a> {
 }
 
 impl<'a> Changes<'a> {
-    /// Changes of settings; the flags tell whether parameters and loads were set.
+    /// Changes of settings; the flags are whether parameters and loads were set.
     pub(super) fn of(settings: &'a Settings, (parameters, loads): (bool, bool)) -> Self {
         Self {
             parameters: parameters.then_some(&settings.parameters),
@@ -43,10 +42,10 @@ impl<'a> Changes<'a> {
         self.parameters.is_some() || self.loads.is_some()
     }
 
-    /// Lets the simulator take them over.
+    /// Applies the changes to the simulator.
     ///
     /// # Errors
-    /// Those of the simulator. The parameters may have been taken over then.
+    /// Errors of the simulator. The parameters may already have been set then.
     pub(super) fn put(&self, simulator: &mut Simulator) -> Result<(), vibro_impact::Error> {
         if let Some(parameters) = self.parameters {
             simulator.set_parameters(parameters)?;
@@ -58,7 +57,7 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Reports the rest or release that values set from outside have caused, if any.
+/// Reports the rest or release that set values have caused, if any.
 pub(super) fn report_contact(before: Contact, simulator: &Simulator, report: &mut dyn FnMut(&Event)) {
     let (time, now) = (simulator.time(), simulator.contact());
     if now != before {
@@ -90,7 +89,7 @@ impl Instance {
         Changes::of(&self.settings, (self.parameters_set, self.loads_set))
     }
 
-    /// Whether the values shown are those after the present event.
+    /// Whether the shown values are the values after the present event.
     pub(super) fn looks_past_the_event(&self) -> bool {
         self.life.phase == Phase::Event && self.life.handling.event_mode && !self.events.carried_out
     }
@@ -134,7 +133,7 @@ impl Instance {
     }
 
     /// The clock of impacts ticks at an event if the number of impacts is larger than `shown`.
-    /// `side` is the stop of the last impact that a step has passed over, or 0.
+    /// `side` is the stop of the last impact that a step has passed, or 0.
     pub(super) fn begin_tick(&mut self, shown: u64, side: i8) {
         // If the values cannot be computed, the getters return the error.
         if self.refresh_values().is_ok() {
@@ -157,8 +156,8 @@ impl Instance {
         }
     }
 
-    /// Values of the clock of impacts; `values` must be up to date. While the clock ticks they are
-    /// those of the impact at the event, otherwise those of the last tick.
+    /// Values of the clock of impacts; `values` must be up to date. While the clock ticks they
+    /// belong to the impact at the event, otherwise to the last tick.
     pub(super) fn present_tick(&self) -> Tick {
         if !self.tick.active {
             return self.tick;
@@ -168,7 +167,7 @@ impl Instance {
         Tick { time, impulse, speed, ..self.tick }
     }
 
-    /// Ends the tick; the values that it has shown remain.
+    /// Ends the tick; its values remain.
     pub(super) fn end_tick(&mut self) -> Outcome {
         if self.tick.active {
             self.refresh_values()?;
@@ -178,11 +177,11 @@ impl Instance {
     }
 
     /// Applies the impact law, rest or release that is due at the present point, with the inputs
-    /// and parameters set now. Returns whether states have changed. One call carries out everything
-    /// due at the present time; a further call does nothing.
+    /// and parameters set now. Returns whether states have changed. One call carries out
+    /// everything due at the present time; a further call does nothing.
     ///
     /// # Errors
-    /// If a value that was set is not possible; nothing has changed then.
+    /// If a value that was set is not possible; then nothing has changed.
     pub(super) fn apply_event(&mut self, log: &mut dyn Log) -> Outcome<bool> {
         let mut report = teller(log);
         let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
@@ -235,7 +234,7 @@ pub(super) fn log_left_out(impacts: f64, end: f64, log: &mut dyn Log) {
     }
 }
 
-/// An event in words.
+/// Description of an event.
 pub(super) fn describe(event: &Event) -> String {
     let stop = |side: i8| if side > 0 { "upper" } else { "lower" };
     match *event {

@@ -1,4 +1,4 @@
-//! A warning if a host has set only a part of the machine's parameters: the others keep the start
+//! A warning if a host has set only some of the machine's parameters: the others keep the start
 //! values of another machine.
 
 use vibro_impact::parameters::{FIELDS, Parameters};
@@ -9,9 +9,9 @@ const SCALES: [&str; 3] = ["box.m", "box.k", "stop.gap"];
 /// Parameters that need not be set with the others: they are dimensionless or angles.
 const FREE: [&str; 2] = ["stop.restitution", "drive.phase"];
 
-/// The warning if a scale was changed but other parameters with a dimension were not set; `None` if
-/// all of them were set. The parameters of an uncoupled secondary oscillator and the frequency of a
-/// drive without force are not required.
+/// The warning if a scale was changed but other parameters with a dimension were not set; `None`
+/// if all of them were set. The parameters of an uncoupled secondary oscillator and the frequency
+/// of a drive without force are not required.
 pub(super) fn half_a_machine(parameters: &Parameters, given: u16) -> Option<String> {
     let standard = Parameters::default();
     let scaled = FIELDS.iter().any(|f| SCALES.contains(&f.name) && (f.get)(parameters) != (f.get)(&standard));

@@ -16,7 +16,7 @@ use vibro_impact::error::Error;
 use vibro_impact::simulator::{AdvanceOutcome, Event, EventObserver, Pause, Simulator};
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Data by which a step of a closed form is undone. A simulator goes back to the beginning of its
+/// Data that undo a step of a closed form. A simulator returns to the beginning of its
 /// [`LastStep`].
 #[derive(Debug)]
 pub struct Undo(Option<Box<Data>>);
@@ -71,9 +71,8 @@ impl Hybrid for Instance {
         self.settings.stop_at_impact
     }
 
-    /// A release or a rest that a changed input causes is a separate event. Loads that the host's
-    /// callback has set in a step so short that their slopes are excessively large are held
-    /// constant.
+    /// A release or a rest caused by a changed input is a separate event. Loads that the host's
+    /// callback has set in a step so short that their slopes are excessive are held constant.
     #[inline]
     fn take_over(&mut self, _: StepEnd, log: &mut dyn Log) -> Outcome<(Undo, bool)> {
         let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));
@@ -190,7 +189,7 @@ impl Hybrid for Instance {
         self.events.latched = shown;
     }
 
-    /// Loads that have followed polynomials keep their present values from here on. If the step has
+    /// Loads that have followed polynomials keep their present values from now on. If the step has
     /// stopped before its end, they continue to follow the polynomials.
     fn end_step(&mut self, ended: Ended) {
         self.events.pending = ended.event;
@@ -281,7 +280,7 @@ fn side_of(event: &Event, before: i8) -> i8 {
 }
 
 /// Runs a simulator. A step that ends after an event ends after any event if `every` is true,
-/// otherwise after an impact only.
+/// otherwise only after an impact.
 fn run(
     simulator: &mut Simulator,
     end: StepEnd,
@@ -326,8 +325,8 @@ fn run(
     Ok(Met { due: !end.is_chosen() && is_at_end(simulator, last)?, ..Met::default() })
 }
 
-/// Plays a steady state. A long run does not report all impacts; the number of impacts left out is
-/// returned as well.
+/// Plays a steady state. A long run does not report all impacts; the number of unreported impacts
+/// is also returned.
 fn play(
     form: &mut ClosedForm,
     end: StepEnd,

@@ -11,7 +11,7 @@ use crate::component::variables::Edition;
 use vibro_impact::simulator::{Simulator, State};
 
 impl Instance {
-    /// The motion at the start, with the objections to a steady state that is played or started on.
+    /// The motion at the start, with objections to a steady state that is used for it.
     ///
     /// # Errors
     /// If start values, parameters or mode are not possible.
@@ -77,7 +77,7 @@ impl Instance {
     }
 }
 
-/// The loads now.
+/// Present loads.
 pub(super) fn forces(settings: &Settings) -> [f64; 3] {
     settings.loads.derivatives.map(|load| load[0])
 }

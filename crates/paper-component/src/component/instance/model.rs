@@ -15,11 +15,11 @@ use vibro_impact::simulator::{Simulator, State};
 
 /// Highest order of input derivatives.
 const INPUT_ORDER: i32 = 3;
-/// Highest order of output derivatives: the derivatives of displacements are known up to the fifth,
-/// so those of accelerations up to the third.
+/// Highest order of output derivatives: the derivatives of displacements are known up to the fifth
+/// order, so the derivatives of accelerations up to the third.
 const OUTPUT_ORDER: i32 = 3;
-/// Largest |w| that a solver may set, in gaps, in all editions but the first. A solver that looks
-/// for an impact beyond a stop stays within this limit; a larger |w| is an error of the solver.
+/// Largest |w| that a solver may set, in gaps, in all editions except the first. A solver that
+/// searches for an impact stays within this limit; a larger |w| is an error.
 const REACH: f64 = 10.0;
 
 #[allow(refining_impl_trait)] // numbers of the model are arrays
@@ -45,7 +45,7 @@ impl Model for Instance {
         &mut self.life
     }
 
-    /// A clock ticks in Event Mode alone.
+    /// A clock ticks only in Event Mode.
     fn tell_at_instantiation(&self, log: &mut dyn Log) {
         let silent = self.edition == Edition::Clocked && !self.life.handling.event_mode;
         if silent && log.wants(Category::Warnings) {
@@ -140,7 +140,7 @@ impl Model for Instance {
                 self.check_set(reference, bases, value)?;
             }
         }
-        // A host's solver sees the new values at once, not with the next step.
+        // A host's solver sees the new values immediately, not in the next step.
         let before = match &self.engine {
             Engine::Continuous(continuous) => {
                 let set = (self.parameters_set, self.loads_set, self.given);
@@ -204,8 +204,8 @@ impl Model for Instance {
         Ok(())
     }
 
-    /// At an event these are the derivatives before it, or the derivatives after it if the outputs
-    /// show the motion after the event.
+    /// At an event these are the derivatives before it; if the outputs show the motion after the
+    /// event, they are the derivatives after it.
     fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -283,20 +283,20 @@ impl Model for Instance {
         self.with_continuous(DERIVATIVES, Continuous::derivatives)
     }
 
-    /// Distances to both stops in flight, pressing acceleration in rest: an event is where one
+    /// Distances to both stops in flight, pressing acceleration in rest: an event occurs when one
     /// becomes negative.
     fn event_indicators(&self) -> Outcome<[f64; EVENT_INDICATORS]> {
         self.with_continuous(["an event indicator"; EVENT_INDICATORS], Continuous::indicators)
     }
 
-    /// Nominal values of the continuous states, by the parameters as they are set: the gap, and the
-    /// gap times the drive's frequency. Each is positive and finite.
+    /// Nominal values of the continuous states from the parameters set now: the gap, and the gap
+    /// times the drive's frequency. Each is positive and finite.
     fn nominals(&self) -> [f64; 6] {
         let parameters = &self.settings.parameters;
         let positive = |value: f64| value.clamp(f64::MIN_POSITIVE, f64::MAX);
         let length = positive(parameters.stop_gap);
         let frequency = parameters.drive_frequency.abs();
-        // If the drive's frequency is zero, the system's fastest rate takes its place.
+        // If the drive's frequency is zero, the system's fastest rate replaces it.
         let own = || vibro_impact::model::Model::new(parameters).map_or(1.0, |model| model.rate);
         let speed = positive(length * if frequency > 0.0 { frequency } else { own() });
         [length, length, length, speed, speed, speed]

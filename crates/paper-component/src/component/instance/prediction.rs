@@ -12,11 +12,11 @@ use vibro_impact::simulator::{Event, Simulator};
 /// impacts in it.
 const PERIODS: f64 = 2.0;
 /// Largest length of the predicted interval, in units of the system's fastest time constant. It
-/// applies if the drive is very slow or stands still, and bounds the cost of the search.
+/// applies if the drive is very slow or does not move, and bounds the cost of the search.
 const TIME_CONSTANTS: f64 = 1e4;
 
 impl Instance {
-    /// The next event with the inputs and parameters as they are set.
+    /// The next event with the inputs and parameters set now.
     pub fn prediction(&mut self) -> Prediction {
         self.refresh_prediction();
         self.prediction.unwrap_or_default()
@@ -29,9 +29,9 @@ impl Instance {
         }
     }
 
-    /// The next impact, rest or release with the inputs and parameters as they are set. There is no
-    /// prediction in Model Exchange, where the host's solver computes the motion, nor if the motion
-    /// ahead cannot be computed.
+    /// The next impact, rest or release with the inputs and parameters set now. There is no
+    /// prediction in Model Exchange, where the host's solver computes the motion, or if the future
+    /// motion cannot be computed.
     fn predict(&self) -> Prediction {
         let now = self.time();
         let horizon = now + span(&self.settings.parameters);

@@ -10,8 +10,7 @@ fn set(instance: &mut Instance, name: &str, value: f64) {
     instance.set(any, &[reference(name)], |_| value).unwrap();
 }
 
-/// A state with the given way to move, in which no field is what it is by default and few are
-/// equal.
+/// A state with the given engine, in which no field has its default and few are equal.
 fn state(interface: Interface, start: &[(&str, f64)], initialized: bool) -> SavedState {
     let mut instance = Instance::new(interface);
     for (name, value) in [("box.k", 1.5), ("block.m", 0.125), ("drive.phase", 0.25)].iter().chain(start) {
@@ -26,7 +25,7 @@ fn state(interface: Interface, start: &[(&str, f64)], initialized: bool) -> Save
     instance.save()
 }
 
-/// One of each kind.
+/// One state of each kind.
 fn states() -> [(&'static str, SavedState); 4] {
     let place = &[("block.s", 0.5), ("secondary.v", -0.25), ("box.f", 0.75)];
     [
@@ -37,8 +36,8 @@ fn states() -> [(&'static str, SavedState); 4] {
     ]
 }
 
-/// The golden file: bytes of one state of each kind, and below them how they read. Bytes of a
-/// version never change.
+/// The golden file: bytes of one state of each kind, and below them their text. Bytes of a version
+/// never change.
 fn golden() -> PathBuf {
     let name = format!("tests/data/saved_state.v{VERSION}.txt");
     std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
@@ -53,8 +52,8 @@ fn bytes_of(text: &str) -> Vec<u8> {
     pairs.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).unwrap(), 16).unwrap()).collect()
 }
 
-/// A field added, removed, renamed, moved or of another type reads the old bytes as something else.
-/// Arithmetic plays no part: states are not stepped, and only read.
+/// If a field is added, removed, renamed, moved or changes its type, the old bytes are read
+/// differently. Arithmetic does not matter: states are not stepped, only read.
 #[test]
 fn golden_file_of_the_layout() {
     let file = golden();
@@ -95,8 +94,7 @@ fn invariant_every_state_comes_back_from_its_bytes() {
     }
 }
 
-/// Bits of every kind of double: -0, a number below the normal ones, infinity, NaN with sign and
-/// payload.
+/// Bits of every kind of double: -0, a subnormal number, infinity, NaN with sign and payload.
 #[test]
 fn invariant_every_bit_of_a_double_comes_back() {
     let (_, mut state) = states().into_iter().next().unwrap();
@@ -111,7 +109,7 @@ fn invariant_every_bit_of_a_double_comes_back() {
     }
 }
 
-/// `bytes` with the right checksum behind them.
+/// `bytes` with the correct checksum at the end.
 fn mended(mut bytes: Vec<u8>) -> Vec<u8> {
     let length = bytes.len() - 8;
     let sum = fnv1a(&bytes[..length]);
@@ -139,11 +137,11 @@ fn bytes_of_others_are_refused_with_the_reason() {
     assert!(SavedState::deserialize(b"short").unwrap_err().to_string().contains("too few"));
 }
 
-/// A state with one bit altered is refused or carried on, in bounded time and without a panic. Of
-/// each byte the lowest bit, which turns Booleans and enumerations, and one other are altered.
+/// A state with one altered bit is refused or continued, in bounded time and without a panic. In
+/// each byte the lowest bit, which flips Booleans and enumerations, and one other bit are altered.
 #[test]
 fn invariant_no_bit_of_a_saved_state_makes_a_panic() {
-    /// A step ends within a second or two, on a busy machine too.
+    /// A step ends within a second or two, also on a busy machine.
     const LONGEST: f64 = 10.0;
     let mut found = Vec::new();
     for (name, state) in states() {
@@ -182,8 +180,8 @@ fn invariant_no_bit_of_a_saved_state_makes_a_panic() {
     assert!(found.is_empty(), "{} found: {:#?}", found.len(), &found[..found.len().min(12)]);
 }
 
-/// Of every combination of phase, interface type and what moves only those are taken that an
-/// instance can write.
+/// Of all combinations of phase, interface type and engine, only the ones that an instance can
+/// write are accepted.
 #[test]
 fn states_whose_phase_does_not_go_with_what_moves_are_refused() {
     use Phase::*;
@@ -204,7 +202,7 @@ fn states_whose_phase_does_not_go_with_what_moves_are_refused() {
     }
 }
 
-/// What moves is of the interface type, whatever the phase.
+/// The engine must belong to the interface type, in all phases.
 #[test]
 fn states_in_which_the_other_interface_types_motion_moves_are_refused() {
     let [_, (_, stepped), _, (_, integrated)] = states();
@@ -218,12 +216,12 @@ fn states_in_which_the_other_interface_types_motion_moves_are_refused() {
     }
 }
 
-/// The order of departure counts coefficients that are divided out: one that no motion has is
+/// The order of departure counts coefficients that are divided out; an order that no motion has is
 /// refused.
 #[test]
 fn a_snapshot_with_an_impossible_departure_is_refused() {
     use vibro_impact::{Parameters, Simulator, State};
-    // Behind the parameters stand the time (16 bytes), six coordinates (48) and the contact (1).
+    // After the parameters come the time (16 bytes), six coordinates (48) and the contact (1).
     const DEPARTING: usize = size_of::<Parameters>() + 65;
     let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
     let before = simulator.snapshot();

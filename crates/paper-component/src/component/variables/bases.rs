@@ -1,4 +1,4 @@
-//! Base types of the variables, and the descriptions that have them.
+//! Base types of the variables, and the descriptions that contain them.
 
 pub use fmi_doors::{Base, Bases};
 
@@ -8,7 +8,7 @@ pub use fmi_doors::{Base, Bases};
 pub enum Edition {
     /// Every description.
     Every,
-    /// Descriptions that know event indicators and derivatives as variables.
+    /// Descriptions with event indicators and derivatives as variables.
     Extended,
     /// Extended descriptions with arrays.
     Arrays,
@@ -17,6 +17,6 @@ pub enum Edition {
 }
 
 impl Edition {
-    /// All, in the order of inclusion.
+    /// All editions, in the order of inclusion.
     pub const ALL: [Self; 4] = [Self::Every, Self::Extended, Self::Arrays, Self::Clocked];
 }

@@ -17,12 +17,12 @@ pub enum Kind {
     Real {
         /// Declared type, which gives quantity, unit and display unit.
         declared: RealType,
-        /// Allowed values of a variable that can be set; all numbers for a variable that is only
+        /// Valid values of a variable that can be set; all numbers for a variable that is only
         /// read.
         range: Range,
         /// Nominal value.
         nominal: Option<f64>,
-        /// Name of the variable whose time derivative this is.
+        /// Name of the state, if the variable is its time derivative.
         derivative_of: Option<&'static str>,
         /// Whether events may change this continuous state.
         reinit: bool,
@@ -40,19 +40,19 @@ pub enum Kind {
     Clock,
 }
 
-/// How an output is read.
+/// Functions that read an output.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
     /// Its value.
     pub value: fn(&OutputValues) -> f64,
-    /// Its value as a number that varies; none for what changes at events only.
+    /// Its value with a variation; `None` for a value that changes at events only.
     pub varied: Option<fn(&OutputValues<Varied>) -> Varied>,
-    /// Its value with its time derivatives; none for what changes at events only.
+    /// Its value with its time derivatives; `None` for a value that changes at events only.
     pub jet: Option<fn(&OutputValues<Jet>) -> Jet>,
 }
 
-/// Where a variable's value lives. All values travel as `f64`: Integers and enumerations are exact
-/// in it, Booleans are 0 and 1.
+/// Location of a variable's value. All values are passed as `f64`: Integers and enumerations are
+/// exact in it, Booleans are 0 and 1.
 #[derive(Clone, Copy, Debug)]
 pub enum Access {
     /// Kept in the settings.
@@ -75,40 +75,40 @@ pub enum Access {
     Output(Reading),
     /// An array of the motion, element by element in row-major order.
     Elements(fn(&OutputValues, usize) -> f64),
-    /// Follows from the parameters.
+    /// A value that follows from the parameters.
     Derived(fn(&Derived) -> f64),
-    /// The event that is to come.
+    /// The next event.
     Prediction(fn(&Prediction) -> f64),
     /// An array of derivatives over the last step, element by element in row-major order.
     Step(fn(&StepMatrices, usize) -> f64),
-    /// What the clock of impacts shows.
+    /// The shown values of the clock of impacts.
     Tick(fn(&Tick) -> f64),
 }
 
-/// Knowns by name, and how an unknown depends on each.
+/// Knowns by name, with the kind of dependency on each.
 pub type Knowns = &'static [(&'static str, DependencyKind)];
 
-/// What a variable depends on at a given time: an output on inputs, continuous states and time, a
-/// calculated parameter on parameters.
+/// Dependencies of a variable at a given time: of an output on inputs, continuous states and time;
+/// of a calculated parameter on parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dependencies {
-    /// The variable is not an unknown of the model's structure: it is set, it is time, or its value
-    /// belongs to the last step or to the next event.
+    /// The variable is not an unknown of the model's structure: it is set, it is time, or its
+    /// value belongs to the last step or to the next event.
     NotUnknown,
     /// The variable depends on these knowns only.
     On(Knowns),
 }
 
-/// What an unknown depends on in initialization, where inputs, start values, parameters and time
+/// Dependencies of an unknown in initialization, where inputs, start values, parameters and time
 /// are the knowns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initially {
     /// The dependencies after initialization.
     AsLater,
-    /// In addition to those, the variables named here and all variables that determine a closed
-    /// form, [`START`](super::START), since the start may be taken from a closed form.
+    /// In addition to these, the given variables and all variables that determine a closed form,
+    /// [`START`](super::START), since the start may be taken from a closed form.
     OnStartAnd(&'static [&'static str]),
-    /// The variables named here only.
+    /// Only the given variables.
     On(&'static [&'static str]),
 }
 
@@ -116,7 +116,7 @@ pub enum Initially {
 /// it never derives the property from the name.
 #[derive(Clone, Copy, Debug)]
 pub struct Variable {
-    /// Value reference, given in the table. It is never given to another variable.
+    /// Value reference, given in the table. It is never used for another variable.
     pub reference: u32,
     /// Structured name: identifiers with dots between them.
     pub name: &'static str,
@@ -126,26 +126,26 @@ pub struct Variable {
     pub section: Section,
     /// The descriptions that contain the variable.
     pub edition: Edition,
-    /// Lengths of an array, the slowest index first; none of a scalar.
+    /// Lengths of an array, the slowest index first; empty for a scalar.
     pub dimensions: &'static [usize],
-    /// Symbol of the theory for it, if any.
+    /// Symbol in the theory, if any.
     pub symbol: Option<&'static str>,
     /// Causality.
     pub causality: Causality,
     /// Variability.
     pub variability: Variability,
-    /// Where the initial value comes from; none for inputs and time.
+    /// Origin of the initial value; `None` for inputs and time.
     pub initial: Option<Initial>,
     /// Type specific part.
     pub kind: Kind,
-    /// How to read and write it.
+    /// Functions that read and write the variable.
     pub access: Access,
-    /// What it depends on.
+    /// Its dependencies.
     pub dependencies: Dependencies,
-    /// Names of further knowns in later descriptions, whose knowns include parameters and the
+    /// Names of further knowns in later descriptions: their knowns include parameters and the
     /// variables that decide the contact at an event.
     pub further: &'static [&'static str],
-    /// What it depends on in initialization.
+    /// Its dependencies in initialization.
     pub initially: Initially,
     /// The body on which an input acts: 0 the box, 1 the block, 2 the secondary oscillator. `None`
     /// for other variables.
@@ -153,8 +153,8 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// Whether it can be set or read within a step, from the host's callback: continuous inputs and
-    /// outputs.
+    /// Whether the host's callback can set or read the variable within a step: continuous inputs
+    /// and outputs.
     pub fn is_seen_within_steps(&self) -> bool {
         matches!(self.causality, Causality::Input | Causality::Output)
             && self.variability == Variability::Continuous
@@ -181,7 +181,7 @@ impl Variable {
         size
     }
 
-    /// Start value, for every variable that has one: parameters, inputs and those whose initial
+    /// Start value of every variable that has one: parameters, inputs and variables whose initial
     /// value is exact.
     pub fn start(&self) -> Option<f64> {
         self.start_in(&Settings::default())
@@ -195,13 +195,13 @@ impl Variable {
         }
     }
 
-    /// Smallest and largest allowed value of a Real; `None` without a bound.
+    /// Smallest and largest valid value of a Real; `None` without a bound.
     pub fn bounds(&self) -> (Option<f64>, Option<f64>) {
         let Kind::Real { range, .. } = self.kind else { return (None, None) };
         (Some(range.min).filter(|x| x.is_finite()), Some(range.max).filter(|x| x.is_finite()))
     }
 
-    /// The values that may be set, in words.
+    /// Text of the values that may be set.
     pub fn allowed(&self) -> &'static str {
         match self.kind {
             Kind::Real { range, .. } => range.allowed,
@@ -220,7 +220,7 @@ impl Variable {
         }
     }
 
-    /// Name of the declared type, where there is one.
+    /// Name of the declared type, if any.
     pub fn declared_type(&self) -> Option<&'static str> {
         match &self.kind {
             Kind::Real { declared, .. } => Some(declared.name),

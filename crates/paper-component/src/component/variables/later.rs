@@ -46,8 +46,8 @@ const fn structural(
     Variable { edition: Edition::Extended, ..row }
 }
 
-/// The derivative of a body's displacement, as a variable in addition to the velocity state with
-/// the same value.
+/// The derivative of a body's displacement, a variable separate from the velocity state with the
+/// same value.
 pub(super) const fn rate<const BODY: usize>(
     name: &'static str,
     of: &'static str,
@@ -81,8 +81,8 @@ pub(super) const fn bodies(
     Variable { edition: Edition::Arrays, dimensions: &[3], ..row }
 }
 
-/// A matrix of derivatives over the last step. It is continuous, since discrete variables change at
-/// events only.
+/// A matrix of derivatives over the last step. It is continuous, since discrete variables change
+/// at events only.
 pub(super) const fn step_matrix(
     name: &'static str,
     description: &'static str,

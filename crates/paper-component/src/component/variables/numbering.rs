@@ -1,7 +1,7 @@
-//! Value references of a description: which variable each stands for.
+//! Value references of a description, and the variable of each.
 //!
 //! The reference of a variable in the table is the column [`Variable::reference`]. It is never
-//! given to another variable, even after the variable has been removed. A description either uses
+//! used for another variable, even after the variable has been removed. A description either uses
 //! these references, or counts its variables in their order, for importers that take a reference
 //! for an index. Counted references may change with every build.
 
@@ -30,14 +30,14 @@ const NONE: u16 = u16::MAX;
 /// The value references of one description.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Numbering {
-    /// Places in the table by reference.
+    /// Indices in the table by reference.
     places: &'static [u16; LENGTH],
 }
 
 impl Numbering {
-    /// Every variable by the table's own reference.
+    /// Every variable with the table's own reference.
     pub const ALL: Self = Self { places: &const { own(&VARIABLES, Edition::Clocked) } };
-    /// The variables of an edition by the table's own references.
+    /// The variables of an edition with the table's own references.
     pub const EVERY: Self = Self { places: &const { own(&VARIABLES, Edition::Every) } };
 
     /// The variables of an edition, counted from 1 in the order of the table without gaps.
@@ -52,8 +52,7 @@ impl Numbering {
         }
     }
 
-    /// Place of the variable that a reference stands for; [`COUNT`] or more if no variable has the
-    /// reference.
+    /// Index of the variable with a reference; [`COUNT`] or more if no variable has the reference.
     #[inline]
     pub(crate) fn place(self, reference: u32) -> usize {
         match self.places.get(reference as usize) {
@@ -62,12 +61,13 @@ impl Numbering {
         }
     }
 
-    /// The variable that a reference stands for.
+    /// The variable with a reference.
     pub fn variable(self, reference: u32) -> Option<&'static Variable> {
         VARIABLES.get(self.place(reference))
     }
 
-    /// The reference of the variable at a place; `None` if the description leaves the variable out.
+    /// The reference of the variable with an index; `None` if the description leaves the variable
+    /// out.
     pub fn reference(self, place: usize) -> Option<u32> {
         (0..).zip(self.places).find(|(_, p)| usize::from(**p) == place).map(|(reference, _)| reference)
     }
@@ -85,7 +85,7 @@ impl Numbering {
     }
 }
 
-/// Places by the rows' own references; N is larger than any of them.
+/// Indices by the rows' own references; N is larger than any of them.
 pub(super) const fn own<const N: usize>(table: &[Variable], edition: Edition) -> [u16; N] {
     let (mut places, mut i) = ([NONE; N], 0);
     while i < table.len() {
@@ -99,7 +99,7 @@ pub(super) const fn own<const N: usize>(table: &[Variable], edition: Edition) ->
     places
 }
 
-/// Places by the number of the row among those of the edition; N is larger than the number of rows.
+/// Indices by the row's number within the edition; N is larger than the number of rows.
 pub(super) const fn counted<const N: usize>(table: &[Variable], edition: Edition) -> [u16; N] {
     let (mut places, mut i, mut next) = ([NONE; N], 0, 1);
     while i < table.len() {

@@ -8,7 +8,7 @@ use crate::component::settings::{Derived, Settings};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick};
 use vibro_impact::parameters::FIELDS;
 
-/// How to read a variable.
+/// Source from which a variable is read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Get {
     /// From the settings.
@@ -21,7 +21,7 @@ pub(crate) enum Get {
     Derived(fn(&Derived) -> f64),
     /// From the prediction of the next event.
     Prediction(fn(&Prediction) -> f64),
-    /// What the clock of impacts shows.
+    /// The shown value of the clock of impacts.
     Tick(fn(&Tick) -> f64),
     /// An array with this number of elements, from the motion.
     Elements(usize, fn(&OutputValues, usize) -> f64),
@@ -29,14 +29,14 @@ pub(crate) enum Get {
     Step(usize, fn(&StepMatrices, usize) -> f64),
 }
 
-/// How to write a variable.
+/// Destination to which a variable is written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Set {
     /// A setting.
     Setting(fn(&mut Settings, f64)),
     /// A start value, or a continuous state once there is a motion.
     Start(fn(&mut Settings, f64)),
-    /// Not at all.
+    /// Never written.
     Never,
 }
 
@@ -49,7 +49,7 @@ pub(crate) struct Reader {
     /// The quantity that must be up to date before the variable is read: one of the bits below, or
     /// none.
     pub(crate) needs: u8,
-    /// How to read it.
+    /// Source of its value.
     pub(crate) get: Get,
 }
 
@@ -80,7 +80,7 @@ impl Reader {
     }
 }
 
-/// The readers of all variables, by place.
+/// The readers of all variables, by index.
 pub(crate) static READERS: [Reader; COUNT] = {
     let mut readers = [Reader::of(&VARIABLES[0]); COUNT];
     let mut i = 0;
@@ -96,14 +96,14 @@ pub(crate) static READERS: [Reader; COUNT] = {
 pub(crate) struct Writer {
     /// Base type.
     base: Base,
-    /// When it may be set: the bits below.
+    /// Phases in which it may be set: the bits below.
     when: u8,
     /// Whether it is an input.
     pub(crate) input: bool,
-    /// Smallest and largest value that needs no further check. The smallest is above the largest if
-    /// every value needs one.
+    /// Smallest and largest value that needs no further check. The smallest is above the largest
+    /// if every value needs one.
     range: (f64, f64),
-    /// How to write it.
+    /// Destination of its value.
     pub(crate) set: Set,
     /// Bit of a physical parameter in the order of `FIELDS`; 0 for other variables.
     pub(crate) given: u16,
@@ -112,7 +112,7 @@ pub(crate) struct Writer {
 impl Writer {
     /// Before and during initialization.
     pub(crate) const INITIAL: u8 = 1;
-    /// Between events, while a host's solver is at work.
+    /// Between events, while a host's solver integrates.
     pub(crate) const CONTINUOUS: u8 = 2;
     /// At communication points and events.
     pub(crate) const EVENT: u8 = 4;
@@ -120,8 +120,8 @@ impl Writer {
     /// it.
     pub(crate) const UNCHANGED_STATES: u8 = 8;
 
-    /// When a variable may be set. Inputs are also accepted before initialization, although the
-    /// standards keep their start values there: several hosts set them there.
+    /// The phases in which a variable may be set. Inputs are also accepted before initialization,
+    /// although the standards keep their start values there: several hosts set them there.
     const fn of(variable: &Variable) -> Self {
         let input = matches!(variable.causality, Causality::Input);
         let parameter = matches!(variable.causality, Causality::Parameter);
@@ -173,7 +173,7 @@ impl Writer {
     }
 }
 
-/// The writers of all variables, by place.
+/// The writers of all variables, by index.
 pub(crate) static WRITERS: [Writer; COUNT] = {
     let mut writers = [Writer::of(&VARIABLES[0]); COUNT];
     let mut i = 0;

@@ -33,7 +33,7 @@ macro_rules! of {
 }
 pub(super) use of;
 
-/// A Real of any finite value.
+/// A Real with any finite value.
 pub(super) const fn real(declared: RealType) -> Kind {
     Kind::Real { declared, range: Range::FINITE, nominal: None, derivative_of: None, reinit: false }
 }
@@ -106,7 +106,7 @@ fn get_field<const I: usize>(settings: &Settings) -> f64 {
 const SYMBOLS: [&str; 13] =
     ["m1", "k1", "c1", "m2", "m3", "k3", "c3", "k23", "L", "kappa", "F10", "omega1", "phi"];
 
-/// A physical parameter; name, meaning and range are those of [`FIELDS`].
+/// A physical parameter; name, meaning and range come from [`FIELDS`].
 pub(super) const fn parameter<const I: usize>(variability: Variability, declared: RealType) -> Variable {
     let field = FIELDS[I];
     let kind = Kind::Real { declared, range: field.range, nominal: None, derivative_of: None, reinit: false };
@@ -148,8 +148,8 @@ pub(super) const fn load<const BODY: usize>(name: &'static str, description: &'s
     }
 }
 
-/// Displacement of a body; impacts may shift box and block by round-off to keep the gap exact. Like
-/// every state, it depends on itself alone.
+/// Displacement of a body; impacts may shift box and block by round-off to keep the gap exact.
+/// Like every state, it depends only on itself.
 pub(super) const fn position<const BODY: usize>(
     name: &'static str,
     description: &'static str,
@@ -200,8 +200,8 @@ const fn moving(
     output(Section::Motion, name, description, kind, reading, knowns)
 }
 
-/// An output that changes at any time. `knowns` are the inputs, continuous states and time on which
-/// it depends. Its derivatives follow from its reading.
+/// An output that changes at any time. `knowns` are the inputs, continuous states and time on
+/// which it depends. Its derivatives follow from its reading.
 pub(super) const fn output(
     section: Section,
     name: &'static str,
@@ -290,13 +290,12 @@ pub(super) const fn by(further: &'static [&'static str], row: Variable) -> Varia
     Variable { further, ..row }
 }
 
-/// A row that depends in initialization on what [`Initially`] says.
+/// A row with the dependencies in initialization of an [`Initially`].
 pub(super) const fn at_start(initially: Initially, row: Variable) -> Variable {
     Variable { initially, ..row }
 }
 
-/// Parameters of box and block, of the secondary oscillator, of the coupling, of the stops, of the
-/// drive.
+/// Parameters of box and block, secondary oscillator, coupling, stops, and drive.
 pub(super) const OF_PAIR: [&str; 4] = ["box.m", "box.k", "box.c", "block.m"];
 pub(super) const OF_SECONDARY: [&str; 3] = ["secondary.m", "secondary.k", "secondary.c"];
 pub(super) const OF_COUPLING: [&str; 1] = ["coupling.k"];
@@ -339,7 +338,7 @@ const STEADY: Knowns = &{
 /// determine the start; the start values have no effect.
 pub const START: &[&str] = &join::<16>(&[&DECIDING, &["time", "drive.phase", "mode", "startOnOrbit"]]);
 
-/// All knowns: those of accumulated work and energies.
+/// All knowns, on which accumulated work and energies depend.
 pub(super) const ALL: Knowns = &[
     ("time", Dependent),
     ("box.f", Dependent),

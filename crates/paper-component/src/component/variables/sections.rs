@@ -1,13 +1,13 @@
 //! Sections of the documentation's table of variables.
 
-/// Section of the documentation's table under which a variable stands.
+/// Section of a variable in the documentation's table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     /// Time.
     Time,
     /// Physical parameters.
     Parameters,
-    /// How the motion is obtained.
+    /// Method that gives the motion.
     Solution,
     /// Loads.
     Loads,

@@ -1,6 +1,5 @@
 //! The table itself, in the order of the descriptions. The number before a row is its value
-//! reference: a new row takes the next one of `tests/data/value_references.txt`, wherever it
-//! stands.
+//! reference: a new row, at any position, takes the next one of `tests/data/value_references.txt`.
 
 use super::columns::DependencyKind::{
     Constant, Dependent, Discrete as AtEvents, Fixed as OfFixed, Tunable as OfTunable,
@@ -31,7 +30,7 @@ const PAIR: Knowns = &[
 /// Knowns that decide the contact in flight.
 const GAP: Knowns = &[("box.s", AtEvents), ("block.s", AtEvents)];
 
-/// What the accelerations of the three bodies depend on.
+/// Knowns of the accelerations of the three bodies.
 const ACCELERATIONS: Knowns = &[
     ("time", Dependent),
     ("box.f", AtEvents),
@@ -52,19 +51,19 @@ const SECONDARY: Knowns = &[
     ("secondary.v", OfTunable),
 ];
 
-/// Parameters of the box's acceleration: in rest those of both bodies, in multiple scales those of
-/// the amplitude.
+/// Parameters of the box's acceleration: in rest the parameters of both bodies, in multiple scales
+/// the parameters of the amplitude.
 const BOX: [&str; 11] = join(&[&OF_PAIR, &OF_COUPLING, &OF_STOPS, &OF_DRIVE, &["mode"]]);
 
-/// Parameters of the block's acceleration: in rest those of both bodies. In multiple scales this
-/// acceleration is zero.
+/// Parameters of the block's acceleration: in rest the parameters of both bodies. In multiple
+/// scales this acceleration is zero.
 const BLOCK: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE, &["mode"]]);
 
 /// The parameters in the contact force.
 const PRESSING: [&str; 8] = join(&[&OF_PAIR, &OF_COUPLING, &OF_DRIVE]);
 
-/// Parameters of the pressing acceleration: those of the contact force, and the gap as the unit of
-/// length.
+/// Parameters of the pressing acceleration: the parameters of the contact force, and the gap as
+/// the unit of length.
 const PRESSED: [&str; 9] = join(&[&OF_PAIR, &OF_COUPLING, &["stop.gap"], &OF_DRIVE]);
 
 /// The parameters in the accelerations of all three bodies.
@@ -83,11 +82,11 @@ const CONTACT: [&str; 18] = join(&[
 /// The parameters of an impact.
 const OF_IMPACT: &[&str] = &["box.m", "block.m", "stop.restitution"];
 
-/// Parameters of the dampers' work since the last accepted step of a host's solver, and thus of the
-/// work of the inputs.
+/// Parameters of the dampers' work since the last accepted step of a host's solver, and thus of
+/// the work of the inputs.
 const DAMPED: [&str; 11] = join(&[&OF_PAIR, &OF_SECONDARY, &OF_COUPLING, &OF_DRIVE]);
 
-/// At the start accelerations and contact force depend on the block's velocity, too: it decides
+/// At the start accelerations and contact force also depend on the block's velocity: it decides
 /// whether the block rests at a stop or leaves it.
 const MOTION_AT_START: Initially = Initially::OnStartAnd(&["block.v"]);
 

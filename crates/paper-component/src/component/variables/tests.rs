@@ -1,14 +1,14 @@
 use super::*;
 
-/// Every value reference that was ever given, with its variable: a line stays when the variable is
-/// taken out.
+/// Every value reference that was ever used, with its variable. A line stays when the variable is
+/// removed.
 const GIVEN: &str = include_str!("../../../tests/data/value_references.txt");
-/// How many of the lines have been released, and their FNV-1a hash: what is released is never given
-/// to another variable.
+/// Number of released lines, and their FNV-1a hash: a released reference is never used for another
+/// variable.
 const RELEASED: (usize, u128) = (92, 0xb5d6_d64b_7044_1ad2_49fd_53a5_0e67_b5ae);
 
-/// A reference belongs to one name for ever: the list counts without a gap, what was released of it
-/// stays as it is, and the table has each of its variables under the list's reference.
+/// A reference belongs to one name for ever: the list counts without a gap, its released part is
+/// unchanged, and the table has each variable under the list's reference.
 #[test]
 fn golden_file_of_the_value_references() {
     let given: Vec<(u32, &str)> = GIVEN
@@ -31,12 +31,12 @@ fn golden_file_of_the_value_references() {
     assert_eq!(fmi_doors::identifier::fnv1a(released.as_bytes()), RELEASED.1, "released lines never change");
 }
 
-/// The table can grow and shrink: wherever a row is put in with the next reference of the list, or
-/// taken out, all others keep theirs, and the numbers of a description that counts its rows go on
-/// without a gap.
+/// The table can grow and shrink: if a row is inserted anywhere with the next reference of the
+/// list, or removed, all others keep their references, and the numbers of a description that
+/// counts its rows stay without a gap.
 #[test]
 fn invariant_value_references_stay_where_rows_are_put_in_or_taken_out() {
-    /// More than any reference of a table of one row more.
+    /// More than any reference of a table with one more row.
     const LENGTH: usize = 256;
     let next = GIVEN.lines().count() as u32;
     assert!(VARIABLES.iter().all(|v| v.reference < next) && next as usize + 1 < LENGTH);
@@ -74,7 +74,7 @@ fn invariant_value_references_stay_where_rows_are_put_in_or_taken_out() {
     }
 }
 
-/// Names, attributes and units are checked on the model description as written, by `fmu-build`.
+/// `fmu-build` checks names, attributes and units in the written model description.
 #[test]
 fn invariant_start_values_are_allowed_and_what_is_not_finite_never() {
     for v in &VARIABLES {
@@ -93,7 +93,7 @@ fn second_method_units_of_parameters() {
     }
 }
 
-/// What has a rate is what changes between events.
+/// Exactly the outputs that change between events have a rate.
 #[test]
 fn invariant_continuous_outputs_vary() {
     for v in VARIABLES.iter().filter(|v| v.causality == Causality::Output) {
@@ -120,8 +120,8 @@ fn references_are_known_at_compile_time() {
     assert_eq!(TIME, 0);
 }
 
-/// An array has as many elements as its dimensions say, and only what reads elements has
-/// dimensions.
+/// An array has the number of elements given by its dimensions, and only variables that are read
+/// by element have dimensions.
 #[test]
 fn invariant_arrays_have_dimensions_and_scalars_have_none() {
     for v in &VARIABLES {
@@ -131,9 +131,9 @@ fn invariant_arrays_have_dimensions_and_scalars_have_none() {
     }
 }
 
-/// Some hosts take value references for places: a description that counts its variables has no gap,
-/// wherever in the table the variables of others stand. References and places lead to each other in
-/// every numbering.
+/// Some hosts take value references for indices: a description that counts its variables has no
+/// gap, wherever the variables of other descriptions are in the table. References and indices map
+/// to each other in every numbering.
 #[test]
 fn invariant_numberings_are_one_to_one_and_the_counted_ones_have_no_gap() {
     for edition in Edition::ALL {

@@ -22,8 +22,8 @@ fn closed_form_values_are_counted_to_seven_digits_of_the_largest() {
 }
 
 /// A block that flies between impacts: its coordinate has a maximum where its velocity changes
-/// sign, once a period, and none where an impact makes it faster. What the diagram says at
-/// 20,000 periods, where times are rounded to 2e-13 s, is what it says at the first.
+/// sign, once per period, and none where an impact makes it faster. The diagram at 20,000 periods,
+/// where times are rounded to 2e-13 s, equals the first one.
 #[test]
 fn invariant_maxima_do_not_depend_on_the_clock() {
     let text = "name = \"Rattle\"\n[body.frame]\nmotion = { amplitude = \"5 mm\", frequency = \"10 Hz\" }\n\
@@ -71,13 +71,13 @@ fn closed_form_values_at_the_section_are_the_steady_motions() {
         assert!((value - expected).abs() < 1e-6 * expected.abs() && count == 4, "{value} {expected} {count}");
     }
     assert_eq!(found.up.len(), 5);
-    // Value by value it is the diagram.
+    // A direction, value by value, equals the diagram.
     for (upward, points) in [(true, &found.up), (false, &found.down)] {
         for (i, start, point) in Direction::new(machine.clone(), request(5), upward).unwrap() {
             assert!(start.is_some() && point == points[i]);
         }
     }
-    // Looked at twice a period, the motion is 2T with half as many times of each.
+    // Observed twice per period, the motion is 2T with half as many times of each.
     let twice = Machine { section: crate::SectionRule::Period(0.1), ..machine };
     let found = diagram(&twice, &request(2), &Task::ALL).unwrap().unwrap();
     let point = found.up[0].as_ref().unwrap();
@@ -96,8 +96,8 @@ fn what_no_value_could_do_without_is_refused_first() {
     assert!(DiagramRequest { axis, ..request(3) }.check(&machine).is_err());
 }
 
-/// Between soft stops resonance bends to higher frequencies: from below the motion stays in
-/// contact where from above it has none.
+/// Between soft stops resonance bends to higher frequencies: a motion coming from below stays in
+/// contact where a motion from above has none.
 #[test]
 fn invariant_each_direction_goes_on_from_the_value_before() {
     let stop = |name: &str, a: &str, b: &str| {

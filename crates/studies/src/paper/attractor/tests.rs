@@ -45,7 +45,7 @@ fn invariant_the_stable_symmetric_motion_is_its_own_mirror_image() {
 
 #[test]
 fn second_method_impacts_of_a_motion_that_settles_under_observation() {
-    // Three impacts a period in the end; the usual 400 discarded periods are left out here.
+    // Finally three impacts per period; the usual 400 discarded periods are omitted here.
     let groups = Groups { f10: 3.9, ..Groups::basic() };
     let p = groups.to_parameters(Scales::default()).unwrap();
     let [early, late] =
@@ -57,7 +57,7 @@ fn second_method_impacts_of_a_motion_that_settles_under_observation() {
 
 #[test]
 fn closed_form_motions_without_impacts_have_one_limit() {
-    // The slow oscillation of block and secondary oscillator loses about a thousandth a period.
+    // The slow oscillation of block and secondary oscillator loses about a thousandth per period.
     let groups = Groups { f10: 0.4, sigma1: 2.0, ..Groups::basic() };
     let p = groups.to_parameters(Scales::default()).unwrap();
     let start = |v2| vibro_impact::simulator::State { x: [0.0; 3], v: [0.0, v2, 0.0] };
@@ -65,7 +65,7 @@ fn closed_form_motions_without_impacts_have_one_limit() {
         [0.02, 0.1].map(|v2| observe(&mut settled_simulator(&p, &start(v2), 300.0).unwrap()).unwrap());
     assert!(slow.is_free() && slow.period.is_none() && slow.approaching, "{slow:?}");
     assert_eq!(slow.relation(&fast), Relation::Same);
-    // The limit: x1 = Re((sin - i cos) ...) of the box alone, the other two at rest.
+    // The limit: x1 = Re((sin - i cos) ...) of the box alone, with the other two at rest.
     let late = observe(&mut settled_simulator(&p, &start(0.1), 20_000.0).unwrap()).unwrap();
     let (stiffness, damping) =
         (p.box_stiffness - p.box_mass * p.drive_frequency.powi(2), p.box_damping * p.drive_frequency);
@@ -109,13 +109,13 @@ fn closed_form_classes_by_exponents() {
     assert_eq!(class(true, 0.0, 0.0), MotionClass::Settling);
     assert_eq!(class(false, 0.0, -0.1), MotionClass::Settling);
     assert_eq!(MotionClass::of(&attractor(false), None, &p), MotionClass::NotSettled);
-    // With a box frequency that is a thousand times the drive's.
+    // With a box frequency a thousand times the drive's.
     let stiff = Parameters { box_stiffness: 1e6 * p.box_stiffness, ..p };
     assert_eq!(MotionClass::of(&attractor(false), Some(&spectrum(2e-4, 0.0)), &stiff), MotionClass::Chaotic);
 }
 
-/// A weight on the block that exceeds all forces of the drive holds it at the lower stop: it has no
-/// impact, but is not free either.
+/// A weight on the block that exceeds all forces of the drive holds it at the lower stop: it has
+/// no impacts, but is not free either.
 #[test]
 fn closed_form_a_block_that_a_load_holds_at_a_stop_rests_throughout() {
     let p = Groups { f10: 0.1, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();

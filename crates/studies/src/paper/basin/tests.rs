@@ -95,7 +95,7 @@ fn plane(f10: f64, count: usize) -> Basins<ClassedAttractor> {
     basins(&set, &request, &Task::ALL).unwrap().unwrap()
 }
 
-/// Two chaotic attractors, each the mirror image of the other, without a way between them.
+/// Two chaotic attractors, mirror images of each other, without a path between them.
 #[test]
 fn invariant_two_mirror_images_of_chaos_are_an_attractor_and_its_image() {
     let found = plane(2.86, 5);
@@ -108,7 +108,7 @@ fn invariant_two_mirror_images_of_chaos_are_an_attractor_and_its_image() {
     assert!(((upper - lower).abs() - 1.0).abs() < 0.05, "{upper} {lower}");
 }
 
-/// Some of these motions are chaotic for a thousand drive periods and more before they become
+/// Some of these motions are chaotic for a thousand drive periods or more before they become
 /// periodic.
 #[test]
 fn second_method_a_long_transient_is_no_attractor() {

@@ -5,7 +5,7 @@ use crate::paper::plane::ParameterAxis;
 use crate::parts::{PartStore, Task};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Asks to stop after a number of values of the chains.
+/// Store that asks to stop after a number of values of the chains.
 struct Impatient {
     asked: AtomicUsize,
     most: usize,
@@ -35,7 +35,7 @@ fn a_store_ends_the_chains_of_both_directions_between_two_values() {
     let store = Impatient { asked: AtomicUsize::new(0), most: 20 };
     let found = diagram(&ParameterSet::basic(), &sweep, &Task { store: &store, ..Task::ALL });
     assert!(matches!(found, Err(Error::Store(_))), "{found:?}");
-    // Each direction asks once in vain.
+    // Each direction asks once more and is refused.
     assert_eq!(store.asked.into_inner(), store.most + 2);
 }
 
@@ -61,7 +61,7 @@ fn second_method_next_to_a_doubling_there_is_one_orbit_in_both_directions() {
         let allowed = [MotionClass::Periodic(1), MotionClass::Periodic(2), MotionClass::Settling];
         assert!(allowed.contains(&point.class), "{}: {:?}", point.value, point.class);
     }
-    // A motion that is still settling is on no attractor that could be another one.
+    // A motion that is still settling is not on an attractor that could be another one.
     assert!(found.hysteresis().iter().all(|apart| !apart), "{:?}", found.hysteresis());
 }
 

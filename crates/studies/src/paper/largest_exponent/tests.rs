@@ -12,8 +12,8 @@ fn system(f10: f64, kappa: f64) -> Parameters {
     Groups { f10, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap()
 }
 
-/// Logarithms of a variation's growth over some periods of a motion by this module and by the full
-/// matrices of `variation`; and how often the block came to rest.
+/// Logarithms of a variation's growth over some periods of a motion, by this module and by the
+/// full matrices of `variation`; and how often the block came to rest.
 fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
     let mut simulator = Simulator::new(p, &moving_block(p), 0.0).unwrap().without_energy_accounts();
     simulator.advance_to(f64::from(skipped) * p.period()).unwrap();
@@ -57,8 +57,8 @@ fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
 
 #[test]
 fn second_method_growth_is_that_of_full_matrices() {
-    /// Truncation error of some twenty series for one variation: each is under 9e-6, and mostly far
-    /// less.
+    /// Truncation error of some twenty series for one variation: each is under 9e-6, and mostly
+    /// far less.
     const CUT: f64 = 2e-5;
     for (f10, kappa, rests) in [(1.5, 0.75, false), (3.6, 0.75, false), (3.0, 0.0, true), (2.0, 0.3, false)] {
         let p = system(f10, kappa);
@@ -100,8 +100,8 @@ fn closed_form_of_the_exact_orbit() {
     let p = system(1.5, 0.75);
     let orbit = exact_orbit::solve(&p).unwrap().upper.unwrap();
     let expected = p.drive_frequency / std::f64::consts::PI * orbit.spectral_radius().ln();
-    // Range in which the logarithm of the length swings about its mean, in short and in long times,
-    // where multipliers are a complex pair.
+    // Range in which the logarithm of the length swings around its mean, over short and long
+    // times, if multipliers are a complex pair.
     const SWING: f64 = 2.0;
     const PERIODS: u32 = 400;
     let mut simulator = Simulator::new(&p, &moving_block(&p), 0.0).unwrap().without_energy_accounts();
@@ -129,8 +129,8 @@ fn closed_form_of_the_exact_orbit() {
 
 #[test]
 fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
-    /// Swing of the logarithm of the length of a variation that turns, some units, relative to over
-    /// 5000 in each block.
+    /// Swing of the logarithm of the length of a turning variation, a few units, relative to more
+    /// than 5000 in each block.
     const SWING: f64 = 1e-3;
     // A variation shrinks by e⁻⁵⁰⁰ or more in each drive period.
     let p = Parameters {
@@ -142,12 +142,12 @@ fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
     };
     let mut simulator = Simulator::new(&p, &State { x: [0.0; 3], v: [0.0; 3] }, 0.0).unwrap();
     let options = SpectrumOptions { align: 1, periods: 2, ..SpectrumOptions::default() };
-    // The largest besides that of the drive's phase.
+    // The largest exponent besides the zero of the drive's phase.
     let expected = spectrum(&mut simulator, &options).unwrap().exponents[1];
     let mut tangent = Tangent::default();
     tangent.begin(&p, SmoothMode::Flight, (0.0, 0.0));
     for block in 1..=ALIGN + LEAST_BLOCKS {
-        // Rounding must not put it past the end.
+        // Rounding must not move it past the end.
         tangent.end_block(f64::from(block * BLOCK) * p.period() * (1.0 - f64::EPSILON));
     }
     let found = tangent.exponent();
@@ -182,7 +182,7 @@ fn closed_form_rule_of_decision() {
 
 #[test]
 fn second_method_motions_whose_chaos_has_ended_have_no_more_impacts() {
-    // Under a weak drive chaos is a transient, which ends without impacts.
+    // Under a weak drive chaos is a transient that ends without impacts.
     let mut starts = (0..120).map(|k| {
         let groups = Groups { f10: 0.28, sigma1: -1.2 + 0.02 * f64::from(k), ..Groups::basic() };
         let parameters = groups.to_parameters(Scales::default()).unwrap();

@@ -9,8 +9,8 @@ use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit;
 
-/// Difference of a sum over a turning pair from its limit; a single member differs by O(1/n) over n
-/// periods.
+/// Difference of a sum over a turning pair from its limit. A single member differs by O(1/n) over
+/// n periods.
 const PAIR: f64 = 1e-6;
 /// Rounding of the identity, which holds period by period, over some thousand products.
 const IDENTITY: f64 = 1e-8;
@@ -22,8 +22,8 @@ fn groups(f10: f64, kappa: f64) -> Parameters {
 #[test]
 fn closed_form_of_the_linear_damped_system() {
     // The block has no spring and never reaches a stop. The box's exponents are the real parts of
-    // the roots of r² + c1 r + k1 (here overdamped), the secondary oscillator's likewise
-    // (underdamped); block and phase have zero.
+    // the roots of r² + c1 r + k1 (here overdamped), and likewise for the secondary oscillator
+    // (underdamped). Block and phase have zero.
     let mut p = groups(0.0, 0.75);
     p.coupling_stiffness = 0.0;
     p.box_damping = 2.5;
@@ -34,14 +34,14 @@ fn closed_form_of_the_linear_damped_system() {
     assert_eq!(found.impacts, 0);
     let root = (2.5f64 * 2.5 - 4.0).sqrt();
     let expected = [0.0, 0.0, 0.0, -0.15, -0.15, 0.5 * (-2.5 + root), 0.5 * (-2.5 - root)];
-    // A displacement of the block grows with its speed like t: one exponent tends to zero as ln
+    // A displacement of the block grows linearly with its speed: one exponent tends to zero as ln
     // t/t, the other as its negative.
     let time = 1550.0 * p.period();
     let slow = time.ln() / (1500.0 * p.period());
     for (i, (got, want)) in found.exponents.iter().zip(expected).enumerate() {
         let near = match i {
             0..3 => slow,
-            // The members of the turning pair differ by O(1/n), their sum does not.
+            // The members of the turning pair differ by O(1/n), but their sum does not.
             3 | 4 => 1e-3,
             _ => PAIR,
         };
@@ -59,8 +59,8 @@ fn roots(c: f64, k: f64) -> [f64; 2] {
 
 #[test]
 fn closed_form_of_exponents_far_apart() {
-    // No impacts. In a period of the drive one variation shrinks by more digits than a double holds
-    // beside another: where the drive is slow, and where a damper is strong.
+    // No impacts. In a period of the drive one variation shrinks, relative to another, by more
+    // digits than a double holds: with a slow drive, and with a strong damper.
     let slow = Parameters {
         drive_frequency: 0.013,
         box_damping: 0.3,
@@ -88,9 +88,9 @@ fn closed_form_of_exponents_far_apart() {
 
 #[test]
 fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
-    // In a long period of the drive there are hundreds of impacts, some of them slow: each of these
-    // makes one variation long and another short. An impact contracts phase space by the square of
-    // the restitution coefficient, the dampers by their rates.
+    // In a long period of the drive there are hundreds of impacts. Each slow impact makes one
+    // variation long and another one short. An impact contracts phase space by the square of the
+    // restitution coefficient, and the dampers by their rates.
     let p = Parameters {
         box_mass: 0.557_724_769_778_829,
         box_stiffness: 8.491_729_122_830_904,
@@ -119,7 +119,7 @@ fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
 #[test]
 fn closed_form_of_directions_that_nothing_mixes() {
     // Without impacts box and block do not act on each other, and nothing holds the secondary
-    // oscillator: its position has exponent zero, as has the phase. Both are found once the
+    // oscillator: its position has exponent zero, and so has the phase. Both are found once the
     // alignment is over.
     let p = Parameters {
         secondary_stiffness: 0.0,
@@ -200,7 +200,7 @@ fn second_method_two_trajectories_in_chaos() {
     const APART: f64 = 1e-8;
     const PERIODS: u32 = 6000;
     /// Standard errors by which the estimates may differ. Both fluctuate as chaos does, and blocks
-    /// of periods give their errors; one pair in 10⁴ is farther apart by chance.
+    /// of periods give their errors. One pair in 10⁴ is farther apart by chance.
     const ERRORS: f64 = 4.0;
     const BLOCK: u32 = 100;
     /// Largest relative error for which the comparison is meaningful.
@@ -214,7 +214,7 @@ fn second_method_two_trajectories_in_chaos() {
         let (mut blocks, mut other) = ([0.0; (PERIODS / BLOCK) as usize], one.state());
         other.x[2] += APART;
         for i in 1..=PERIODS {
-            // Over whole periods, so that both may start anew at time 0.
+            // Over whole periods, so that both may start again at time 0.
             let mut neighbour = Simulator::new(&p, &other, 0.0).unwrap().without_energy_accounts();
             one = Simulator::new(&p, &one.state(), 0.0).unwrap().without_energy_accounts();
             one.advance_to(p.period()).unwrap();
@@ -261,12 +261,12 @@ fn closed_form_rest_and_dead_impacts_lose_directions() {
 
 #[test]
 fn closed_form_variations_through_rest() {
-    // The frame carried through chatter into rest and out of it, against differences of whole
-    // motions. Two widths cancel the second-order error of the differences (Richardson).
+    // The frame carried through chatter into rest and out of it, compared with differences of
+    // whole motions. Two widths cancel the second-order error of the differences (Richardson).
     const NARROW: f64 = 1e-6;
     const WIDE: f64 = 3e-6;
-    /// Error relative to NARROW: a chatter run is closed at bounces about 1e-8 fast, for neighbours
-    /// one bounce earlier or later.
+    /// Error relative to NARROW: a chatter run is closed at bounces of speed about 1e-8, one
+    /// bounce earlier or later for neighbours.
     const DIFFERENCE: f64 = 1e-3;
     for (f10, kappa, periods) in [(3.0, 0.0, 60), (2.0, 0.0, 60), (0.3, 0.3, 20), (0.3, 0.5, 20)] {
         let p = groups(f10, kappa);

@@ -7,11 +7,11 @@ use vibro_numerics::simd::value;
 
 /// Gauss–Legendre nodes and weights on [0, 1].
 ///
-/// Along a series, whose time times the model's rate r is at most 1.2, the derivative of order k of
-/// a displacement is at most rᵏ max(3 + k/2, k + 1) times the motion's size S (docs/numerics.md,
-/// section 1), and that of a rate r times as much. The sixteenth derivative of the square is
-/// therefore at most 78 (2r)¹⁶ S², and the rule's error under 78 (8!)⁴ 2.4¹⁶/(17 (16!)³) < 2e-15 of
-/// S² times the length.
+/// Along a series, whose time times the model's rate r is at most 1.2, the derivative of order k
+/// of a displacement is at most rᵏ max(3 + k/2, k + 1) times the motion's size S
+/// (docs/numerics.md, section 1), and r times as much for a rate. The sixteenth derivative of the
+/// square is therefore at most 78 (2r)¹⁶ S², and the rule's error is below 78 (8!)⁴ 2.4¹⁶/(17
+/// (16!)³) < 2e-15 of S² times the length.
 const NODES: [(f64, f64); 8] = [
     (0.019_855_071_751_231_912, 0.050_614_268_145_188_53),
     (0.101_666_761_293_186_64, 0.111_190_517_226_687_23),
@@ -40,7 +40,7 @@ impl Extent {
         Self { coordinate, least: f64::INFINITY, largest: f64::NEG_INFINITY, squares, square: 0.0 }
     }
 
-    /// Least and largest value, clipped to ± a bound that the coordinate keeps except for rounding.
+    /// Smallest and largest value, clipped to ± a bound that only rounding can exceed.
     pub fn within(&self, bound: f64) -> (f64, f64) {
         (self.least.max(-bound), self.largest.min(bound))
     }
@@ -58,7 +58,7 @@ impl Extent {
         self.largest = self.largest.max(value);
     }
 
-    /// Includes a series of the flow, whose variable runs over [0, 1], over `radius` s.
+    /// Includes a series of the flow, with its variable in [0, 1], over `radius` s.
     #[inline(always)]
     pub fn take(&mut self, series: &Series<PIECE>, radius: f64) {
         let (weights, first) = self.coordinate.weights();
@@ -70,7 +70,7 @@ impl Extent {
         self.meet(q[0]);
         self.meet(value(&q, 1.0));
         let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
-        // Between the ends it cannot pass the extrema found so far.
+        // Between the ends the coordinate cannot exceed the extrema found so far.
         if q[0] + spread <= self.largest && q[0] - spread >= self.least {
             return;
         }

@@ -44,8 +44,8 @@ impl Coordinate {
         if self as usize >= Self::V1 as usize { "m/s" } else { "m" }
     }
 
-    /// Weights of the coordinate at three neighbouring places of the augmented state, and the first
-    /// of these places: x2 = x1 + w, docs/theory.md (5).
+    /// Weights of the coordinate at three neighbouring indices of the augmented state, and the
+    /// first of these indices: x2 = x1 + w, docs/theory.md (5).
     #[inline(always)]
     pub(super) fn weights(self) -> ([f64; 3], usize) {
         const WEIGHTS: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]];
@@ -62,7 +62,7 @@ pub enum Measure {
     Amplitude(Coordinate),
     /// √(mean of q²).
     Rms(Coordinate),
-    /// Largest less least q.
+    /// Largest minus smallest q.
     PeakToPeak(Coordinate),
     /// Largest q.
     Maximum(Coordinate),
@@ -86,7 +86,7 @@ pub enum Measure {
     PowerSecondaryDamper,
     /// The [class](crate::class::MotionClass), a text.
     Class,
-    /// Largest Lyapunov exponent besides the drive phase's zero, 1/s.
+    /// Largest Lyapunov exponent besides the zero of the drive's phase, 1/s.
     Exponent,
     /// Amplitude of the box alone, m: [`amplitude_without_block`](super::amplitude_without_block).
     AmplitudeWithoutBlock,
@@ -96,7 +96,7 @@ pub enum Measure {
 const OF_COORDINATES: [fn(Coordinate) -> Measure; 4] =
     [Measure::Amplitude, Measure::Rms, Measure::PeakToPeak, Measure::Maximum];
 
-/// Measures of no coordinate.
+/// Measures without a coordinate.
 const OTHERS: [Measure; 12] = [
     Measure::ImpactSpeed,
     Measure::ImpactImpulse,
@@ -143,7 +143,7 @@ impl Measure {
         }
     }
 
-    /// SI unit; `1` where there is none.
+    /// SI unit; `1` if it has none.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Amplitude(c) | Self::Rms(c) | Self::PeakToPeak(c) | Self::Maximum(c) => c.unit(),
@@ -179,7 +179,7 @@ impl Measure {
         }
     }
 
-    /// Coordinate that the measure is read off, if there is one.
+    /// Coordinate needed for the measure, if any.
     pub(super) fn coordinate(self) -> Option<Coordinate> {
         match self {
             Self::Amplitude(c) | Self::Rms(c) | Self::PeakToPeak(c) | Self::Maximum(c) => Some(c),

@@ -8,7 +8,7 @@ use vibro_impact::State;
 use vibro_impact::parameters::{Groups, Scales};
 use vibro_impact::steady::exact_orbit;
 
-/// Remainder of the transient in parts of L.
+/// Remainder of the transient as a fraction of L.
 const SETTLED: f64 = 1e-9;
 /// Error of cubic interpolation between 128 samples a period (see `motion`).
 const INTERPOLATION: f64 = 1e-7;
@@ -63,7 +63,7 @@ fn second_method_amplitudes_and_mean_squares_of_the_exact_orbit() {
         // The orbit is its own mirror image.
         assert!((maximum - amplitude).abs() < SETTLED && (peak_to_peak - 2.0 * amplitude).abs() < SETTLED);
         let square = values.iter().map(|v| v * v).sum::<f64>() / f64::from(PHASES);
-        // The jumps of velocities at impacts give the sum an error of half a phase each.
+        // Each jump of a velocity at an impact gives the sum an error of half a phase.
         let off = if c.unit() == "m" { SUM } else { 4.0 / f64::from(PHASES) };
         assert!((rms - square.sqrt()).abs() < off, "{names:?}: {rms} {}", square.sqrt());
     }
@@ -71,7 +71,7 @@ fn second_method_amplitudes_and_mean_squares_of_the_exact_orbit() {
 
 #[test]
 fn second_method_extrema_by_samples_in_chaos_and_with_rest() {
-    // Only few periods, since chaos amplifies the rounding of the samples' steps.
+    // Only a few periods, since chaos amplifies the rounding of the samples' steps.
     const PERIODS: u32 = 6;
     for (f10, kappa) in [(0.6, 0.75), (3.6, 0.75), (4.5, 0.9), (3.0, 0.0), (2.0, 0.3)] {
         let p = at(f10, kappa);
@@ -90,7 +90,7 @@ fn second_method_extrema_by_samples_in_chaos_and_with_rest() {
                 values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
             let names = [format!("maximum.{}", c.name()), format!("peak_to_peak.{}", c.name())];
             let [maximum, range] = found(&mut simulator.clone(), &names, PERIODS)[..] else { panic!() };
-            // 128 samples a period leave out at most h²/8 of the third derivative.
+            // 128 samples per period omit at most h²/8 of the third derivative.
             let (above, below) = (maximum - most, least - (maximum - range));
             let near = |x: f64| (-INTERPOLATION..2e-3).contains(&x);
             assert!(near(above) && near(below), "{f10}, {}: {above} {below}", c.name());
@@ -113,7 +113,7 @@ fn invariant_the_drive_pays_for_all_losses_of_a_periodic_motion() {
 #[test]
 fn closed_form_of_the_box_alone() {
     // Uncoupled, and with room for the block, the box is a driven oscillator that settles by its
-    // damping.
+    // own damping.
     let p = Parameters { coupling_stiffness: 0.0, stop_gap: 10.0, ..Parameters::default() };
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();
     simulator.advance_to(200.0 * p.period()).unwrap();
@@ -194,16 +194,16 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
     assert!(error("temperature").contains("valid are amplitude.x1, amplitude.x2"));
 }
 
-/// In chaos the spread of one window predicts the scatter of many: of an extreme by (N3), of a mean
-/// square by (N4).
+/// In chaos the spread of one window predicts the scatter of many: of an extreme by (N3), of a
+/// mean square by (N4).
 #[test]
 fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
     const WINDOWS: usize = 60;
     const PERIODS: u32 = 60;
     /// Sixty windows give their scatter to a tenth. Parts of ten drive periods are not quite
-    /// independent, so that the spread of a mean may be too small. The limit law of extremes holds
-    /// for long parts: where the motion reaches the edge of its attractor in most windows, an
-    /// extreme scatters less than (N3) says.
+    /// independent, so the spread of a mean may be too small. The limit law of extremes holds for
+    /// long parts: if the motion reaches the edge of its attractor in most windows, an extreme
+    /// scatters less than (N3) predicts.
     const LEAST: f64 = 0.65;
     const MOST: f64 = 5.0;
     let names = ["amplitude.x1", "amplitude.x2", "impact.speed", "rms.x1"];
@@ -225,11 +225,11 @@ fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
     }
 }
 
-/// Without a spring between box and ground ω10 is zero, and no unit of an exponent.
+/// Without a spring between box and ground ω10 is zero, and not a unit of an exponent.
 #[test]
 fn second_method_the_exponent_of_a_machine_without_the_boxs_spring_is_that_of_its_description() {
-    /// A length oscillates by the ratio of its axes, whose logarithm is divided by the time of the
-    /// spectrum, 1/s.
+    /// A length oscillates by the ratio of its axes. The logarithm of this ratio is divided by the
+    /// time of the spectrum, 1/s.
     const TURNED: f64 = 1e-4;
     let p = Parameters { box_stiffness: 0.0, drive_amplitude: 1.0, ..Parameters::default() };
     let start = State { x: [0.0, 0.5, 0.0], v: [0.0, 0.6, 0.0] };

@@ -4,7 +4,7 @@ use super::{Base, Given, Name, ParameterSet, Unit};
 use crate::significant;
 use vibro_impact::parameters::{FIELDS, GROUPS, Group, LOADS};
 
-/// Relative difference of two values that is the rounding of a conversion there and back.
+/// Relative difference of two values that is the rounding of a conversion and its inverse.
 const ROUNDING: f64 = 1e-12;
 
 impl Base {
@@ -17,8 +17,8 @@ impl Base {
 }
 
 impl ParameterSet {
-    /// Source of the numbers, for a caption. For a machine in SI it lists what was not given, with
-    /// the values taken.
+    /// Source of the numbers, for a caption. For a machine in SI it lists the parameters that were
+    /// not given, with the values used.
     pub fn origin(&self) -> String {
         let base = self.base.name();
         let taken = self.not_given_values();
@@ -30,21 +30,21 @@ impl ParameterSet {
         }
     }
 
-    /// The physical parameters that were [not given](Self::not_given), with the values taken, in
+    /// The physical parameters that were [not given](Self::not_given), with the values used, in
     /// one line.
     pub fn not_given_values(&self) -> String {
         let told = |name: Name| format!("{} = {}", name.name(), name.with_unit(name.value(self)));
         self.not_given().into_iter().map(told).collect::<Vec<_>>().join(", ")
     }
 
-    /// The parameters in one line, with their source: in SI where the machine was given in SI, else
-    /// as groups.
+    /// The parameters in one line, with their source: in SI if the machine was given in SI,
+    /// otherwise as groups.
     pub fn caption(&self) -> String {
         self.caption_but(&[])
     }
 
-    /// The [caption](Self::caption) without what changes when these parameters vary, so that it
-    /// holds for every curve.
+    /// The [caption](Self::caption) without the parameters that change when `varied` changes, so
+    /// that it holds for every curve.
     pub fn caption_but(&self, varied: &[Name]) -> String {
         let others: Vec<Self> = varied.iter().filter_map(|name| self.other(*name)).collect();
         let same = |name: &Name| {
@@ -57,7 +57,7 @@ impl ParameterSet {
         } else {
             GROUPS.iter().filter(|g| self.is_held(g)).map(Name::Group).collect()
         };
-        // Loads are listed where there are any.
+        // Loads are listed if they are not zero.
         names.extend(LOADS.iter().map(Name::Si).filter(|load| load.value(self) != 0.0));
         let told = |name: Name| self.told(name, name.value(self));
         let values: Vec<String> = names.into_iter().filter(same).map(told).collect();
@@ -78,7 +78,7 @@ impl ParameterSet {
         format!("{}{}", name.symbol(), if cyclic { "/2π" } else { "" })
     }
 
-    /// Label of an axis: the symbol and the unit in which the parameter was written, or its SI
+    /// Label of an axis: the symbol, and the unit in which the parameter was written or its SI
     /// unit.
     pub fn label(&self, name: Name) -> String {
         let unit = self.unit(name).map(Unit::symbol).filter(|symbol| symbol != "1");
@@ -92,7 +92,7 @@ impl ParameterSet {
         self.unit(name).filter(|u| u.plain() != "1").map_or_else(|| name.with_unit(value), in_unit)
     }
 
-    /// Symbol and value, given in SI, of a parameter: `k₁ = 48 kN/m`.
+    /// Symbol and value of a parameter, given in SI: `k₁ = 48 kN/m`.
     ///
     /// ```
     /// use vibro_studies::paper::{Name, ParameterSet};
@@ -107,8 +107,8 @@ impl ParameterSet {
         format!("{} = {}", self.symbol(name), self.with_unit(name, value))
     }
 
-    /// Whether a caption lists a group: of the two names of the coupling the one that is held, and
-    /// μ13 where it is not 1/ε.
+    /// Whether a caption lists a group. Of the two names of the coupling it lists the one that is
+    /// held constant, and it lists μ13 only if it is held.
     fn is_held(&self, group: &Group) -> bool {
         match group.name {
             "alpha23" => !self.holds_beta2,

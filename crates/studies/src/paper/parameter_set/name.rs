@@ -1,4 +1,4 @@
-//! Names of parameters: structured names, names of groups, and the paper's symbols of both.
+//! Names of parameters: structured names, names of groups, and the paper's symbols.
 
 use super::{DEFINITIONS, ParameterSet};
 use crate::error::{Error, Result};
@@ -48,7 +48,7 @@ impl From<Name> for String {
     }
 }
 
-/// Other spellings of parameters: the symbol and the name. Case matters: `F10` is the force in N,
+/// Other spellings of parameters: pairs of symbol and name. Case matters: `F10` is the force in N,
 /// `f10` its group.
 #[rustfmt::skip]
 const ALIASES: [(&str, &str); 41] = [
@@ -82,7 +82,7 @@ const SYMBOLS: [&str; FIELDS.len() + LOADS.len()] = [
     "load on secondary",
 ];
 
-/// The physical parameters: those of the machine, then the constant loads.
+/// All physical parameters: first the machine's, then the constant loads.
 pub fn physical_parameters() -> impl Iterator<Item = &'static Field> + Clone {
     FIELDS.iter().chain(&LOADS)
 }
@@ -155,8 +155,8 @@ impl Name {
         }
     }
 
-    /// The default range of pictures: a group's own; half to three halves of a physical parameter's
-    /// value, or a range by its kind where that is zero.
+    /// The default range of pictures: a group's own. For a physical parameter 50 % to 150 % of its
+    /// value or, if that is zero, a range by its kind.
     pub fn shown(self, set: &ParameterSet) -> (f64, f64) {
         match self {
             Self::Group(g) => g.shown,
@@ -170,7 +170,7 @@ impl Name {
         }
     }
 
-    /// Whether another name is this quantity in another form, so that the two cannot vary
+    /// Whether another name is the same quantity in another form, so that the two cannot vary
     /// independently.
     pub fn is_same_quantity(self, other: Self) -> bool {
         let field = |name: Self| match name {
@@ -200,7 +200,7 @@ impl Name {
         }
     }
 
-    /// The range in words.
+    /// Description of the range.
     pub fn allowed(self) -> &'static str {
         match self {
             Self::Si(f) => f.range.allowed,
@@ -209,7 +209,7 @@ impl Name {
     }
 }
 
-/// The group of a name; an SI name is refused with the nearest group.
+/// The group with a name; an SI name is refused with the nearest group.
 ///
 /// # Errors
 /// [`Error::UnknownName`].
@@ -221,8 +221,8 @@ pub fn find_group(name: &str) -> Result<&'static Group> {
     }
 }
 
-/// The physical parameter of a structured name; a group's name is refused with the nearest physical
-/// parameter.
+/// The physical parameter with a structured name; a group's name is refused with the nearest
+/// physical parameter.
 ///
 /// # Errors
 /// [`Error::UnknownName`].

@@ -85,7 +85,7 @@ fn errors_name_the_nearest_and_the_range() {
     assert_eq!(error(&["kappa=x"]), "kappa = `x` is not a number: allowed is 0 <= kappa <= 1");
     assert_eq!(error(&["kappa"]), "`kappa`: expected name=value, e.g. kappa=0.75");
     assert!(error(&["box.k=0"]).contains("box.k > 0"));
-    // Far from every name nothing is suggested.
+    // If no name is near, none is suggested.
     assert!(error(&["speed=1"]).starts_with("no parameter is named `speed`; valid are epsilon, kappa, f10"));
 }
 
@@ -152,7 +152,7 @@ fn units_are_those_of_the_dimension() {
 
 #[test]
 fn a_group_is_set_by_what_it_is_made_of() {
-    // Oracle: a group depends on a physical parameter if it changes with it.
+    // Reference: a group depends on a physical parameter if it changes with it.
     for field in &FIELDS {
         // Detuned, since at σ̂30 = 0 its scale does not show.
         let one = ParameterSet { given: Given::default(), ..with(&["sigma30=0.3"]) };
@@ -184,14 +184,14 @@ fn a_caption_leaves_out_what_varies() {
     let name = |n| Name::find(n).unwrap();
     let caption = ParameterSet::basic().caption_but(&[name("f10")]);
     assert!(!caption.contains("f̂₁₀") && caption.contains("κ = 0.75"), "{caption}");
-    // β² = ε α̂23 is not listed here, nor ε, nor anything that changes with the box's mass.
+    // β² = ε α̂23, ε and all that changes with the box's mass are not listed here.
     let caption = ParameterSet::basic().caption_but(&[name("box.m")]);
     assert!(!caption.contains("ε =") && !caption.contains("σ̂₁ =") && caption.contains("κ"), "{caption}");
 }
 
 #[test]
 fn tied_groups_keep_their_own_value_when_both_vary() {
-    // μ13 follows ε only until it is set, so that it stays what the row of a plane has.
+    // μ13 follows ε only until it is set, and then keeps the value of the plane's row.
     let group = |n: &str| find_group(n).unwrap();
     let row = ParameterSet::basic().with(group("mu13"), 3.0).unwrap();
     assert_eq!(row.with(group("epsilon"), 0.2).unwrap().groups().mu13, 3.0);

@@ -1,5 +1,4 @@
-//! Numbers of a parameter with or without a unit of its dimension, and the units in which labels
-//! show parameters. Units are those of [`vibro_impact::quantities`].
+//! Parameter values with or without a unit, and the [units](vibro_impact::quantities) in labels.
 
 use super::{Name, name::physical_parameters};
 use crate::error::{Error, Result};
@@ -9,8 +8,8 @@ use vibro_impact::parameters::{FIELDS, LOADS};
 pub use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 use vibro_impact::quantities::{UNITS, in_si, split, symbols};
 
-/// Unit in which each physical parameter was written: its index in [`UNITS`] plus 1, or 0 where it
-/// had none. Serialized as the units' symbols by the parameters' names.
+/// Unit in which each physical parameter was written: its index in [`UNITS`] plus 1, or 0 without
+/// a unit. Serialized as a map from parameter names to unit symbols.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "BTreeMap<String, String>", into = "BTreeMap<String, String>")]
 pub(super) struct Units([u8; FIELDS.len() + LOADS.len()]);
@@ -27,8 +26,8 @@ impl Units {
         UNITS.get(usize::from(self.0[place]).checked_sub(1)?)
     }
 
-    /// Sets the unit of a physical parameter; a unit of another dimension and an unknown name
-    /// change nothing.
+    /// Sets the unit of a physical parameter. An unknown name or a unit of another dimension
+    /// changes nothing.
     pub fn set(&mut self, name: &str, symbol: &str) {
         let Some((place, field)) = physical_parameters().enumerate().find(|(_, f)| f.name == name) else {
             return;
@@ -54,8 +53,8 @@ impl From<Units> for BTreeMap<String, String> {
     }
 }
 
-/// Parses a number of a parameter, with or without a unit, such as `48 kN/m`; without one it is in
-/// the parameter's SI unit.
+/// Parses the value of a parameter, with or without a unit, such as `48 kN/m`. Without a unit the
+/// value is in the parameter's SI unit.
 ///
 /// # Errors
 /// [`Error::NotANumber`]; [`Error::Unit`] for a unit of another dimension or an unknown one.
@@ -69,7 +68,8 @@ fn quantity(name: Name, text: &str) -> Result<Quantity> {
     })
 }
 
-/// The value of a number, with or without a unit, in the parameter's SI unit.
+/// Parses the value of a parameter, with or without a unit, and returns it in the parameter's SI
+/// unit.
 ///
 /// ```
 /// use vibro_studies::paper::{Name, number};
@@ -84,19 +84,19 @@ pub fn number(name: Name, text: &str) -> Result<f64> {
     Ok(quantity(name, text)?.value)
 }
 
-/// The unit that stands beside a number; `None` where there is none, and for a text that is no
-/// number of the parameter.
+/// The unit written after a number. `None` without a unit, and if the text is not a number of the
+/// parameter.
 pub fn typed_unit(name: Name, text: &str) -> Option<&'static Unit> {
     quantity(name, text).ok()?.unit
 }
 
 /// The values of several numbers of one parameter, and the unit in which they were written. Either
-/// all have a unit or none, so that `9:11Hz` is no mixture. Ranges are not checked: the meaning of
-/// a number without a unit may depend on
-/// [how the parameter was written](super::ParameterSet::unit).
+/// all numbers have a unit or none has one, so `9:11Hz` is refused. Ranges are not checked, since
+/// the meaning of a number without a unit may depend on [how the parameter was
+/// written](super::ParameterSet::unit).
 ///
 /// # Errors
-/// As [`number`], and [`Error::Form`] for a mixture.
+/// As [`number`], and [`Error::Form`] if only some of the numbers have a unit.
 pub fn numbers(name: Name, texts: &[&str]) -> Result<(Vec<f64>, Option<&'static Unit>)> {
     let all = texts.iter().map(|text| quantity(name, text)).collect::<Result<Vec<_>>>()?;
     if all.iter().any(|q| q.unit.is_some() != all[0].unit.is_some()) {

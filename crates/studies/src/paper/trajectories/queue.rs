@@ -18,7 +18,7 @@ use vibro_impact::simulator::{Event, Maximum, MotionQueue, Plan, Reports, Simula
 /// Drive periods between two checks whether an exponent is decided: half of an observation.
 const LOOK: u32 = 8 * BLOCK;
 
-/// Drive periods without an impact after which it is checked whether any will follow.
+/// Drive periods without an impact after which it is checked whether more impacts will follow.
 const QUIET: u32 = 8;
 
 /// State of a lane, with the record of its motion.
@@ -37,8 +37,7 @@ pub(super) struct LaneRecord {
     stroboscopic: StroboscopicRecord,
     impacts: ImpactRepetition,
     confirmation: Option<Confirmation>,
-    /// Drive period after which it is checked whether impacts will follow; each impact postpones
-    /// it.
+    /// Drive period at which it is checked whether impacts will follow; each impact postpones it.
     watched: u32,
     tangent: Tangent,
     /// Time at which the tangent begins, s, and whether it has begun.
@@ -65,7 +64,7 @@ enum Stage {
 }
 
 impl LaneRecord {
-    /// Begins with another motion; the memory is kept.
+    /// Begins another motion; the memory is reused.
     fn begin(&mut self, number: usize, start: &Start, program: &Program) {
         self.maxima.clear();
         self.impacts.clear();
@@ -74,8 +73,8 @@ impl LaneRecord {
         self.parameters = start.parameters;
         (self.units, self.period) = (Units::of(&start.parameters), start.parameters.period());
         (self.frequency, self.per_speed) = (1.0 / self.period, 1.0 / self.units.speed());
-        // The tangent is aligned when the observation begins; where only events could be reported
-        // before, it begins with the observation.
+        // The tangent is aligned when the observation begins. If only events could be reported
+        // before, the tangent begins with the observation.
         let align = program.ends_early().then_some(ALIGN * BLOCK);
         let from = align.and_then(|align| program.discard.checked_sub(align)).map(f64::from);
         self.tangent_from = match (program.exponent, from) {
@@ -85,7 +84,7 @@ impl LaneRecord {
         self.tangent_begun = false;
     }
 
-    /// Carries the tangent to an event, or begins it there when it is due.
+    /// Carries the tangent to an event, or starts it there when it is due.
     fn carry_tangent(&mut self, event: &Event, after: &Augmented) {
         if self.tangent_begun {
             self.tangent.event(event, after);
@@ -107,8 +106,8 @@ impl LaneRecord {
         self.tangent.is_positive()
     }
 
-    /// Records an event of a motion that may have settled; returns the index of the sample that is
-    /// needed next.
+    /// Records an event of a motion that may have settled. Returns the index of the next sample
+    /// that is needed.
     fn look_for_repetition(&mut self, event: &Event) -> Option<u32> {
         self.stroboscopic.event(event);
         let Event::Impact { time, side, speed, .. } = *event else { return None };
@@ -132,8 +131,8 @@ impl LaneRecord {
         2 * self.watched
     }
 
-    /// Takes a sample of a motion that may have no more impacts; `discard` drive periods are
-    /// discarded.
+    /// Takes a sample of a motion that may not have any more impacts, in a run that discards
+    /// `discard` drive periods.
     fn look_ahead(&mut self, number: u32, state: &State, discard: u32) -> ControlFlow<(), u32> {
         let (p, now) = (self.parameters, number / 2);
         if number.is_multiple_of(2)
@@ -147,8 +146,8 @@ impl LaneRecord {
         ControlFlow::Continue(self.watch(now))
     }
 
-    /// Takes a sample of a motion that may have settled or may have no more impacts; `discard`
-    /// drive periods are discarded.
+    /// Takes a sample of a motion that may have settled or may not have any more impacts, in a run
+    /// that discards `discard` drive periods.
     fn confirm(&mut self, number: u32, state: &State, discard: u32) -> ControlFlow<(), u32> {
         let Some(confirmation) = &mut self.confirmation else {
             return self.look_ahead(number, state, discard);
@@ -163,7 +162,7 @@ impl LaneRecord {
         if number < confirmation.last() {
             return ControlFlow::Continue(number + 1);
         }
-        // Skipped are the rest of the discarded periods and the observation.
+        // The rest of the discarded periods and the observation are skipped.
         let left = (discard - number / 2).saturating_add(OBSERVED);
         if confirmation.holds(&self.stroboscopic, left, self.parameters.is_symmetric()) {
             self.stage = Stage::Settled(*state);
@@ -192,7 +191,7 @@ impl<'a> Motions<'a> {
         Self { starts, program, finished, lanes }
     }
 
-    /// The next plan for the motion in a lane, unless its program is over.
+    /// The next plan for the motion in a lane; `None` if its program is over.
     fn next_stage(&mut self, lane: usize, simulator: &Simulator) -> Option<Plan> {
         let (record, program) = (&mut self.lanes[lane], self.program);
         let (now, period) = (simulator.time(), record.period);
@@ -242,8 +241,8 @@ impl<'a> Motions<'a> {
                     && free_motion::keeps_clear(&record.parameters, &simulator.state())
                 {
                     // Chaos has ended in a motion without impacts in which everything except the
-                    // drive's phase is damped: the exponent is certainly negative. Without that
-                    // proof impacts may come back, since those of a box with little damping come in
+                    // drive's phase is damped, so the exponent is certainly negative. Without this
+                    // proof impacts may return, since the impacts of a lightly damped box come in
                     // bursts.
                     attractor.approaching = true;
                     let value = f64::NEG_INFINITY;
@@ -255,7 +254,7 @@ impl<'a> Motions<'a> {
                     return None;
                 }
                 (record.stage, record.moved_on) = (Stage::Exponent, false);
-                // In whole blocks, as before.
+                // In whole blocks, like the earlier counts.
                 let left = (most - exponent.periods).next_multiple_of(BLOCK);
                 plan(now, left.min(LOOK), events)
             }
@@ -305,7 +304,7 @@ impl MotionQueue for Motions<'_> {
             let record = &mut self.lanes[lane];
             record.begin(number, &start, program);
             record.stroboscopic.begin(simulator.contact());
-            // Samples at half drive periods, but none before impacts repeat or stay away.
+            // Samples at half drive periods, beginning only when impacts repeat or stay away.
             let (step, first) = (0.5 * record.period, 2 * record.watched);
             let reports = Reports { origin: 0.0, step, first, maxima_of: None };
             let end = f64::from(program.discard) * record.period;
@@ -335,7 +334,7 @@ impl MotionQueue for Motions<'_> {
             Stage::Exponent => record.moved_on = true,
             _ => {}
         }
-        // Where maxima are recorded before the observation, the tangent may not have begun.
+        // If maxima are recorded before the observation, the tangent may not have begun.
         if record.tangent_begun {
             record.tangent.event(event, after);
         }

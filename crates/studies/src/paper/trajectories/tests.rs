@@ -14,8 +14,8 @@ fn second_method_together_as_one_by_one() {
             starts.push(Start { parameters, state });
         }
     }
-    /// Difference of the two ways in round-off, amplified by the impacts of ten periods, in chaos
-    /// too.
+    /// Difference of the two ways by rounding, amplified by the impacts of ten periods, also in
+    /// chaos.
     const ROUNDING: f64 = 1e-9;
     const PERIODS: u32 = 10;
     let ends = propagate(&starts, PERIODS, &|| ());
@@ -78,8 +78,8 @@ fn second_method_a_stable_motion_is_settled_on_either_way() {
 }
 
 /// Eight motions of a plane, some of which end sooner. Together they must be no slower than one by
-/// one, which counts tell: a round with half of the lanes empty costs three to five sub-steps of a
-/// single motion.
+/// one. The counts show this: a round with half of the lanes empty costs three to five sub-steps
+/// of a single motion.
 #[test]
 fn invariant_eight_motions_keep_enough_lanes_at_work() {
     const ROUND: f64 = 5.0;
@@ -93,14 +93,14 @@ fn invariant_eight_motions_keep_enough_lanes_at_work() {
     workspace.run(&mut starts, &program, &mut |_, outcome| assert!(outcome.is_ok()));
     let used = workspace.used;
     assert!(used.rounds == 0 || used.substeps as f64 > ROUND * used.rounds as f64, "{used:?}");
-    // Few sub-steps are left to the code for a single motion.
+    // Few sub-steps are left to the code for single motions.
     assert!(used.handed_over < used.substeps / 50, "{used:?}");
 }
 
 #[test]
 fn second_method_in_chaos_the_statistics_agree() {
     /// Scatter of a mean over 40 motions of 60 and 128 periods, whose impacts and maxima are
-    /// correlated over some periods.
+    /// correlated over a few periods.
     const STATISTICS: f64 = 0.03;
     for f10 in [3.6, 4.5] {
         let [together, alone] = [false, true].map(|one_by_one| {
@@ -174,7 +174,7 @@ fn second_method_verdicts_are_those_of_whole_motions() {
     assert!(free > starts.len() / 10, "{free} without impacts");
 }
 
-/// A machine under constant loads: gravity on the block, and a coupling off its centre.
+/// A machine under constant loads: gravity on the block, and a coupling away from its centre.
 fn loaded(kappa: f64) -> Parameters {
     let p = Groups { f10: 2.2, kappa, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     Parameters { constant_loads: [0.002, -0.004, 0.001], ..p }

@@ -1,21 +1,21 @@
 //! A single variation without a component in the drive's phase, from event to event.
 //!
-//! Its growth is needed to some digits only, so that it is cheaper than the frames of `variation`:
-//! six columns, shorter series, fewer nodes. The memory serves one machine after another.
+//! Its growth is needed to only a few digits, so it is cheaper than the frames of `variation`: six
+//! columns, shorter series, fewer nodes. The memory is reused for one machine after another.
 
 use super::{GRID_TIMES_RATE, physical, saltation, varied};
 use vibro_impact::flow::{Series, remainder};
 use vibro_impact::model::{Augmented, COORDINATES, Model, Saltation, SmoothMode};
 
-/// Coordinates without those of the drive.
+/// Number of coordinates without the coordinates of the drive.
 const COLUMNS: usize = 6;
-/// Terms of the series from one node to the next. The remainder is under 3.1e-14 of the variation's
-/// size (docs/numerics.md, section 1).
+/// Terms of the series from one node to the next. The remainder is below 3.1e-14 of the
+/// variation's size (docs/numerics.md, section 1).
 const STEP: usize = 10;
 const _: () = assert!(remainder(STEP, GRID_TIMES_RATE) < 3.1e-14);
-/// Terms of the series about a node. Without the drive's phase a coefficient of order k is at most
-/// (3 + k/2) (rT)ᵏ/k! of the variation's size, by the same section: the remainder is under
-/// 5 · 0.08⁴/4! (1 + 0.02) < 9e-6, negligible beside the growth from event to event.
+/// Terms of the series around a node. Without the drive's phase a coefficient of order k is at
+/// most (3 + k/2) (rT)ᵏ/k! of the variation's size, by the same section. The remainder is below 5
+/// · 0.08⁴/4! (1 + 0.02) < 9e-6, negligible relative to the growth between events.
 const TERMS: usize = 4;
 /// Number of nodes: flights of up to 5/rate need one product.
 const NODES: usize = 32;
@@ -23,8 +23,7 @@ const NODES: usize = 32;
 /// A matrix by columns.
 type Columns = [Augmented; COLUMNS];
 
-/// Product of a matrix with a variation. Even and odd columns are summed independently of each
-/// other.
+/// Product of a matrix and a variation. Even and odd columns are summed independently.
 #[inline(always)]
 fn transit(a: &Columns, v: &Augmented) -> Augmented {
     let mut sums = [[0.0; COORDINATES]; 2];
@@ -89,8 +88,8 @@ impl SingleTransition {
         }
     }
 
-    /// Propagates a variation over `span` s. The matrices commute, so that the products of the
-    /// series with the variation depend neither on each other nor on the node.
+    /// Propagates a variation over `span` s. The matrices commute, so the products of the series
+    /// with the variation depend neither on each other nor on the node.
     #[inline(always)]
     fn propagate(&self, v: &mut Augmented, span: f64) {
         let steps = span * self.per_spacing;
@@ -111,8 +110,8 @@ impl SingleTransition {
     }
 }
 
-/// Operation of a [`SingleVariation`], compiled once for each instruction set. None is fused, so
-/// that all sets give the same bits.
+/// Operation of a [`SingleVariation`], compiled for each instruction set. No operation is fused,
+/// so that all instruction sets give the same bits.
 enum VariationOperation<'a> {
     Fill(&'a mut SingleTransition, &'a Model, SmoothMode),
     Propagate(&'a SingleTransition, &'a mut Augmented, f64),
@@ -134,7 +133,7 @@ impl pulp::WithSimd for VariationOperation<'_> {
 #[derive(Clone, Debug)]
 pub(crate) struct SingleVariation {
     model: Model,
-    /// Those of flight and of rest, and whether they belong to the model.
+    /// Transition matrices of flight and of rest, and whether they belong to the model.
     transitions: [Box<SingleTransition>; 2],
     ready: [bool; 2],
 }
@@ -155,7 +154,7 @@ impl SingleVariation {
         self.model.rate
     }
 
-    /// Propagates a variation for `span` s in one mode and, where that ends with an impact, through
+    /// Propagates a variation for `span` s in one mode and, if this ends with an impact, through
     /// its jump. The impact is given by w' before it and the state after it.
     pub(crate) fn propagate(
         &mut self,
@@ -175,7 +174,7 @@ impl SingleVariation {
         }
     }
 
-    /// Carries a variation through the merge into rest that follows an impact.
+    /// Carries a variation through the merge into rest after an impact.
     pub(crate) fn merge(&self, v: &mut Augmented) {
         Saltation::merge(&self.model, v, self.model.rate);
     }

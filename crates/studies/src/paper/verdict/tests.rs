@@ -17,8 +17,8 @@ fn set(assignments: &[&str]) -> ParameterSet {
     set
 }
 
-/// A box of 12 kg with a heavy block that is coupled to it only by the stops: flights over tens of
-/// drive periods.
+/// A box of 12 kg with a heavy block, coupled to it only by the stops: flights over tens of drive
+/// periods.
 fn damper() -> ParameterSet {
     let parts =
         ["box.m=12kg", "box.k=48kN/m", "box.c=30", "block.m=0.6kg", "stop.gap=50mm", "stop.restitution=0.6"];
@@ -39,7 +39,8 @@ fn found(set: &ParameterSet, side: usize, discard: u32) -> Basins<ClassedAttract
     basins(set, &request, &Task::ALL).unwrap().unwrap()
 }
 
-/// A short window of long flights looks like many attractors. There is one, whatever is discarded.
+/// A short window of long flights looks like many attractors. There is one, for any number of
+/// discarded periods.
 #[test]
 fn second_method_chaos_from_many_starts_is_one_attractor_whatever_is_discarded() {
     let one = |basin: &Basins<ClassedAttractor>, most_open: f64| {
@@ -74,9 +75,9 @@ fn invariant_a_spring_of_next_to_no_stiffness_leaves_the_class() {
     }
 }
 
-/// Next to a period doubling a motion approaches its orbit from either side in turn, and nearly
-/// returns in two periods. The two stable orbits of one drive period here have multipliers -0.9973
-/// and -0.9963 (`second_method_orbits_next_to_a_doubling` in the tests of `vibro-orbits`).
+/// Next to a period doubling a motion approaches its orbit from alternating sides, and nearly
+/// returns after two periods. The two stable orbits of one drive period here have multipliers
+/// -0.9973 and -0.9963 (`second_method_orbits_next_to_a_doubling` in the tests of `vibro-orbits`).
 #[test]
 fn second_method_the_way_to_an_orbit_next_to_a_doubling_is_not_its_double() {
     for amplitude in [0.28, 1.078] {
@@ -107,7 +108,7 @@ fn second_method_an_alternating_approach_has_no_period_before_it_arrives() {
     };
     let state = State { x: [0.0; 3], v: [0.0, 0.5, 0.0] };
     let class = |discard| verdict(&Start { parameters, state }, discard).unwrap().class;
-    // From 40,000 on, the steps in which it is followed take it far enough.
+    // With 40,000 periods the motion is followed far enough to arrive.
     assert_eq!([300, 4000].map(class), [MotionClass::Settling; 2]);
     assert_eq!(class(40_000), MotionClass::Periodic(1));
 }
@@ -133,9 +134,9 @@ fn second_method_an_alternating_approach_to_a_symmetric_orbit_is_not_asymmetric(
     }
 }
 
-/// The orbit of two drive periods with four impacts at the upper stop and two at the lower has its
-/// fold at f10 = 2.914356570079 (`vibro-orbits`). Below it there is no such orbit, and motions pass
-/// its place in thousands of returns, none of them as exact as 1e-7.
+/// The orbit of two drive periods with four impacts at the upper stop and two at the lower stop
+/// has its fold at f10 = 2.914356570079 (`vibro-orbits`). Below it there is no such orbit, and
+/// motions pass its remnant in thousands of returns, none of them as exact as 1e-7.
 #[test]
 fn second_method_the_place_of_an_orbit_that_has_vanished_is_no_period() {
     for below in [1e-6, 4e-6, 1e-5] {
@@ -147,8 +148,7 @@ fn second_method_the_place_of_an_orbit_that_has_vanished_is_no_period() {
     }
 }
 
-/// A very soft spring does not make a box that a load drives away by two gaps a period a periodic
-/// motion.
+/// A box on a very soft spring that a load drives away by two gaps per period is not periodic.
 #[test]
 fn invariant_a_box_that_drifts_is_not_periodic() {
     for stiffness in [1e-20, 1e-30] {
@@ -165,12 +165,12 @@ fn invariant_a_box_that_drifts_is_not_periodic() {
     }
 }
 
-/// The default machine at f10 = 2.9 has a chaotic attractor with two impacts at one stop and one at
-/// the other; its mirror image is another attractor.
+/// The default machine at f10 = 2.9 has a chaotic attractor with two impacts at one stop and one
+/// at the other. Its mirror image is another attractor.
 #[test]
 fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
     let p = *set(&["f10=2.9"]).parameters();
-    // A motion and its mirror image -x(t + T/2): from the negative state half a period later, with
+    // A motion and its mirror image -x(t + T/2), from the negative state half a period later under
     // the same drive.
     let state = dimensional(&p, &[0.1, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let mut ahead = Simulator::new(&p, &state, 0.0).unwrap();
@@ -205,8 +205,8 @@ fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
 
 #[test]
 fn closed_form_a_motion_without_impacts_comes_to_its_one_limit() {
-    // The slow oscillation of block and secondary oscillator loses about a thousandth a period: it
-    // nearly returns long before it is gone.
+    // The slow oscillation of block and secondary oscillator loses about a thousandth per period:
+    // it nearly returns long before it has decayed.
     for f10 in ["f10=0.1", "f10=0.3"] {
         let basin = found(&set(&[f10]), 5, 100);
         let free: Vec<_> = basin.attractors.iter().filter(|a| a.attractor.is_free()).collect();
@@ -230,7 +230,7 @@ fn second_method_verdicts_of_single_motions() {
 
 /// Box and drive are in resonance with so little damping that the box comes back to the block only
 /// hundreds of periods after each burst of impacts. Alone it would swing farther than the gap, so
-/// that no time without impacts ends them.
+/// a time without impacts never proves that they have ended.
 #[test]
 fn second_method_impacts_that_come_in_bursts_have_not_ended() {
     let machine = |mass: f64, force: f64, damping: f64, kappa: f64, ratio: f64| Parameters {
@@ -249,7 +249,7 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
         (machine(1.0, 1.05e-3, 1e-3, 0.75, 0.06), 64.0, MotionClass::Chaotic),
         (machine(0.3, 1.2e-3, 1e-3, 0.0, 0.6), 400.0, MotionClass::NotSettled),
         (machine(3.0, 1.2e-3, 1e-3, 0.5, 3.0), 400.0, MotionClass::NotSettled),
-        // States return to 1e-5 a period from the start.
+        // States return to 1e-5 per period from the start.
         (machine(0.3, 2e-6, 1e-6, 0.75, 0.6), 0.0, MotionClass::NotSettled),
     ] {
         let start = Start { parameters: p, state: vibro_impact::State::default() };
@@ -283,11 +283,11 @@ fn unit_box() -> Parameters {
     }
 }
 
-/// Machines under constant loads whose impacts end: seeming chaos, or a seeming torus, was a
+/// Machines under constant loads whose impacts end: apparent chaos, or an apparent torus, was a
 /// transient.
 #[test]
 fn second_method_under_constant_loads_too_impacts_have_ended_where_none_will_come() {
-    /// Remainder of the way after 40,000 periods.
+    /// Remaining distance after 40,000 periods.
     const ARRIVED: f64 = 1e-9;
     let chaotic_first = Parameters {
         box_damping: 0.214_642_047_578_846_86,
@@ -337,7 +337,7 @@ fn second_method_under_constant_loads_too_impacts_have_ended_where_none_will_com
 }
 
 /// A box on a stiff spring follows the drive. Its frequency is 300 times the drive's, and chaos of
-/// the block in it has exponents under a thousandth of that.
+/// the block in it has exponents below a thousandth of this frequency.
 #[test]
 fn invariant_chaos_is_chaos_in_a_box_far_faster_than_the_drive() {
     let basic = Parameters::default();

@@ -1,7 +1,6 @@
 use super::*;
 
-/// A response has no amplitude of a sum: nothing is drawn for it, and no other amplitude in its
-/// place.
+/// A response has no amplitude of a sum: nothing is drawn for it, and no other amplitude instead.
 #[test]
 fn an_amplitude_that_a_point_does_not_hold_is_not_shown() {
     let point = ResponsePoint {

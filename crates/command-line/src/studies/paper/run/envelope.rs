@@ -10,7 +10,7 @@ pub(super) const COLUMNS: usize = 1500;
 /// Relative change below which a quantity counts as constant: a panel has fewer pixels.
 const CHANGE: f64 = 1e-3;
 
-/// A point of an envelope: time, and the least and largest value from then on.
+/// A point of an envelope: time, and the smallest and largest value from then on.
 pub(super) type Extremes = (f64, f64, f64);
 
 /// Whole drive periods in a window of a run that ends at `end`.
@@ -26,9 +26,9 @@ pub(super) fn in_words(period: f64, end: f64) -> String {
     }
 }
 
-/// The least and largest value in each window of whole drive periods, as steps: each window gives a
-/// point at its beginning and one at its end. A window without a value ends a piece. The points are
-/// in order of time, the first window begins at 0.
+/// The smallest and largest value in each window of whole drive periods, as steps: each window has
+/// a point at its beginning and one at its end. A window without a value ends a piece. The points
+/// are in order of time, and the first window begins at 0.
 pub(super) fn envelope(
     points: impl Iterator<Item = (f64, f64)>,
     period: f64,
@@ -75,7 +75,7 @@ pub(super) fn thinned(path: Path) -> Path {
     found
 }
 
-/// The value of a quantity that changes by less than a picture of that scale can show. `None` if it
+/// The value of a quantity whose change is too small for a picture of that scale. `None` if it
 /// changes more or has no value.
 pub(super) fn constant(values: impl Iterator<Item = f64>, scale: f64) -> Option<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn closed_form_an_envelope_has_the_extremes_of_each_period() {
-        // Two values a period of 0.5: k and -k in the period k; none in the periods 3 and 4.
+        // Two values per period of 0.5: k and -k in period k, and none in the periods 3 and 4.
         let times = (0..8).filter(|k| ![3, 4].contains(k)).flat_map(|k| {
             let (at, k) = (0.5 * f64::from(k), f64::from(k));
             [(at, k), (at + 0.2, -k)]

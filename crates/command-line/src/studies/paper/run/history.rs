@@ -37,7 +37,7 @@ pub struct RunImpact {
     pub time: f64,
     /// +1 upper, -1 lower.
     pub side: i8,
-    /// |w'| before it, m/s.
+    /// |w'| before the impact, m/s.
     pub speed: f64,
     /// Impulse on the box in direction `side`, N·s.
     pub impulse: f64,
@@ -54,7 +54,7 @@ pub struct History {
     pub rests: usize,
     /// Energy accounts over the run.
     pub energy: EnergyAccounts,
-    /// Mechanical energy at its beginning, J.
+    /// Mechanical energy at the beginning, J.
     pub initial_energy: f64,
     /// Duration, s.
     pub duration: f64,

@@ -22,7 +22,7 @@ const DETAIL: f64 = 10.0;
 const PORTRAIT: f64 = 60.0;
 /// Largest number of instants of a portrait.
 const INSTANTS: usize = 12_000;
-/// Largest number of marks of a panel. More impacts are drawn by their least and largest speeds.
+/// Largest number of marks of a panel. For more impacts only extreme speeds are drawn.
 const MARKS: usize = 1500;
 /// Largest number of marks of the usual size. More marks are drawn smaller.
 const MANY: usize = 200;
@@ -57,7 +57,7 @@ fn titled(title: impl Into<String>, x: Axis, y: Axis, layers: Vec<Layer>) -> Tit
     (title.into(), Panel { title: String::new(), x, y, layers })
 }
 
-/// Layers of an envelope: area and both edges; the edges have the name.
+/// Layers of an envelope: area and both edges; the name belongs to the edges.
 fn enveloped(name: &str, colour: Colour, pieces: Vec<Vec<Extremes>>) -> Vec<Layer> {
     let edge = |pick: fn(&Extremes) -> (f64, f64)| pieces.iter().map(move |p| p.iter().map(pick).collect());
     let edges: Vec<Path> = edge(|p| (p.0, p.2)).chain(edge(|p| (p.0, p.1))).collect();
@@ -170,7 +170,7 @@ impl<'a> RunPicture<'a> {
             .then(|| titled(title, self.time(from), Axis::new(self.lengths("displacement")), layers))
     }
 
-    /// Addition to a title where only the end of the run is shown.
+    /// Addition to a title if only the end of the run is shown.
     fn of_the_last(&self, periods: f64) -> String {
         if self.is_long() { format!(", the last {periods} drive periods") } else { String::new() }
     }
@@ -342,7 +342,7 @@ fn short4(value: f64) -> String {
     short(rounded + 0.0).replace('-', "−")
 }
 
-/// The figure of a run; `None` where nothing changes.
+/// The figure of a run; `None` if nothing changes.
 pub(super) fn figure(
     set: &ParameterSet,
     history: &History,

@@ -1,4 +1,4 @@
-//! Steps that end where an event was announced, and what is logged of events that an input causes.
+//! Steps that end at the announced time of an event, and the log of events that an input causes.
 
 use super::*;
 use fmi_doors::hybrid::Pieces;
@@ -16,10 +16,10 @@ fn leaves(messages: &Messages) -> usize {
     messages.0.iter().filter(|(_, text)| text.contains("leaves the")).count()
 }
 
-/// A block that comes to rest, is released, and goes on, under a strong drive.
+/// A block that comes to rest, is released, and continues, under a strong drive.
 const PLASTIC: [(&str, f64); 3] = [("stop.restitution", 0.0), ("drive.amplitude", 1.0), ("block.s", 0.3)];
 
-/// Impacts and contact after `time`, each time stepping to where the next event is announced.
+/// Numbers of announced events and of logged releases, with steps to announced times.
 fn follow(mut fmu: Instance, by_step: bool, until: f64) -> (usize, usize) {
     let (mut events, mut messages) = (0, Messages::default());
     while fmu.time() < until {
@@ -42,8 +42,8 @@ fn follow(mut fmu: Instance, by_step: bool, until: f64) -> (usize, usize) {
     (events, leaves(&messages))
 }
 
-/// By each protocol the event is behind the step that ends at its announced time, releases too, and
-/// is logged once.
+/// In each protocol the event is past once the step to its announced time has ended, also for
+/// releases, and is logged once.
 #[test]
 fn second_method_announced_events_of_a_plastic_block_happen_by_each_protocol() {
     const UNTIL: f64 = 120.0;
@@ -60,7 +60,7 @@ fn second_method_announced_events_of_a_plastic_block_happen_by_each_protocol() {
     assert!(found.iter().all(|other| *other == found[0]), "{found:?}");
 }
 
-/// Near the time 0 times are rounded by far less than a step's sums, so that own time may be past
+/// Near the time 0 times are rounded by far less than a step's sums, so the own time may be past
 /// the end of a step that stops.
 #[test]
 fn a_step_to_an_announced_impact_near_the_time_zero_is_carried_out() {
@@ -85,8 +85,8 @@ fn a_step_to_an_announced_impact_near_the_time_zero_is_carried_out() {
     assert_eq!(get(&mut fmu, "impacts.upper") + get(&mut fmu, "impacts.lower"), 2.0);
 }
 
-/// Where the announcement was read some steps ago, each of them has moved the state by rounding,
-/// here that of a machine a hundred gaps from its origin.
+/// If the announcement is some steps old, each step has moved the state by rounding, here for a
+/// machine a hundred gaps from its origin.
 #[test]
 fn an_announced_impact_is_behind_the_last_of_several_steps_to_it() {
     let mut met = 0;
@@ -115,8 +115,8 @@ fn an_announced_impact_is_behind_the_last_of_several_steps_to_it() {
     assert!(met > 1000, "{met}");
 }
 
-/// A block that an input lets go of between two steps is logged as any other that leaves, in
-/// whatever way steps are made.
+/// A block released by an input between two steps is logged like any other release, with all kinds
+/// of steps.
 #[test]
 fn a_release_by_an_input_is_logged_by_each_protocol() {
     let held = [("block.s", 1.0), ("block.f", 0.5), ("drive.amplitude", 0.0)];
@@ -143,12 +143,12 @@ fn a_release_by_an_input_is_logged_by_each_protocol() {
     assert_eq!(leaves(&messages), 1, "{:?}", messages.0);
 }
 
-/// The impacts of a closed form too are behind the step that ends at their announced time, late
-/// starts among them.
+/// The impacts of a closed form are also past once the step to their announced time has ended,
+/// including late starts.
 #[test]
 fn announced_impacts_of_a_closed_form_are_behind_the_step_by_each_protocol() {
     const BEGIN: f64 = 7244.0;
-    /// Rounding of a drive's phase of thousands of turns.
+    /// Rounding of a drive's phase after thousands of turns.
     const SAME: f64 = 1e-11;
     for frequency in 0..20 {
         for stop in [0.0, 1.0] {

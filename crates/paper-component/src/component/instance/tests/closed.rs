@@ -99,7 +99,7 @@ fn without_a_steady_state_initialization_fails_with_the_range() {
         let error = fmu.exit_initialization(&mut Messages::default()).unwrap_err().to_string();
         assert!(error.starts_with("drive.amplitude = 0.01 N: the ") && error.contains(what), "{error}");
         assert_eq!(fmu.phase(), Phase::Initialization);
-        // From the amplitude that the message names on, there is one.
+        // From the amplitude named in the message, there is a steady state.
         let words: Vec<_> = error.split_whitespace().collect();
         let place = words.iter().position(|word| *word == "from").unwrap() + 1;
         let from: f64 = words[place].parse().unwrap();
@@ -154,7 +154,7 @@ fn a_tunable_change_plays_another_steady_state_and_keeps_the_accounts() {
     let parameters =
         vibro_impact::Parameters { drive_amplitude: 0.16, drive_frequency: 1.05, ..Default::default() };
     let orbit = exact_orbit::solve(&parameters).unwrap().upper.unwrap();
-    // The drive's phase went on from 1.04 · 10.
+    // The drive's phase continued from 1.04 · 10.
     let state = orbit.state(1.04 * 10.0 + 1.05 * 50.0);
     assert!((get(&mut fmu, "block.s") - state.x[1]).abs() < 1e-12);
     let balance = ["energy.input", "energy.damped", "energy.impact"].map(|name| get(&mut fmu, name));
@@ -170,7 +170,7 @@ fn a_tunable_change_plays_another_steady_state_and_keeps_the_accounts() {
     };
     let gained = energy(&state, &parameters) - energy(&start, &vibro_impact::Parameters::default());
     assert!((balance[0] - balance[1] - balance[2] - gained).abs() < 1e-11, "{balance:?} {gained}");
-    // One that has no steady state is refused, and the run can go on without it.
+    // Parameters without a steady state are refused, and the run can continue without them.
     set(&mut fmu, "drive.amplitude", 0.01).unwrap();
     assert!(step(&mut fmu, 60.0, 1.0).is_err());
     set(&mut fmu, "drive.amplitude", 0.16).unwrap();
@@ -198,8 +198,8 @@ fn a_played_state_comes_back_bit_by_bit() {
     }
 }
 
-/// At a time that no motion has impacts cannot be counted one by one: a step from there would never
-/// end.
+/// At a time that no motion can have, impacts cannot be counted one by one: a step from there
+/// would never end.
 #[test]
 fn a_played_state_of_a_damaged_time_is_refused() {
     let mut fmu = closed(2.0);
@@ -252,7 +252,7 @@ fn played_impacts_stop_a_step_and_are_logged() {
     assert_eq!(messages.0.len(), 20);
 }
 
-/// However near to an impact a closed form starts, nothing has happened then.
+/// However near to an impact a closed form starts, no impact has happened at the start.
 #[test]
 fn a_played_motion_has_no_impacts_at_its_start() {
     for mode in [2.0, 3.0] {
@@ -277,7 +277,7 @@ fn a_played_motion_has_no_impacts_at_its_start() {
     }
 }
 
-/// Both kinds of step: over the events, and to be ended at events.
+/// Both kinds of step: past the events, and ending at events.
 #[test]
 fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_others() {
     for ends_at_events in [false, true] {
@@ -298,11 +298,11 @@ fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_othe
     }
 }
 
-/// After a plastic impact box and block have one velocity, before it they approach with the speed
-/// that is reported; rounding of the relative velocity does not tell which of the two is shown.
+/// After a plastic impact box and block have one velocity; before it they approach with the
+/// reported speed. Rounding of the relative velocity does not decide which of the two is shown.
 #[test]
 fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
-    /// Of speeds of order one.
+    /// Rounding of speeds of order one.
     const SAME: f64 = 1e-9;
     for mode in [2.0, 3.0] {
         let plastic =
@@ -323,8 +323,8 @@ fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
     }
 }
 
-/// An impact that is not carried out, since parameters that were set at it leave no steady state,
-/// is not logged.
+/// An impact is not logged if it is not carried out because parameters set at it do not have a
+/// steady state.
 #[test]
 fn an_impact_of_a_refused_update_is_logged_when_it_is_carried_out() {
     let mut fmu = with_handling(true, true, &[("mode", 3.0), ("stopAtImpact", 1.0)]);
@@ -339,8 +339,8 @@ fn an_impact_of_a_refused_update_is_logged_when_it_is_carried_out() {
     assert_eq!(messages.0.len(), 1, "{:?}", messages.0);
 }
 
-/// A host that handles no events has no place for the side of an impact: it comes back as the same
-/// bytes that were saved.
+/// A host that does not handle events does not have the side of an impact: saving again gives the
+/// same bytes.
 #[test]
 fn a_steady_state_is_saved_again_as_it_was_restored() {
     for mode in [2.0, 3.0] {

@@ -1,5 +1,5 @@
-//! The lists of dependencies against the numbers: what is not listed must not move, what is listed
-//! must move somewhere.
+//! The lists of dependencies compared with numbers: an unlisted value must not change, and a
+//! listed value must change somewhere.
 
 use super::*;
 use crate::component::closed_form::ClosedForm;
@@ -13,14 +13,15 @@ use vibro_impact::parameters::FIELDS;
 use vibro_impact::simulator::{Contact, State};
 use vibro_impact::steady::exact_orbit;
 
-/// Coordinates are carried as x1 and x2 - x1: setting one displacement moves another's last digits.
+/// The coordinates are x1 and x2 - x1, so setting one displacement changes the last digits of
+/// another.
 const ROUNDING: f64 = 1e-13;
 
 fn moved(a: f64, b: f64) -> bool {
     (a - b).abs() > ROUNDING * (1.0 + a.abs().max(b.abs()))
 }
 
-/// A start by what differs from the start values.
+/// A start, given by the values that differ from the start values.
 type Start = (&'static str, Interface, Vec<(&'static str, f64)>);
 
 /// Starts that together show every dependency.
@@ -40,7 +41,7 @@ fn starts() -> Vec<Start> {
     let orbit: Vec<_> = loaded.iter().copied().chain([("startOnOrbit", 1.0)]).collect();
     let scales: Vec<_> = moving.iter().copied().chain([("mode", 2.0)]).collect();
     let exact: Vec<_> = moving.iter().copied().chain([("mode", 3.0)]).collect();
-    // Pressed on by spring and drive alone: a closed form can be chosen instead.
+    // Only spring and drive press the block on, so that a closed form can be chosen.
     let resting = vec![
         ("time", 0.3),
         ("box.s", 0.5),
@@ -50,11 +51,11 @@ fn starts() -> Vec<Start> {
         ("secondary.s", 0.2),
         ("secondary.v", 0.5),
     ];
-    // Nothing presses: the secondary oscillator's motion decides which way the block goes.
+    // Nothing presses: the secondary oscillator's motion decides the direction of the block.
     let balanced = vec![("drive.amplitude", 0.0), ("block.s", 1.0), ("secondary.s", 1.0)];
     let pushed: Vec<_> = balanced.iter().copied().chain([("secondary.f", 0.1)]).collect();
-    // x3' of the block's own kind of motion, so that the third order vanishes and dampers come in
-    // with the fourth.
+    // x3' of the block's own kind of motion, so that the third order vanishes and dampers act with
+    // the fourth.
     let driven = vec![
         ("drive.amplitude", 0.25),
         ("drive.frequency", 1.0),
@@ -65,11 +66,11 @@ fn starts() -> Vec<Start> {
         ("secondary.v", 0.25),
         ("secondary.f", 0.1),
     ];
-    // Undamped at resonance the secondary oscillator has no bound, and the steady state is none.
+    // Undamped at resonance the secondary oscillator has no bound, and there is no steady state.
     let singular = vec![("secondary.c", 0.0), ("coupling.k", 0.008)];
     let nearly = vec![("secondary.c", 1e-18), ("coupling.k", 0.008)];
     let detuned = vec![("secondary.k", 0.12)];
-    // An orbit of plastic impacts that passes through the stops would rest, and is started on just
+    // An orbit of plastic impacts that passes through the stops would rest, and is started just
     // then.
     let parameters = Parameters { stop_restitution: 0.0, drive_amplitude: 0.4, ..Parameters::default() };
     let phase = exact_orbit::solve(&parameters).unwrap().upper.unwrap().drive_phase();
@@ -79,7 +80,7 @@ fn starts() -> Vec<Start> {
         ("drive.phase", phase),
         ("startOnOrbit", 1.0),
     ];
-    // With another restitution there is no steady state any more; or it lies on the other branch.
+    // With another restitution there is no steady state any more, or it is on the other branch.
     let weak = vec![("drive.amplitude", 0.06)];
     let left = vec![("drive.amplitude", 0.085)];
     vec![
@@ -103,7 +104,7 @@ fn starts() -> Vec<Start> {
     ]
 }
 
-/// Every initial unknown, by its place; `None` where the start is not possible.
+/// Every initial unknown, by its index; `None` if the start is not possible.
 fn initial(interface: Interface, values: &[(&str, f64)]) -> Option<Vec<f64>> {
     let mut fmu = Instance::new(interface);
     let mut time = 0.0;
@@ -120,7 +121,7 @@ fn initial(interface: Interface, values: &[(&str, f64)]) -> Option<Vec<f64>> {
     for Unknown { place, .. } in &unknowns {
         fmu.get(ANY, &[VARIABLES[*place].reference], |_, value| read[*place] = value).ok()?;
     }
-    // What initialization shows is what the motion starts with.
+    // The motion starts with the values shown in initialization.
     fmu.exit_initialization(&mut Messages::default()).ok()?;
     for unknown in unknowns {
         let name = VARIABLES[unknown.place].name;
@@ -160,7 +161,7 @@ fn knowns_of_initialization() -> impl Iterator<Item = (usize, &'static str, f64)
     knowns.map(|(i, v)| (i, v.name, v.start().unwrap_or(0.0)))
 }
 
-/// `moves[unknown][known]` must be what the lists say.
+/// `moves[unknown][known]` must agree with the lists.
 fn check(
     unknowns: &[Unknown],
     listed: impl Fn(&Unknown, usize) -> bool,
@@ -204,8 +205,8 @@ fn second_method_initial_unknowns_move_with_what_they_list_alone() {
     check(&structure::initial_unknowns(Edition::Clocked), listed, moves, &knowns);
 }
 
-/// The outputs of a motion in a given contact at time 0 and later, the states being given: what a
-/// solver would see.
+/// The outputs of a motion in a given contact at time 0 and later, with given states, as a solver
+/// would see them.
 fn held(parameters: &Parameters, contact: Contact) -> Vec<OutputValues> {
     let w = if contact == Contact::Flight { 0.3 } else { contact.side() };
     let start = State { x: [0.1, 0.1 + w, 0.2], v: [0.4, 0.4, 0.5] };
@@ -217,8 +218,8 @@ fn held(parameters: &Parameters, contact: Contact) -> Vec<OutputValues> {
     read
 }
 
-/// The outputs after an event at the upper stop: an impact that leaves the block in rest or not,
-/// hardly pressed as it is.
+/// The outputs after an event at the upper stop: an impact after which the block rests or not,
+/// with hardly any pressure.
 fn after_event(parameters: &Parameters) -> OutputValues {
     const PRESSURE: f64 = 1e-6;
     let state = State { x: [0.1, 1.1, 0.2], v: [0.1, 0.4, 0.5] };
@@ -273,12 +274,12 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
         for (unknown, variable) in VARIABLES.iter().enumerate() {
             let seen = &mut moves[unknown][place(field.name)];
             *seen = pairs.iter().any(|(a, b)| moved(value(variable, a), value(variable, b)));
-            // With another gap there is no event; what was counted before stays then.
+            // With another gap there is no event; earlier counts then stay.
             let counted = variable.name != "stop.state" && field.name == "stop.gap";
             if variable.variability == Variability::Discrete && !counted {
                 *seen |= events.iter().any(|(a, b)| moved(value(variable, a), value(variable, b)));
             }
-            // Accelerations that the states do not give, but the closed form.
+            // Accelerations that do not come from the states but from the closed form.
             if by_scales.contains(&variable.name) {
                 let [a, b] =
                     [closed(&standard), closed(&other)].map(|values| value(variable, &values.unwrap()));
@@ -286,7 +287,7 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
             }
         }
     }
-    // By multiple scales x3'' = -ω1² x3: the frequency stands in it, and not in the simulation's.
+    // By multiple scales x3'' = -ω1² x3 contains the frequency, unlike the simulation's.
     let values = closed(&standard).unwrap();
     let square = standard.drive_frequency * standard.drive_frequency;
     assert!((values.acceleration[2] + square * values.x[2]).abs() < ROUNDING);
@@ -303,8 +304,8 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
     check(&structure::event_indicators(), listed, moves, &knowns);
 }
 
-/// Before the law of an event is carried out the values after it are shown, and the dependencies
-/// are theirs.
+/// Before the law of an event is carried out the values after it are shown, with the dependencies
+/// after it.
 #[test]
 fn dependencies_at_an_event_are_those_after_it() {
     let start = [("stop.restitution", 0.0), ("drive.amplitude", 1.0), ("stopAtImpact", 1.0)];
@@ -323,7 +324,7 @@ fn dependencies_at_an_event_are_those_after_it() {
     }
 }
 
-/// Where a motion is put: displacements, velocities, loads, time.
+/// A point of a motion: displacements, velocities, loads, time.
 #[derive(Clone, Copy)]
 struct Point {
     x: [f64; 3],
@@ -333,7 +334,7 @@ struct Point {
 }
 
 impl Point {
-    /// The number of a known, where it is one of a point.
+    /// The number of a known, if it belongs to a point.
     fn of(&mut self, known: &str) -> Option<&mut f64> {
         let body = ["box.", "block.", "secondary."].iter().position(|body| known.starts_with(body));
         match (known.rsplit('.').next(), body) {
@@ -346,16 +347,15 @@ impl Point {
     }
 }
 
-/// Everything that the motion shows in a contact that is held.
+/// All values that the motion shows in a contact that is held.
 fn shown(parameters: &Parameters, contact: Contact, at: Point) -> OutputValues {
     let start = State { x: at.x, v: at.v };
     Continuous::at(parameters, start, at.time, contact, at.forces).unwrap().values()
 }
 
-/// A factor that is said to change with the contact at most is the same at all states, loads and
-/// times; one of tunable parameters in all contacts, too, one of fixed parameters whatever the
-/// tunable ones are: second derivatives vanish, mixed ones too. Every unknown and every known is
-/// taken from the table.
+/// A factor of kind discrete is the same at all states, loads and times. A factor of kind tunable
+/// is also the same in all contacts, of kind fixed also for all tunable parameters: second
+/// derivatives vanish, including mixed ones. All unknowns and knowns come from the table.
 #[test]
 fn second_method_kinds_by_second_derivatives() {
     const STEP: f64 = 0.25;
@@ -390,7 +390,7 @@ fn second_method_kinds_by_second_derivatives() {
             for contact in [Contact::Flight, Contact::RestUpper, Contact::RestLower] {
                 for (is_tuned, parameters) in [(false, &standard), (true, &tuned)] {
                     for mut base in [here, there] {
-                        // In rest the block is pressed on: a stop's force is never a pull.
+                        // In rest the block is pressed on: a stop's force never pulls.
                         base.forces[1] +=
                             PRESSED * if contact == Contact::Flight { 0.0 } else { contact.side() };
                         let middle = *base.of(name).unwrap();

@@ -1,4 +1,4 @@
-//! Directional derivatives against differences.
+//! Directional derivatives compared with differences.
 
 use super::*;
 
@@ -24,7 +24,7 @@ fn derivative(fmu: &mut Instance, unknowns: &[&str], knowns: &[&str], seed: &[f6
     values
 }
 
-/// A host that handles events, of a description that has parameters and time as knowns.
+/// A host that handles events, with a description that has parameters and time as knowns.
 fn with_events() -> Protocol {
     let handling = EventHandling { event_mode: true, early_return: true };
     Protocol { edition: Edition::Extended, handling, ..Protocol::default() }
@@ -54,8 +54,8 @@ fn sampled(fmu: &mut Instance, step: f64) -> Vec<f64> {
 fn against_differences(fmu: &mut Instance) {
     let names = outputs();
     let exact = derivative(fmu, &names, &KNOWNS, &SEED);
-    // The outputs are polynomials of degree 2 in states and loads, the quadrature of the damped
-    // energy too: no truncation.
+    // The outputs are polynomials of degree 2 in states and loads, and so is the quadrature of the
+    // damped energy: no truncation.
     let (plus, minus) = (sampled(fmu, 0.125), sampled(fmu, -0.125));
     for (i, name) in names.iter().enumerate() {
         let difference = (plus[i] - minus[i]) / 0.25;
@@ -77,7 +77,7 @@ fn model_exchange_in_flight_and_in_rest() {
         set(fmu, "block.f", 0.2).unwrap();
     });
     assert_eq!(get(&mut rest, "stop.state"), 2.0);
-    // λ is clipped at zero outside: stay where it presses.
+    // λ is clipped at zero outside rest, so stay where it presses.
     set(&mut rest, "block.f", 2.0).unwrap();
     against_differences(&mut rest);
 }
@@ -97,7 +97,7 @@ fn co_simulation_agrees_with_model_exchange() {
     assert_eq!(a, derivative(&mut host, &names, &KNOWNS, &SEED));
     let b = derivative(&mut fmu, &["energy.mechanical", "energy.damped"], &KNOWNS, &SEED);
     assert!((b[0] - derivative(&mut host, &["energy.mechanical"], &KNOWNS, &SEED)[0]).abs() < 1e-15);
-    assert_eq!(b[1], 0.0); // what has been summed up does not vary
+    assert_eq!(b[1], 0.0); // accumulated values do not vary
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn initialization_mode_by_parameters_and_start_values() {
         set(&mut fmu, "stop.restitution", restitution).unwrap();
         get(&mut fmu, "steady.impulse")
     };
-    const H: f64 = 1e-4; // the one-sided difference of second order is off by about its square
+    const H: f64 = 1e-4; // the one-sided second-order difference has an error of about its square
     let expected = (impulse(1.0 - 2.0 * H) - 4.0 * impulse(1.0 - H) + 3.0 * impulse(1.0)) / (2.0 * H);
     let got = derivative(&mut fmu, &["steady.impulse"], &["stop.restitution"], &[1.0])[0];
     assert!(
@@ -141,7 +141,7 @@ fn initialization_mode_by_parameters_and_start_values() {
     assert_eq!(derivative(&mut fmu, &["box.a"], &[], &[]), [0.0]);
 }
 
-/// A value that is next to nothing, and a start at a late time, take nothing from a derivative.
+/// A very small value, and a start at a late time, do not make a derivative less accurate.
 #[test]
 fn closed_form_derivatives_at_values_of_any_size_and_at_late_starts() {
     let at_start = |(name, value): (&str, f64), time: f64, known: &str| {
@@ -170,8 +170,8 @@ fn closed_form_derivatives_at_values_of_any_size_and_at_late_starts() {
     }
 }
 
-/// A secondary oscillator or a damper that is much faster than the drive does not widen the steps
-/// of the drive's parameters.
+/// A secondary oscillator or a damper that is much faster than the drive does not increase the
+/// steps for the drive's parameters.
 #[test]
 fn second_method_derivatives_by_the_drive_beside_a_part_that_is_much_faster() {
     let fast = [
@@ -201,8 +201,7 @@ fn second_method_derivatives_by_the_drive_beside_a_part_that_is_much_faster() {
     }
 }
 
-/// Where a parameter is 0 a closed form's derivative is one of the machine's own scale, in any
-/// units.
+/// If a parameter is 0, a closed form's derivative uses the machine's own scale, in any units.
 #[test]
 fn second_method_derivatives_of_a_closed_form_by_a_parameter_that_is_0() {
     let names = ["box.s", "block.s", "box.v", "stop.v"];
@@ -242,7 +241,7 @@ fn second_method_derivatives_of_a_closed_form_by_a_parameter_that_is_0() {
     }
 }
 
-/// A closed form is a motion without loads: before its start, as later, nothing varies with them.
+/// A closed form is a motion without loads: before its start and later, nothing varies with them.
 #[test]
 fn a_closed_form_does_not_vary_with_loads() {
     for mode in [2.0, 3.0] {
@@ -276,8 +275,8 @@ fn wrong_unknowns_and_knowns_are_refused() {
     }
 }
 
-/// `ModelStructure/Outputs` lists a known where, and only where, an output's derivative with
-/// respect to it is not zero.
+/// `ModelStructure/Outputs` lists a known if and only if an output's derivative with respect to it
+/// is not zero.
 #[test]
 fn dependencies_are_those_of_the_derivatives() {
     let mut flight = exchange(|fmu| {
@@ -291,7 +290,7 @@ fn dependencies_are_those_of_the_derivatives() {
     });
     flight.set_time(0.3).unwrap(); // an open interval of the energies
     let mut rest = exchange(|fmu| {
-        // Moving, so that a factor of velocity shows.
+        // In motion, so that a factor of velocity has an effect.
         for (name, value) in [("block.s", 1.0), ("block.f", 2.0), ("box.v", 0.1), ("block.v", 0.1)] {
             set(fmu, name, value).unwrap();
         }
@@ -315,11 +314,11 @@ fn dependencies_are_those_of_the_derivatives() {
 }
 
 /// At a point that a solver has just accepted nothing has been damped since, but it will be from
-/// there on.
+/// then on.
 #[test]
 fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
     const STEP: f64 = 1e-3; // s
-    /// What a central difference leaves out, of powers of 0.1 W.
+    /// Truncation error of a central difference, for powers of 0.1 W.
     const SAME: f64 = 1e-6;
     let protocol = Protocol { edition: Edition::Extended, ..Protocol::default() };
     let mut fmu = Instance::of_protocol(Interface::ModelExchange, protocol);
@@ -354,11 +353,11 @@ fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
     }
 }
 
-/// Beside an impact of a closed form differences do not reach over it: the derivatives are those of
-/// the motion on this side, which change steadily with time.
+/// Next to an impact of a closed form differences do not cross the impact: the derivatives belong
+/// to the motion on this side, and change continuously with time.
 #[test]
 fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
-    /// Between two moments 10 ms apart, of derivatives of order one.
+    /// Difference between two moments 10 ms apart, for derivatives of order one.
     const SAME: f64 = 0.1;
     let protocol = with_events();
     let known = ["box.k", "stop.restitution", "drive.amplitude", "drive.frequency"];
@@ -386,11 +385,11 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
     }
 }
 
-/// Before the law of an impact getters show the limit before it, and derivatives are those of that
+/// Before the law of an impact getters show the limit before it, and derivatives belong to that
 /// limit.
 #[test]
 fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
-    /// Between the impact and 1 ms before, of derivatives of order one.
+    /// Difference between the impact and 1 ms before, for derivatives of order one.
     const SAME: f64 = 0.02;
     let names = ["box.s", "block.v", "box.v", "stop.v"];
     for mode in [2.0, 3.0] {
@@ -415,11 +414,11 @@ fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
     }
 }
 
-/// At an impact there is a derivative with respect to a parameter at the end of its range too,
+/// At an impact there is also a derivative with respect to a parameter at the end of its range,
 /// before and after the start of a motion.
 #[test]
 fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
-    /// Of derivatives of order one, between the impact and 10 ms later.
+    /// Difference between the impact and 10 ms later, for derivatives of order one.
     const SAME: f64 = 0.1;
     let protocol = with_events();
     let unknowns = ["block.v", "box.v", "block.s"];
@@ -447,8 +446,8 @@ fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
     }
 }
 
-/// A seed near the largest doubles, before the motion and in it: no derivative is NaN or infinite,
-/// and nothing is written.
+/// A seed near the largest doubles, before the motion and during it: no derivative is NaN or
+/// infinite, and nothing is written.
 #[test]
 fn derivatives_beyond_doubles_are_refused_by_name() {
     for (mut fmu, unknown, known) in

@@ -21,7 +21,7 @@ fn plus(x: &[f64; 6], h: f64, k: &[f64; 6]) -> [f64; 6] {
     std::array::from_fn(|i| x[i] + h * k[i])
 }
 
-/// From `x` at `time` a Runge–Kutta step of `h`, with the point set in the FMU.
+/// A Runge–Kutta step of `h` from `x` at `time`, with the point set in the FMU.
 fn runge_kutta(fmu: &mut Instance, time: f64, x: &[f64; 6], h: f64) -> [f64; 6] {
     let k1 = derivatives(fmu, time, x);
     let k2 = derivatives(fmu, time + 0.5 * h, &plus(x, 0.5 * h, &k1));
@@ -80,8 +80,7 @@ fn run_within(late: f64, fmu: &mut Instance, stop: f64, messages: &mut Messages)
     }
 }
 
-/// Compares a run with co-simulation; returns how often it came to rest and how often it left
-/// again.
+/// Compares a run with co-simulation. Returns the numbers of events, of rests and of releases.
 fn compare(prepare: impl Fn(&mut Instance), stop: f64, bound: f64) -> (usize, usize, usize) {
     let (mut host, mut own) = (exchange(), instance());
     let mut messages = Messages::default();
@@ -94,8 +93,8 @@ fn compare(prepare: impl Fn(&mut Instance), stop: f64, bound: f64) -> (usize, us
     assert_eq!(host.phase(), Phase::Event);
     let events = run(&mut host, stop, &mut messages);
     step(&mut own, 0.0, stop).unwrap();
-    // A chatter run ends at bounces of 1e-9 gaps here, at round-off there: then the counts differ,
-    // and what is impulse and what contact force.
+    // A chatter run ends at bounces of 1e-9 gaps here and at round-off there: then the counts
+    // differ, and so does the division into impulse and contact force.
     let count = |part: &str| messages.0.iter().filter(|(_, text)| text.contains(part)).count();
     let (rests, releases) = (count("comes to rest"), count("leaves"));
     let chatters = rests > 0;
@@ -111,14 +110,13 @@ fn compare(prepare: impl Fn(&mut Instance), stop: f64, bound: f64) -> (usize, us
     (events, rests, releases)
 }
 
-/// The motion is the host's: what a coarse solver puts in by its errors is counted as input, so
-/// that the balance closes by definition (docs/theory.md, section 12). The work that drive and
-/// loads do in truth is another number.
+/// The motion is the host's: errors of a coarse solver count as input, so that the balance closes
+/// by definition (docs/theory.md, section 12). The true work of drive and loads is another number.
 #[test]
 fn invariant_the_input_is_what_the_balance_leaves() {
-    /// Of a sum of energies of order one, J.
+    /// Rounding of a sum of energies of order one, J.
     const ROUNDING: f64 = 1e-15;
-    /// What Euler's rule puts in within 20 of these steps is far more than this, J.
+    /// Euler's rule adds far more than this within 20 of these steps, J.
     const ERROR: f64 = 1e-4;
     const COARSE: f64 = 0.05;
     let (mut host, mut own) = (exchange(), instance());
@@ -170,8 +168,8 @@ fn chatter_rest_and_release_agree_with_co_simulation() {
     assert!(rests >= 2 && releases >= 2, "{rests} {releases}");
 }
 
-/// A machine that has gone 1e5 gaps from its origin, where w is a difference of doubles 1e-11 gaps
-/// apart: after each event the block is so far off the stop that the next crossing is seen, and the
+/// A machine 1e5 gaps from its origin, where w is a difference of doubles 1e-11 gaps apart: after
+/// each event the block is far enough off the stop that the next crossing is detected, and the
 /// chatter run ends.
 #[test]
 fn chatter_far_from_the_origin_agrees_with_co_simulation() {
@@ -193,22 +191,22 @@ fn chatter_far_from_the_origin_agrees_with_co_simulation() {
             set(fmu, name, value).unwrap();
         }
     };
-    /// Energies of 5 J in the box's soft spring are rounded to 1e-15 J; forces follow displacements
-    /// to 1e-10 m.
+    /// Energies of 5 J in the box's soft spring are rounded to 1e-15 J; forces follow
+    /// displacements to 1e-10 m.
     const SAME: f64 = 1e-7;
     let (events, rests, _) = compare(start, 6.0, SAME);
     assert!(rests == 1 && events < 20, "{events} {rests}");
 }
 
-/// Bounces lower than what a solver can follow end also without a loss at the stop, since dampers
-/// bring any bounce down: else a host would be given ever more events in ever less time. Higher
-/// ones keep their height, though each begins a little inside the stop.
+/// Bounces too low for a solver end even without a loss at the stop, since dampers reduce any
+/// bounce; otherwise a host would get ever more events in ever less time. Higher bounces keep
+/// their height, though each begins slightly inside the stop.
 #[test]
 fn low_bounces_of_an_elastic_block_end_in_rest() {
-    /// What the damper of the box takes in 0.1 s, of the speed.
+    /// Fraction of the speed that the damper of the box removes in 0.1 s.
     const DAMPED: f64 = 2e-3;
     // Pressed on with 0.44 m/s², bounces of these speeds are 1.1e-10 and 2.8e-9 gaps high. A host
-    // that finds impacts late lets the block go past the stop, from where it is put back.
+    // that finds impacts late lets the block pass the stop, and it is put back.
     for (speed, late, rests) in [(1e-5, 1e-13, true), (5e-5, 1e-13, false), (5e-5, 1e-7, false)] {
         let mut fmu = exchange();
         for (name, value) in [
@@ -246,7 +244,7 @@ fn tunable_parameters_and_inputs_act_at_once() {
     set(&mut fmu, "box.f", 3.0).unwrap();
     assert_eq!(get(&mut fmu, "box.a"), 1.0);
     fmu.enter_event().unwrap();
-    // All or nothing: the second cannot be carried in double precision.
+    // All or nothing: the second value cannot be represented in double precision.
     let references = [reference("box.k"), reference("drive.frequency")];
     let values = [9.0, 1e-300];
     assert!(fmu.set(Bases::REAL, &references, |i| values[i]).is_err());
@@ -322,8 +320,8 @@ fn an_event_that_the_host_passes_over_is_asked_for() {
     assert!(!fmu.complete_integrator_step().unwrap());
 }
 
-/// Nominal values are the machine's own lengths and speeds, positive and finite whatever the
-/// parameters; a change of the drive's frequency at an event is told.
+/// Nominal values are the machine's own lengths and speeds, positive and finite for all
+/// parameters. A change of the drive's frequency at an event is reported.
 #[test]
 fn nominals_follow_gap_and_frequency() {
     let mut fmu = Instance::new(Interface::ModelExchange);
@@ -348,9 +346,9 @@ fn nominals_follow_gap_and_frequency() {
     }
 }
 
-/// docs/theory.md (115): the step up to which Euler's rule damps what a damper damps is c/k for a
-/// body on a spring and a damper; the default step is below half of it, for the box and for the
-/// secondary oscillator with its coupling.
+/// docs/theory.md (115): Euler's rule preserves damping up to the step c/k for a body on a spring
+/// and a damper. The default step is below half of it, for the box and for the secondary
+/// oscillator with its coupling.
 #[test]
 fn closed_form_the_default_step_is_within_the_limit_of_eulers_rule() {
     let (p, step) = (Parameters::default(), crate::component::identity::default_experiment().step_size);
@@ -359,9 +357,9 @@ fn closed_form_the_default_step_is_within_the_limit_of_eulers_rule() {
     assert!(step < 0.6 * box_limit.min(secondary_limit), "{step} {box_limit} {secondary_limit}");
 }
 
-/// A host without a better solver takes Euler's rule and the default step: over the whole default
-/// experiment the motion stays that of the machine, some gaps wide. With a step four times as long
-/// the secondary oscillator grows without end.
+/// A host without a better solver uses Euler's rule and the default step: over the whole default
+/// experiment the motion stays within a few gaps. With a step four times as long the secondary
+/// oscillator grows without bound.
 #[test]
 fn invariant_eulers_rule_stays_bounded_over_the_default_experiment() {
     let experiment = crate::component::identity::default_experiment();
@@ -388,7 +386,7 @@ fn invariant_eulers_rule_stays_bounded_over_the_default_experiment() {
     assert!(settled < 5.0 && grown > 20.0, "{settled} {grown}");
 }
 
-/// A set of several variables of which one is refused leaves the states as they were too.
+/// Setting several variables also leaves the states unchanged if one of them is refused.
 #[test]
 fn a_refused_set_in_event_mode_changes_no_state() {
     let handling = EventHandling { event_mode: true, early_return: true };
@@ -405,7 +403,7 @@ fn a_refused_set_in_event_mode_changes_no_state() {
     assert_eq!(fmu.save(), before);
 }
 
-/// What nominal values a host was told belongs to a saved state.
+/// The nominal values reported to a host belong to a saved state.
 #[test]
 fn invariant_changed_nominal_values_are_told_after_a_restored_state_too() {
     let mut fmu = exchange();
@@ -426,8 +424,8 @@ fn invariant_changed_nominal_values_are_told_after_a_restored_state_too() {
     }
 }
 
-/// One call does all that happens at an instant: wherever a host puts the block at a stop, and
-/// however it is pressed, a second call finds nothing to do, and what is at rest is pressed on.
+/// One call carries out all events of an instant: wherever a host puts the block at a stop, and
+/// however it is pressed, a second call does nothing, and a resting block is pressed on.
 #[test]
 fn invariant_a_second_call_at_an_event_does_nothing() {
     const CASES: usize = 20_000;
@@ -454,14 +452,14 @@ fn invariant_a_second_call_at_an_event_does_nothing() {
         fmu.exit_initialization(&mut Silence).unwrap();
         fmu.handle_events(&mut Silence).unwrap();
         fmu.enter_continuous().unwrap();
-        // Before the stop, on it, or past it as a late host comes; fast, slowly, or not at all.
+        // Before the stop, on it, or past it for a host that is late; fast, slow, or at rest.
         let depth = choose(uniform(), &[-5e-10, -1e-12, 0.0, 1e-14, 1e-10, 1e-6, 0.2]);
         let rate = choose(uniform(), &[-0.1, -1e-7, 0.0, 1e-12, 1e-7, 1e-4, 0.3]) * uniform();
         let side = choose(uniform(), &[-1.0, 1.0]);
         let (x, v) = (uniform() - 0.5, uniform() - 0.5);
         fmu.set_continuous_states(&[x, x + side * (1.0 + depth), uniform(), v, v + side * rate, 0.0])
             .unwrap();
-        // The pressing: some of it, hardly any, none, and away.
+        // Pressing: normal, hardly any, none, and away.
         let free = fmu.state_derivatives().unwrap();
         let pressing = choose(uniform(), &[-1e-3, -1e-9, 0.0, 1e-12, 1e-9, 1e-6, 0.1]) * side * uniform();
         let mass = Parameters::default().block_mass;

@@ -1,10 +1,10 @@
-//! No output is ever NaN or infinite, whatever valid values the variables have.
+//! No output is ever NaN or infinite, for all valid values of the variables.
 
 use super::*;
 use proptest::prelude::*;
 use vibro_impact::parameters::FIELDS;
 
-/// Reads every variable by itself; one that cannot be had is refused and not written.
+/// Reads every variable individually; one that cannot be computed is refused and not written.
 fn assert_finite(fmu: &mut Instance, when: &str) {
     for variable in &VARIABLES {
         let reference = variable.reference;
@@ -37,7 +37,7 @@ struct Case {
     exchange: bool,
     mode: f64,
     on_orbit: f64,
-    /// Which of the parameters, start values and loads are not left as they are, and their values.
+    /// Indices of the parameters, start values and loads that are changed, and their values.
     values: Vec<(usize, f64)>,
     time: f64,
 }
@@ -66,7 +66,7 @@ proptest! {
         let _ = set(&mut fmu, "startOnOrbit", case.on_orbit);
         for (which, value) in &case.values {
             let name = FIELDS.get(*which).map_or_else(|| STARTS[which - FIELDS.len()], |field| field.name);
-            // A value that is not allowed is refused, one of the other sign may be allowed.
+            // A value out of range is refused; one with the other sign may be valid.
             let _ = set(&mut fmu, name, *value).or_else(|_| set(&mut fmu, name, value.abs()));
         }
         let _ = fmu.set_experiment(None, case.time, None);
@@ -76,7 +76,7 @@ proptest! {
             assert_finite(&mut fmu, "at the start");
             let time = fmu.time();
             if case.exchange {
-                // What a host's solver may try.
+                // States that a host's solver may try.
                 let _ = fmu.set_time(time + 1.0);
                 for size in [1.0, 1e3, 1e160, f64::MAX] {
                     let _ = fmu.set_continuous_states(&[size, -size, size, -size, size, -size]);
@@ -86,7 +86,7 @@ proptest! {
                 let _ = fmu.handle_events(&mut Messages::default());
                 assert_finite(&mut fmu, "after an event");
             } else {
-                // As long as the system's own time, so that the work stays small.
+                // A step of the fastest time constant, so that the work stays small.
                 let parameters = fmu.settings().parameters;
                 let rate = vibro_impact::model::Model::new(&parameters).map_or(1.0, |model| model.rate);
                 let _ = step(&mut fmu, time, 1.0 / rate);
@@ -96,8 +96,8 @@ proptest! {
     }
 }
 
-/// Where there is no steady state its numbers are 0, the flags say so, and what needs no steady
-/// state is still there.
+/// Without a steady state its numbers are 0 and the flags report this; values that do not need a
+/// steady state are still available.
 #[test]
 fn without_a_steady_state_its_numbers_are_zero_and_the_flags_say_so() {
     const NUMBERS: [&str; 6] = ["A3", "phase", "A1", "A2", "impulse", "spectralRadius"];
@@ -122,7 +122,7 @@ fn without_a_steady_state_its_numbers_are_zero_and_the_flags_say_so() {
     assert_eq!(get(&mut fmu, "groups.f10"), f64::MAX);
 }
 
-/// A machine whose energies no double can hold is refused by name, and can be put right.
+/// A machine whose energies exceed a double is refused by name, and can be corrected.
 #[test]
 fn a_machine_beyond_doubles_is_refused_by_name() {
     let mut fmu = instance();

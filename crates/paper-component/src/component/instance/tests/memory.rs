@@ -65,7 +65,7 @@ fn damaged_and_foreign_bytes_are_refused() {
     let mut longer = bytes.clone();
     longer.push(0);
     assert!(SavedState::deserialize(&longer).is_err());
-    // Of the other interface type.
+    // A state of the other interface type.
     let mut exchange = Instance::new(Interface::ModelExchange);
     assert!(restore_bytes(&mut exchange, &bytes).is_err());
     assert_eq!(exchange.phase(), Phase::Instantiated);

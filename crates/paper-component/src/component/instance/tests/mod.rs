@@ -1,4 +1,4 @@
-//! The component as a door would use it.
+//! The component as used by a door.
 
 use super::*;
 use crate::component::log::{Category, Log};
@@ -21,11 +21,11 @@ mod sensitivity;
 mod step;
 mod values;
 
-/// Every type.
+/// All types.
 const ANY: Bases =
     Bases::new("any", &[Base::Real, Base::Integer, Base::Boolean, Base::Enumeration, Base::Clock]);
 
-/// Keeps what is logged.
+/// Keeps the log messages.
 #[derive(Default)]
 struct Messages(Vec<(Category, String)>);
 
@@ -38,7 +38,7 @@ impl Log for Messages {
     }
 }
 
-/// Wants nothing.
+/// A log without any enabled category.
 struct Silence;
 
 impl Log for Silence {
@@ -65,14 +65,14 @@ fn initialize(mut instance: Instance) -> Instance {
     instance
 }
 
-/// A component with start values of its own, for a host that handles events, takes early returns,
+/// A component with the given start values, for a host that handles events, accepts early returns,
 /// or neither; in Step Mode.
 fn with_handling(event_mode: bool, early_return: bool, start: &[(&str, f64)]) -> Instance {
     let handling = EventHandling { event_mode, early_return };
     stepping(Protocol { handling, ..Protocol::default() }, start)
 }
 
-/// A component of a protocol with start values of its own; in Step Mode.
+/// A component of a protocol with the given start values; in Step Mode.
 fn stepping(protocol: Protocol, start: &[(&str, f64)]) -> Instance {
     let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
     for (name, value) in start {
@@ -100,7 +100,7 @@ fn step(instance: &mut Instance, point: f64, size: f64) -> Outcome<StepOutcome> 
     instance.step_without_event_mode(point, size, &mut Messages::default())
 }
 
-/// Outputs that show where a run is.
+/// Outputs that show the state of a run.
 const MOTION: [&str; 12] = [
     "time",
     "box.s",

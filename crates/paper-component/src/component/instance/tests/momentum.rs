@@ -1,19 +1,17 @@
-//! Momentum: `box.impulse` and `block.impulse` are what the stops give to either body
+//! Momentum: `box.impulse` and `block.impulse` are the impulses of the stops on either body
 //! (docs/theory.md (114)).
 
 use super::*;
 use crate::component::variables::Numbering;
 
-/// Impulses of 0.1 N·s and momenta of 1 N·s, some dozens of them added: rounding, carried on by the
-/// impacts.
+/// Rounding of some dozens of impulses of 0.1 N·s and momenta of 1 N·s, propagated by the impacts.
 const ROUNDING: f64 = 1e-12;
 const BOX_MASS: f64 = 1.0;
 const BLOCK_MASS: f64 = 0.1;
 const SPEED: f64 = 2.0;
 
-/// A box and a block without springs and dampers: drive, constant loads and stops are all that
-/// changes their momenta. The stops are elastic, so that the block never rests and no contact force
-/// lasts.
+/// A box and a block without springs and dampers: only drive, constant loads and stops change
+/// their momenta. The stops are elastic, so that the block never rests and no contact force lasts.
 const FREE: [(&str, f64); 11] = [
     ("stop.restitution", 1.0),
     ("box.k", 0.0),
@@ -57,7 +55,7 @@ fn impulses(fmu: &mut Instance) -> [f64; 2] {
     [get(fmu, "box.impulse"), get(fmu, "block.impulse")]
 }
 
-/// What drive and loads alone make of the momenta of [`FREE`] up to now.
+/// Momenta of [`FREE`] up to now from drive and loads alone.
 fn without_stops(fmu: &mut Instance) -> [f64; 2] {
     let t = get(fmu, "time");
     let drive = 0.2 / 1.3 * (0.4_f64.cos() - (1.3 * t + 0.4).cos());
@@ -72,7 +70,7 @@ fn assert_balanced(fmu: &mut Instance, what: &str) {
     }
 }
 
-/// At communication points of any distance, where steps end at impacts, and on both sides of
+/// At communication points of any distance, with steps that end at impacts, and on both sides of
 /// events; also after a saved state.
 #[test]
 fn closed_form_momenta_of_a_free_box_and_block() {
@@ -110,8 +108,8 @@ fn closed_form_momenta_of_a_free_box_and_block() {
     }
 }
 
-/// Differences telescope: over any steps they add up to the difference over all of it, and a step
-/// that was taken back leaves nothing.
+/// Differences telescope: over any steps they add up to the difference over the whole time, and an
+/// undone step has no effect.
 #[test]
 fn invariant_impulses_do_not_depend_on_the_steps() {
     let run = |size: f64, again: bool| {
@@ -137,8 +135,8 @@ fn invariant_impulses_do_not_depend_on_the_steps() {
     }
 }
 
-/// Starts whose events are impacts, captures with and without bounces, releases; the last is a
-/// chatter run that is closed by the height of its bounces, where speeds of 1e-6 m/s are left.
+/// Starts whose events are impacts, captures with and without bounces, releases. The last one is a
+/// chatter run that ends by the height of its bounces, with remaining speeds of 1e-6 m/s.
 const EVENTS: [&[(&str, f64)]; 4] = [
     &[("block.s", 0.9), ("block.v", 0.5)],
     &[("stop.restitution", 0.3), ("drive.amplitude", 0.4), ("block.v", 0.3), ("block.f", 0.02)],
@@ -151,7 +149,7 @@ const EVENTS: [&[(&str, f64)]; 4] = [
     ],
 ];
 
-/// At every event momentum jumps by the impulses, those of a merge into rest too.
+/// At every event momentum jumps by the impulses, including merges into rest.
 #[test]
 fn invariant_impulses_are_the_jumps_of_momentum() {
     let handling = EventHandling { event_mode: true, early_return: true };
@@ -181,8 +179,8 @@ fn invariant_impulses_are_the_jumps_of_momentum() {
     }
 }
 
-/// Where the host handles events but takes no early return, the impulses are told when it does, as
-/// all discrete outputs.
+/// If the host handles events but does not accept early returns, the impulses are updated when it
+/// handles them, like all discrete outputs.
 #[test]
 fn impulses_are_shown_at_the_event_when_steps_go_on() {
     let handling = EventHandling { event_mode: true, early_return: false };
@@ -194,7 +192,7 @@ fn impulses_are_shown_at_the_event_when_steps_go_on() {
     assert!(impulses(&mut fmu)[0].abs() > 0.01);
 }
 
-/// In Model Exchange the impulses belong to the laws at events, whatever solver is between them.
+/// In Model Exchange the impulses come from the laws at events, for any solver between them.
 #[test]
 fn invariant_impulses_of_model_exchange_are_the_jumps_of_momentum() {
     const FALLING: &[(&str, f64)] =
@@ -223,7 +221,7 @@ fn invariant_impulses_of_model_exchange_are_the_jumps_of_momentum() {
     }
 }
 
-/// A closed form counts as the simulation that settles on it.
+/// A closed form has the same counts as the simulation that settles on it.
 #[test]
 fn second_method_impulses_of_the_played_orbit() {
     let mut played = instance();
@@ -240,8 +238,8 @@ fn second_method_impulses_of_the_played_orbit() {
     }
 }
 
-/// What presses nothing is exactly zero, without a sign, in flight after rests on either stop and
-/// in every way to move.
+/// The contact force without pressing is exactly zero, without a sign, in flight after rests on
+/// either stop and in all engines.
 #[test]
 fn invariant_the_contact_force_of_flight_is_plus_zero() {
     let mut flights = 0;

@@ -1,4 +1,4 @@
-//! What is announced of the next event, and arrays.
+//! Announcements of the next event, and arrays.
 
 use super::*;
 use vibro_impact::parameters::Parameters;
@@ -13,21 +13,21 @@ fn horizon(time: f64) -> f64 {
     time + 2.0 * Parameters::default().period()
 }
 
-/// Steps to the announced time and returns how it differs from the time at which the impact is
-/// recorded to have happened, in units of the last place.
+/// Steps to the announced time and returns its difference from the recorded time of the impact, in
+/// units of the last place.
 fn missed(fmu: &mut Instance) -> f64 {
     let impacts = |fmu: &mut Instance| get(fmu, "impacts.upper") + get(fmu, "impacts.lower");
     let (time, before) = (get(fmu, "time"), impacts(fmu));
     let (announced, known) = next(fmu);
     assert!(known && announced > time);
-    // Beyond the event by less than any other is away.
+    // Past the event by less than the distance of any other event.
     step(fmu, time, announced - time + 1e-9).unwrap();
     assert_eq!(impacts(fmu), before + 1.0);
     let happened = get(fmu, "impacts.lastTime");
     (announced - happened).abs() / (f64::EPSILON * happened)
 }
 
-/// Another way to the same event: what happens when the motion is carried on.
+/// Second method for the same event: continuing the motion.
 #[test]
 fn second_method_announced_impacts_happen() {
     // A step boundary moves the event by the rounding of the flow.
@@ -63,7 +63,7 @@ fn a_new_input_or_parameter_changes_what_is_announced() {
     assert_ne!(second, first);
     set(&mut fmu, "drive.amplitude", 0.0).unwrap();
     assert_ne!(next(&mut fmu), second);
-    // Asking changes nothing.
+    // Reading the prediction changes nothing.
     let mut silent = initialized();
     step(&mut silent, 0.0, 20.0).unwrap();
     set(&mut silent, "block.f", 0.5).unwrap();
@@ -80,7 +80,7 @@ fn where_no_event_comes_the_end_of_the_horizon_is_announced() {
     set(&mut fmu, "drive.amplitude", 0.0).unwrap();
     step(&mut fmu, 0.0, 2000.0).unwrap();
     assert_eq!(next(&mut fmu), (horizon(2000.0), false));
-    // No drive at all: the horizon stays finite.
+    // Without a drive the horizon stays finite.
     set(&mut fmu, "drive.frequency", 0.0).unwrap();
     let (time, known) = next(&mut fmu);
     assert!(time.is_finite() && time > 2000.0 && !known);
@@ -100,7 +100,7 @@ fn before_initialization_the_start_is_looked_ahead_from() {
     fmu.exit_initialization(&mut Messages::default()).unwrap();
     assert_eq!(next(&mut fmu), announced);
     assert!(announced.0 < 0.3 && announced.1, "{announced:?}");
-    // An impossible start has no motion.
+    // An impossible start does not have a motion.
     let mut fmu = instance();
     set(&mut fmu, "block.s", 1.5).unwrap();
     assert_eq!(next(&mut fmu), (horizon(0.0), false));
@@ -122,8 +122,8 @@ fn arrays_are_their_scalars_in_order() {
     assert_eq!(values, scalars);
 }
 
-/// In both engines the same function of the state; in rest it is the contact force over what scales
-/// it.
+/// In both engines the same function of the state; in rest it is the contact force divided by its
+/// scale.
 #[test]
 fn second_method_of_the_indicators() {
     const ROUNDING: f64 = 1e-15;
@@ -143,7 +143,7 @@ fn second_method_of_the_indicators() {
             let p = Parameters::default();
             let pressing = 2.0 / p.block_mass; // at the start box and drive are at rest
             let scale = p.box_stiffness / p.box_mass + p.coupling_stiffness / p.block_mass;
-            let coupled = pressing - p.coupling_stiffness / p.block_mass; // of the spring at x2 = 1
+            let coupled = pressing - p.coupling_stiffness / p.block_mass; // from the spring at x2 = 1
             let expected = match rest {
                 true => [1.0, 1.0, coupled / (scale + p.drive_amplitude / p.box_mass)],
                 false => [0.75, 1.25, 1.0],

@@ -1,5 +1,5 @@
-//! Derivatives over a step: against differences of steps, against each other, and against the exact
-//! orbit's stability.
+//! Derivatives over a step, compared with differences of steps, with each other, and with the
+//! exact orbit's stability.
 
 use super::*;
 use crate::component::variables::Edition;
@@ -57,12 +57,12 @@ fn norm(a: &Matrix) -> f64 {
     a.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Differences of fourth order leave the fourth power of their step times a fifth derivative, and
-/// rounding over the step.
+/// Truncation error of fourth-order differences, the fourth power of the step times a fifth
+/// derivative, and rounding divided by the step.
 const STEP: f64 = 3e-5;
 const DIFFERENCE: f64 = 1e-7;
 
-/// Derivative of states at no shift.
+/// Derivative of states at zero shift.
 fn difference(at: impl Fn(f64) -> [f64; 6]) -> [f64; 6] {
     let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|places| at(places * STEP));
     std::array::from_fn(|i| (8.0 * (c[i] - b[i]) - (d[i] - a[i])) / (12.0 * STEP))
@@ -136,7 +136,7 @@ fn second_method_response_to_loads_by_differences() {
 }
 
 /// Steps that end before each law: read after the event, their product is the matrix of the whole
-/// step; before it, it lacks the jump.
+/// step; read before it, the jump is missing.
 #[test]
 fn invariant_products_of_steps_between_impacts() {
     const ROUNDING: f64 = 1e-9;
@@ -167,8 +167,8 @@ fn invariant_products_of_steps_between_impacts() {
     }
 }
 
-/// Over half a period of the exact orbit the matrix is the half-cycle map's, seen at another
-/// section: its spectral radius is the one that `steady` finds from closed forms.
+/// Over half a period of the exact orbit the matrix is the half-cycle map's, at another section:
+/// its spectral radius agrees with the value of `steady` from closed forms.
 #[test]
 fn second_method_spectral_radius_of_the_exact_orbit() {
     const SAME: f64 = 1e-8;
@@ -192,8 +192,8 @@ fn second_method_spectral_radius_of_the_exact_orbit() {
     }
 }
 
-/// In resting contact only motion of both together is left; through release and the flight after
-/// it, too.
+/// In resting contact only motion of both together remains, also through release and the flight
+/// after it.
 #[test]
 fn second_method_through_rest_and_release() {
     let rest = [
@@ -213,7 +213,7 @@ fn second_method_through_rest_and_release() {
             let mut fmu = started(FF, &start);
             assert_eq!(get(&mut fmu, "stop.state"), 2.0);
             set(&mut fmu, "block.f", 0.5).unwrap();
-            // A pull that grows lets the block go.
+            // A growing pull releases the block.
             fmu.set_input_derivatives(&[reference("block.f")], &[1], &[-0.5]).unwrap();
             advance(&mut fmu, size);
             fmu

@@ -11,8 +11,7 @@ fn time_may_be_off_by_rounding_but_not_by_more() {
     let before = motion(&mut fmu);
     let error = step(&mut fmu, 101.1, 1.0).unwrap_err().to_string();
     assert!(error.contains("101.1 s") && error.contains("t = 101.00000005 s"), "{error}");
-    // A step that ends before own time, by less than the allowed mismatch, is a valid one and does
-    // nothing.
+    // A step that ends before the own time, by less than the tolerance, is valid and does nothing.
     step(&mut fmu, 101.0, 1e-9).unwrap();
     for size in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(step(&mut fmu, 101.0, size).is_err(), "{size}");
@@ -61,13 +60,13 @@ fn stop_at_impact_ends_the_step_there_and_can_be_redone() {
     assert_eq!((event, early, fmu.phase(), fmu.time()), (false, true, Phase::StoppedEarly, time));
     assert!(time > 0.0 && time < 40.0);
     assert_eq!(get(&mut fmu, "impacts.lastTime"), time);
-    // As masters do it: back to the step's start, then a step that ends at the impact.
+    // As masters do it: back to the step's beginning, then a step that ends at the impact.
     fmu.restore(&before).unwrap();
     step(&mut fmu, 0.0, time).unwrap();
     assert_eq!(get(&mut fmu, "time"), time);
 }
 
-/// Against a run that does not stop: the same number of impacts, each step progressing.
+/// Compared with a run that does not stop: equal impacts, and each step makes progress.
 #[test]
 fn a_master_gets_from_impact_to_impact() {
     const END: f64 = 300.0;
@@ -87,7 +86,7 @@ fn a_master_gets_from_impact_to_impact() {
                 let impact = outcome.time;
                 assert!(impact > time, "the step from t = {time} s does not progress");
                 fmu.restore(&before).unwrap();
-                // A master's sum may round either way.
+                // A master's sum may round up or down.
                 let off = f64::from(met % 3 - 1) * 2.0 * f64::EPSILON * impact;
                 step(&mut fmu, time, impact - time + off).unwrap();
                 time = impact;
@@ -100,13 +99,13 @@ fn a_master_gets_from_impact_to_impact() {
     assert!(met > 50, "{met}");
     for name in MOTION {
         let (a, b) = (get(&mut fmu, name), get(&mut plain, name));
-        // Round-off: each stop splits a step.
+        // Round-off, since each stop splits a step.
         assert!((a - b).abs() < 1e-10, "{name}: {a} {b}");
     }
 }
 
-/// A slow impact is found no better than w is rounded. It too is behind a step that ends at the
-/// time that was told.
+/// A slow impact is found only as accurately as w is rounded. It is also past once the step to its
+/// announced time has ended.
 #[test]
 fn a_slow_impact_is_behind_the_step_that_ends_at_its_announced_time() {
     for k in 0..40 {
@@ -122,8 +121,8 @@ fn a_slow_impact_is_behind_the_step_that_ends_at_its_announced_time() {
     }
 }
 
-/// A step is taken back by restoring the state before it. Where that state is refused the failure
-/// is reported with its cause.
+/// A step is undone by restoring the state before it. If that state is refused, the failure is
+/// reported with its cause.
 #[test]
 fn a_step_that_cannot_be_taken_back_is_reported() {
     use crate::component::instance::arrival::take_back;
@@ -135,7 +134,7 @@ fn a_step_that_cannot_be_taken_back_is_reported() {
     let cause = || Error::Step { time: 1.0, end: 0.5 };
     let problem = take_back(&mut simulator, &before, cause().into());
     assert!(matches!(problem, ComponentProblem::Model(Error::Step { .. })), "{problem}");
-    // A snapshot that no simulator has made: behind its parameters and its time stand x1 and w,
+    // A snapshot that no simulator has made: after its parameters and its time come x1 and w,
     // which is past the stop here.
     let mut bytes = postcard::to_stdvec(&before).unwrap();
     let w = size_of::<Parameters>() + 24;
@@ -148,8 +147,8 @@ fn a_step_that_cannot_be_taken_back_is_reported() {
     assert_eq!(simulator.snapshot(), before);
 }
 
-/// A step that a closed form refuses leaves the parameters for the next one, and the motion as it
-/// was.
+/// A step that a closed form refuses leaves the parameters for the next step, and the motion
+/// unchanged.
 #[test]
 fn a_refused_step_of_a_closed_form_is_taken_back() {
     for mode in [2.0, 3.0] {
@@ -160,7 +159,7 @@ fn a_refused_step_of_a_closed_form_is_taken_back() {
             step(&mut fmu, 0.0, 1.0).unwrap();
             let (before, amplitude) = (fmu.save().engine, get(&mut fmu, "drive.amplitude"));
             set(&mut fmu, "drive.amplitude", 1.1 * amplitude).unwrap();
-            let far = 1e17; // beyond it a double does not tell two moments of the motion
+            let far = 1e17; // beyond it a double cannot distinguish two moments of the motion
             let refused = match by_advance {
                 true => fmu.step_as_agreed(1.0, far, &mut Silence).err(),
                 false => fmu.step_without_event_mode(1.0, far, &mut Silence).err(),
@@ -171,7 +170,7 @@ fn a_refused_step_of_a_closed_form_is_taken_back() {
     }
 }
 
-/// An input that followed a polynomial through a step is held from its end on, unless its
+/// An input that followed a polynomial during a step is held from its end on, unless its
 /// derivatives are set again.
 #[test]
 fn an_input_with_derivatives_is_held_after_its_step() {
@@ -191,11 +190,11 @@ fn an_input_with_derivatives_is_held_after_its_step() {
     assert_eq!(motion(&mut fmu), motion(&mut held));
 }
 
-/// A step that stops at an impact is not at its end: the rest of it follows the same polynomial, as
+/// A step that stops at an impact is not at its end: its remainder follows the same polynomial as
 /// without the stop.
 #[test]
 fn an_input_with_derivatives_goes_on_after_an_impact_in_its_step() {
-    /// Of loads and places of order one after a few impacts.
+    /// Rounding of loads and positions of order one after a few impacts.
     const SAME: f64 = 1e-9;
     let [mut whole, mut stopping] = [0.0, 1.0].map(|stop| {
         let mut fmu = instance();

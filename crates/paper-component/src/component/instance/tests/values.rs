@@ -75,7 +75,7 @@ fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
         assert_eq!(fmu.set(bases, &[reference], |_| 0.0).unwrap_err().to_string(), text);
         assert_eq!(fmu.get(bases, &[reference], |_, _| ()).unwrap_err().to_string(), text);
     }
-    // A description has its own references alone.
+    // A description has only its own references.
     let protocol = Protocol { numbering: Numbering::EVERY, ..Protocol::default() };
     let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
     for name in ["der(box.s)", "motion.s"] {
@@ -129,7 +129,7 @@ fn input_derivatives_are_checked() {
     }
 }
 
-/// One call may be of many variables.
+/// One call may set many variables.
 #[test]
 fn a_refused_order_is_told_with_its_variable() {
     let mut fmu = initialized();
@@ -204,7 +204,7 @@ fn a_value_without_derivatives_is_held() {
     assert_eq!(get(&mut fmu, "box.f"), 0.25);
 }
 
-/// In all ways to move and at both stops; the sign of zero counts, since hosts print it.
+/// In all engines and at both stops; the sign of zero counts, since hosts print it.
 #[test]
 fn invariant_the_contact_force_is_plus_zero_in_flight_and_never_negative() {
     let resting = [0.02, -0.02].map(|push| {
@@ -239,9 +239,9 @@ fn invariant_the_contact_force_is_plus_zero_in_flight_and_never_negative() {
     assert!(pressed.iter().all(|steps| *steps > 10), "{pressed:?}");
 }
 
-/// A host that sets the mass of its machine and leaves the rest has half a machine: it is told what
-/// belongs to another one. A machine that is given whole, and one that keeps its scales, are not
-/// spoken of.
+/// A host that sets the mass of its machine and leaves the rest has half a machine: the parameters
+/// of the other machine are reported. A machine that is set completely, and one that keeps its
+/// scales, are not reported.
 #[test]
 fn half_a_machine_is_told_in_the_log() {
     let warnings = |set_by_host: &[(&str, f64)]| {
@@ -274,13 +274,13 @@ fn half_a_machine_is_told_in_the_log() {
         ("box.k", 48e3),
         ("box.c", 30.0),
         ("block.m", 1.1),
-        ("stop.gap", 1.0), // set, though it is the start value
+        ("stop.gap", 1.0), // set, although it equals the start value
         ("coupling.k", 0.0),
         ("drive.amplitude", 75.0),
         ("drive.frequency", 62.8),
     ];
     assert_eq!(warnings(&whole), []);
-    // What was set is known where a state is restored too.
+    // The set parameters are also known after a state is restored.
     let mut saved = instance();
     for (name, value) in whole {
         set(&mut saved, name, value).unwrap();
