@@ -55,7 +55,7 @@ fn coordinates_beyond_energies_are_refused_with_body_and_time() {
         motion.restore(&before);
         assert_eq!(motion.body(0)[..2], [0.0, 0.0]);
     }
-    // However little of the call is left when the limit is exceeded.
+    // However short the rest of the call is when the limit is exceeded.
     for end in [0.500_001, 0.51, 0.6] {
         let error = pushed(-2e100).advance_to(end).unwrap_err();
         assert!(matches!(error, Error::Beyond { .. }), "{end}: {error}");
