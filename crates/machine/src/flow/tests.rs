@@ -1,5 +1,5 @@
-//! The flow of chains that hold, press, rub and are driven, against the matrix exponential by
-//! Padé's approximants.
+//! The flow of chains with held, pressed, rubbing and driven bodies, compared with the matrix
+//! exponential by Padé approximants.
 
 mod remainder;
 mod wide;
@@ -13,15 +13,15 @@ use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Some hundreds of roundings of both methods, beside the largest coordinate's share.
+/// Some hundreds of roundings of both methods, relative to the largest coordinate.
 const ROUNDING: f64 = 1e-12;
-/// Roundings of a stiff rate's flow: rate times time is up to some hundreds.
+/// Rounding of a stiff rate's flow, for which rate times time is up to some hundreds.
 const STIFF_ROUNDING: f64 = 1e-10;
-/// Places where a bound is compared with what it bounds.
+/// Number of points where a bound is compared with the value it bounds.
 const PLACES: usize = 24;
 
-/// A chain from the ground: its first body presses a buffer, its last one comes to a rigid stop,
-/// and where `holds` its second one sticks to the ground. A load turns once in a second.
+/// A chain from the ground: its first body presses a buffer, its last one touches a rigid stop,
+/// and if `holds` is set, its second one sticks to the ground. A load has a period of one second.
 fn chain(count: usize, stiffness: f64, holds: bool) -> (FlowTable, usize) {
     let mut text = "name = \"C\"\ngravity = 9.81\n".to_owned();
     for i in 0..count {
@@ -46,8 +46,8 @@ fn chain(count: usize, stiffness: f64, holds: bool) -> (FlowTable, usize) {
     (FlowTable::new(system.linear(mode), system.signals.one), system.signals.one)
 }
 
-/// Chains with tables, with a stiff spring that is found apart, and of so many coordinates that a
-/// series takes the tables' place.
+/// Chains with tables, with a stiff spring that is treated separately, and with so many
+/// coordinates that a series replaces the tables.
 fn tables() -> Vec<(FlowTable, usize)> {
     let mut all = Vec::new();
     for holds in [false, true] {
@@ -66,7 +66,7 @@ fn dense(a: &SparseMatrix) -> DMatrix<f64> {
     DMatrix::from_fn(a.len(), a.len(), |i, j| a.entry(i, j))
 }
 
-/// States of which no coordinate is another's multiple, some of them with one large coordinate.
+/// States without proportional coordinates, some of them with one large coordinate.
 fn states(size: usize, one: usize) -> Vec<DVector<f64>> {
     let of = |k: usize| {
         let mut z = DVector::from_fn(size, |i, _| ((3 * i + 7 * k) as f64 * 0.77 + 0.3).sin());
@@ -77,7 +77,7 @@ fn states(size: usize, one: usize) -> Vec<DVector<f64>> {
     (0..6).map(of).collect()
 }
 
-/// The largest difference of two states, as a part of the largest coordinate.
+/// The largest difference of two states, relative to the largest coordinate.
 fn apart(a: &[f64], b: &DVector<f64>) -> f64 {
     a.iter().zip(b.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / b.amax().max(1.0)
 }
@@ -138,7 +138,7 @@ fn second_method_states_and_functionals_within_a_sub_step() {
     }
 }
 
-/// What a series leaves out is under 1e-18 of its largest term; spans end at the predicted event.
+/// A series omits less than 1e-18 of its largest term; spans end at the predicted event.
 #[test]
 fn second_method_states_functionals_and_nodes_along_a_series() {
     for (table, one) in tables() {
@@ -171,8 +171,8 @@ fn second_method_states_functionals_and_nodes_along_a_series() {
 
 #[test]
 fn invariant_bends_stay_within_their_bounds() {
-    // In single coordinates, of which nothing else covers what a bound leaves out, and in all
-    // together. A bound is no more than what |A| makes of sizes, which is e³ times them at most.
+    // First in single coordinates, where no other error hides an incomplete bound, then in all. A
+    // bound is at most |A| applied to absolute values, which amplifies them by at most e³.
     for (table, one) in tables().into_iter().filter(|(table, _)| table.is_dense()) {
         let (a, size) = (dense(&table.a), table.a.len());
         let single = (0..size).map(|j| DVector::from_fn(size, |i, _| if i == j { 1.0 } else { 0.0 }));
@@ -214,7 +214,7 @@ fn second_method_long_steps_and_their_bounds() {
                 table.rates(z.as_slice(), &mut rates);
                 rung.at_end(z.as_slice(), &rates, &mut to);
                 assert!(apart(&to, &(&end * &z)) < STIFF_ROUNDING, "{size}: {k}");
-                // Not a whole number of sub-steps.
+                // A non-integer number of sub-steps.
                 let time = 1.3 * rung.length;
                 let exact = (&a * time).exp() * &z;
                 to.copy_from_slice(z.as_slice());
@@ -241,8 +241,8 @@ fn second_method_long_steps_and_their_bounds() {
 
 #[test]
 fn invariant_the_rate_bounds_the_flow() {
-    // No eigenvalue is larger, and of an oscillator of ω and damping δ it is ω + 2δ at most by
-    // balanced weights.
+    // The bound is at least every eigenvalue. With balanced weights, an oscillator with ω and
+    // damping δ has at most ω + 2δ.
     for (table, _) in tables() {
         let fastest = dense(&table.a).complex_eigenvalues().iter().map(|x| x.norm()).fold(0.0, f64::max);
         assert!(table.rate >= fastest * (1.0 - ROUNDING), "{} {fastest}", table.rate);
@@ -261,7 +261,7 @@ fn invariant_the_rate_bounds_the_flow() {
         let rate = rate_bound(&system.linear(motion.mode()).a, system.signals.one);
         let omega = f64::sqrt(stiffness);
         let least = omega.max(TAU * frequency);
-        // Signals add a quarter at most.
+        // Signals increase it by at most a quarter.
         let most = 1.25 * (omega + damping).max(TAU * frequency) * (1.0 + ROUNDING);
         assert!((least..most).contains(&rate) || rate == least, "{rate}: {least} to {most}");
     }
@@ -269,8 +269,8 @@ fn invariant_the_rate_bounds_the_flow() {
 
 #[test]
 fn closed_form_the_order_with_which_a_functional_leaves_zero() {
-    // A load turns up from zero: its force t, the first body's way t³/6, of a chain's k-th body two
-    // orders more.
+    // A load increases from zero: its force is t, the first body's displacement t³/6, and the k-th
+    // body's displacement is two orders higher for each body in between.
     let text = "name = \"D\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 1.0\n\
                 [spring.k]\nbetween = [\"a\", \"b\"]\nstiffness = 1.0\n\
                 [stop.a]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nrestitution = 0.5\n\
@@ -286,7 +286,7 @@ fn closed_form_the_order_with_which_a_functional_leaves_zero() {
     let mut z = DVector::zeros(system.signals.size);
     (z[one], z[one + 1]) = (1.0, 1.0);
     let sizes = z.map(|_| 1.0);
-    // In units of the sub-step: ω h³/3! of e, ω h⁵/5! of the other one's.
+    // In units of the sub-step: ω h³/3! for e, ω h⁵/5! for the other elongation.
     let turn = |order: i32| -TAU * table.length.powi(order) / (1..=order).map(f64::from).product::<f64>();
     for (stop, order) in [(0, 3), (1, 5)] {
         let w = table.watched.iter().find(|w| w.watch == Watch::Meets(stop)).unwrap();
@@ -299,8 +299,8 @@ fn closed_form_the_order_with_which_a_functional_leaves_zero() {
 
 #[test]
 fn closed_form_signals_add_a_quarter_to_the_rate() {
-    // Weight, cosine and sine act on an undamped oscillator: balanced rows have the sum ω, and what
-    // the three signals add is a third of a quarter each, whatever their amplitudes.
+    // Weight, cosine and sine act on an undamped oscillator: balanced rows have the sum ω, and
+    // each of the three signals adds a third of a quarter, whatever its amplitude.
     for (stiffness, amplitude) in [(100.0, 3.0), (2.5e3, 1e-3)] {
         let text = format!(
             "name = \"O\"\ngravity = 9.81\n[body.b]\nmass = 1.0\ngravity = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\n\

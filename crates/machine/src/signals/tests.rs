@@ -1,4 +1,4 @@
-//! Signals from the clock against their definition, and carried along against those from the clock.
+//! Signals evaluated at a time compared with their definition, and propagated signals with these.
 
 use super::*;
 use crate::description::Interpolation;
@@ -6,13 +6,13 @@ use crate::description::{Harmonic, Record, Step};
 
 /// Roundings of values of order one, and of some hundreds of turns.
 const ROUNDING: f64 = 1e-12;
-/// Beside a knot, s; and what slopes and bends of up to some hundreds make of it.
+/// Distance from a knot, s, and the error that slopes and bends of some hundreds cause there.
 const BESIDE: f64 = 1e-9;
 const ACROSS: f64 = 1e-6;
 
 const KNOTS: [(f64, f64); 5] = [(0.5, 1.0), (0.75, -2.0), (1.5, -2.5), (2.0, 0.5), (3.0, 0.25)];
 
-/// A signal of every kind at once, with its own rate and an input, and one of steps alone.
+/// A signal with parts of every kind, its own rate and an input; and a signal of steps alone.
 fn signals(interpolation: Interpolation) -> (Signals, Vec<DVector<f64>>) {
     let harmonic = |amplitude, frequency, phase| Harmonic { amplitude, frequency, phase };
     let step = |time, height| Step { time, height };
@@ -61,7 +61,7 @@ fn closed_form_each_part_of_a_signal_from_the_clock() {
             let table = rows[0].dot(&z) - known;
             let after = KNOTS.partition_point(|k| k.0 <= time);
             if after == 0 || after == KNOTS.len() || KNOTS[after - 1].0 == time {
-                // At a knot its value, outside the first or the last one's.
+                // At a knot the signal has the knot's value; outside, the first or last knot's.
                 let exact = KNOTS[after.max(1) - 1].1;
                 assert!((table - exact).abs() < ROUNDING, "{word} {time}: {table}");
             } else if interpolation == Interpolation::Hold {
@@ -96,7 +96,7 @@ fn invariant_a_cubic_record_is_smooth_and_meets_its_knots_from_both_sides() {
 fn second_method_signals_carried_on_and_their_derivatives() {
     for (interpolation, word) in Interpolation::ALL {
         let (signals, rows) = signals(interpolation);
-        // Between two knots, by less than frequencies turn SMALL rad.
+        // Between two knots, over less than frequencies turn by SMALL rad.
         for (time, dt) in [(0.55, 0.02), (0.8, 0.015), (1.7, 0.0201), (4.0, 0.021)] {
             let (from, exact) = (at(&signals, time), at(&signals, time + dt));
             let mut to = DVector::zeros(signals.size);
@@ -110,7 +110,7 @@ fn second_method_signals_carried_on_and_their_derivatives() {
                     exact[j]
                 );
             }
-            // By the derivatives' rows a Taylor series of the signal.
+            // The rows of derivatives give a Taylor series of the signal.
             for row in &rows {
                 let (mut derivative, mut sum, mut power) = (row.clone(), 0.0, 1.0);
                 for k in 1..24 {
@@ -121,13 +121,13 @@ fn second_method_signals_carried_on_and_their_derivatives() {
                 assert!((sum - row.dot(&exact)).abs() < ROUNDING, "{word} {time}: {sum}");
             }
         }
-        // All knots in order, each once passed when it is there.
+        // All knots in order, each passed once the time has reached it.
         let (mut time, mut knots) = (0.0, Vec::new());
         while let Some(next) = signals.next_knot(time) {
             knots.push(next);
             time = next;
         }
-        // A value that is held from before the first knot on is no change.
+        // A value that is held from before the first knot does not change there.
         let first = if interpolation == Interpolation::Hold { &[0.4][..] } else { &[0.4, 0.5] };
         assert_eq!(knots, [first, &[0.75, 0.9, 1.1, 1.5, 2.0, 3.0]].concat());
         let first = signals.place_of_input(0).unwrap();

@@ -1,5 +1,5 @@
-//! The means of powers from what is kept and from states, against the exact mean and against one
-//! another.
+//! Mean powers from stored values and from states, compared with the exact mean and with each
+//! other.
 
 use super::*;
 use crate::file::{no_records, parse};
@@ -7,7 +7,7 @@ use crate::{Assembly, Motion};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// Roundings of sums of some tens of terms, beside the largest power.
+/// Rounding of sums of some tens of terms, relative to the largest power.
 const ROUNDING: f64 = 1e-11;
 
 const MACHINE: &str = "name = \"P\"\ngravity = 9.81\n\
@@ -50,7 +50,7 @@ fn second_method_means_of_powers_by_two_ways_and_over_long_steps() {
             assert!(x.0 == y.0 && (x.1 - y.1).abs() < ROUNDING * most, "{part}: {x:?} {y:?}");
         }
     }
-    // Over 2ᵏ sub-steps: the sum of as many.
+    // Over 2ᵏ sub-steps: the sum over 2ᵏ terms.
     for k in 0..6 {
         let (mut sums, mut there, mut most) = (vec![0.0; powers.all.len()], state.clone(), 1.0f64);
         let step = (&a * table.length).exp();
@@ -78,8 +78,7 @@ fn second_method_means_of_powers_by_two_ways_and_over_long_steps() {
             }
         }
     }
-    // Each account is there: one load, two dashpots, the buffer, the friction, and what moves the
-    // belt.
+    // Each account exists: one load, two dashpots, the buffer, the friction, and the belt's drive.
     let has = |account: Account| powers.all.iter().any(|power| power.account == account);
     assert!(has(Account::Load(0)) && has(Account::Dashpot(0)) && has(Account::Dashpot(1)));
     assert!(has(Account::Stop(0)) && has(Account::Friction(0)) && has(Account::Motions));

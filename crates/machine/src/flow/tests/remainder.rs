@@ -1,5 +1,5 @@
-//! Series and tables of random modes against exact terms: the remainders proved by (A6), the
-//! bounds by which passages are excluded, and the states.
+//! Series and tables of random modes compared with exact terms: the remainders proved by (A6), the
+//! bounds that exclude passages, and the states.
 
 use super::super::*;
 use super::wide::Wide;
@@ -11,24 +11,24 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Random modes, and sub-steps of each.
+/// Number of random modes, and of sub-steps of each mode.
 const MODES: usize = 300;
 const STEPS: usize = 8;
 /// Order of the last exact term; 4^60/60! < 2e-46.
 const LAST: usize = 60;
-/// Rounding of a state or functional, as a part of the sum of all terms.
+/// Rounding of a state or event function, relative to the sum of all terms.
 const STATE: f64 = 1e-15;
 /// Rounding of a bound, which is a sum of up to some hundred products.
 const ROUNDING: f64 = 1e-12;
 
-/// Each bound is attained to this part of it in one sub-step at least.
+/// Fraction of each bound that must be attained in at least one sub-step.
 const ATTAINED: f64 = 0.9;
 
-/// Numbers that look random (xorshift).
+/// Pseudo-random numbers (xorshift).
 struct Draw(u64);
 
 impl Draw {
-    /// From 0 to 1.
+    /// A number from 0 to 1.
     fn part(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -53,7 +53,7 @@ impl Draw {
 /// arms of any length, some bodies linked.
 fn machine(draw: &mut Draw) -> Arc<Assembly> {
     let count = 1 + draw.below(16);
-    // Frequencies that are alike though inertias are not, or as it comes.
+    // Similar frequencies with different inertias, or independent values.
     let (spread, is_alike) = (draw.of(&[0.0, 1.0, 3.0]), draw.part() < 0.5);
     let masses: Vec<f64> = (0..count).map(|_| 10f64.powf(draw.between(-spread, spread))).collect();
     let mut text = "name = \"R\"\ngravity = 9.81\n".to_owned();
@@ -97,7 +97,7 @@ fn machine(draw: &mut Draw) -> Arc<Assembly> {
     Arc::new(Assembly::new(parse(&text, "r.toml", &no_records).unwrap_or_else(|e| panic!("{e}"))).unwrap())
 }
 
-/// A mode in which each element is in any of its states.
+/// A mode with a random state of each element.
 fn mode(machine: &Arc<Assembly>, draw: &mut Draw) -> Mode {
     let system = machine.system();
     let mut mode = Motion::new(machine.clone()).unwrap().mode().clone();
@@ -117,7 +117,7 @@ fn mode(machine: &Arc<Assembly>, draw: &mut Draw) -> Mode {
     mode
 }
 
-/// A state whose coordinates and velocities are alike in the norm of (A6), or spread over three
+/// A state whose coordinates and velocities are similar in the norm of (A6), or spread over three
 /// decades of it.
 fn state(system: &System, table: &FlowTable, draw: &mut Draw) -> Vec<f64> {
     let mut z = vec![0.0; system.signals.size];
@@ -157,12 +157,12 @@ impl Exact {
         Self(terms)
     }
 
-    /// The state where this part of the time has passed.
+    /// The state after this fraction of the time.
     fn at(&self, part: f64) -> Vec<Wide> {
         self.behind(0, part)
     }
 
-    /// The terms from order `first` on there, without the factor `part`^`first`.
+    /// The terms from order `first` on at this fraction, without the factor `part`^`first`.
     fn behind(&self, first: usize, part: f64) -> Vec<Wide> {
         let mut sum = vec![Wide::default(); self.0[0].len()];
         for term in self.0[first..].iter().rev() {
@@ -171,7 +171,7 @@ impl Exact {
         sum
     }
 
-    /// A functional's coefficients.
+    /// The coefficients of an event function.
     fn way(&self, row: &Sparse) -> Vec<f64> {
         let dot =
             |z: &Vec<Wide>| row.terms().iter().fold(Wide::default(), |sum, &(j, x)| sum.plus(z[j].times(x)));
@@ -184,44 +184,43 @@ fn norm(table: &FlowTable, z: &[Wide]) -> f64 {
     z.iter().zip(&table.weights).map(|(x, weight)| x.value().abs() * weight).fold(0.0, f64::max)
 }
 
-/// The difference of a state from an exact one in that norm, in the coordinates before `end`.
+/// The difference between a state and an exact one in that norm, in the coordinates before `end`.
 fn off(table: &FlowTable, z: &[f64], exact: &[Wide], end: usize) -> f64 {
     let left: Vec<Wide> = z.iter().zip(exact).map(|(x, exact)| exact.plus(Wide::new(-x))).collect();
     norm(table, &left[..end])
 }
 
-/// Sub-steps by series and by tables, and the largest quotients of what is found and what bounds
-/// it.
+/// Sub-steps by series and by tables, and the largest quotients of errors and their bounds.
 #[derive(Debug, Default)]
 struct Found {
     steps: [usize; 2],
-    /// Terms by (A6).
+    /// Terms relative to (A6).
     norm: f64,
-    /// The terms left out, by the last one; by the orders that tables have.
+    /// Omitted terms relative to the last term; relative to the orders of the tables.
     remainder: [f64; 2],
-    /// The terms that a series leaves out, by what they may be.
+    /// Omitted terms of a series relative to their bound.
     orders: f64,
     /// Sums of coefficients.
     behind: f64,
     /// Second derivatives.
     bend: f64,
-    /// States and functionals, by their rounding.
+    /// Errors of states and event functions relative to their rounding.
     state: f64,
 }
 
-/// Holds a quotient, which is at most one where the bound is one.
+/// Records a quotient, which is at most one if the bound holds.
 fn hold(most: &mut f64, what: f64, bound: f64, name: &str) {
     let quotient = if what == 0.0 { 0.0 } else { what / bound };
     assert!(quotient <= 1.0 + ROUNDING, "{name}: {what:e} is beyond {bound:e}");
     *most = most.max(quotient);
 }
 
-/// The sum of a functional's entries in the norm's weights: its largest value at a state of norm 1.
+/// Sum of a row's entries in the norm's weights: the largest value for a state of norm 1.
 fn row_norm(table: &FlowTable, row: &Sparse) -> f64 {
     row.terms().iter().map(|&(j, x)| x.abs() / table.weights[j]).sum()
 }
 
-/// (A6): each term is at most rate times length over its order times the one before.
+/// (A6): each term is at most rate times length over its order times the previous term.
 fn hold_norm(table: &FlowTable, exact: &Exact, length: f64, found: &mut Found) {
     let norms: Vec<f64> = exact.0.iter().map(|term| norm(table, term)).collect();
     for k in 1..=TERMS {
@@ -229,7 +228,7 @@ fn hold_norm(table: &FlowTable, exact: &Exact, length: f64, found: &mut Found) {
     }
 }
 
-/// One series of a state.
+/// Checks a series of a state.
 fn hold_series(table: &FlowTable, z: &[f64], found: &mut Found) {
     let mut ahead = Ahead::default();
     ahead.find(table, z, f64::INFINITY, |_| (0, 0.0));
@@ -256,7 +255,7 @@ fn hold_series(table: &FlowTable, z: &[f64], found: &mut Found) {
     }
 }
 
-/// The tables of a sub-step from a state.
+/// Checks the tables of a sub-step from a state.
 fn hold_tables(table: &FlowTable, z: &[f64], found: &mut Found) {
     let exact = Exact::new(table, z, table.length);
     hold_norm(table, &exact, table.length, found);
@@ -315,7 +314,7 @@ fn second_method_series_and_tables_of_random_modes_in_77_digits() {
         }
     }
     assert!(found.steps.iter().all(|steps| *steps > MODES * STEPS / 4), "{found:?}");
-    // Bounds that hold with room to spare in all sub-steps would not be tried.
+    // A bound with a large margin in all sub-steps would not be tested.
     let Found { norm, remainder: [series, tables], orders, behind, bend, .. } = found;
     assert!([norm, series, tables, orders, behind, bend].iter().all(|most| *most > ATTAINED), "{found:?}");
 }

@@ -1,16 +1,16 @@
-//! Fixed-point numbers of 384 bits, of which 256 are behind the point: 77 decimal digits.
+//! Fixed-point numbers of 384 bits, with 256 bits after the point: 77 decimal digits.
 
 use vibro_numerics::double_double::DoubleDouble;
 
 const LIMBS: usize = 6;
-/// Limbs behind the point.
+/// Number of limbs after the point.
 const BEHIND: usize = 4;
 
-/// A number below 2^128 in size; sums are exact, products and quotients are cut at 2^-256.
+/// A number of absolute value below 2^128; sums are exact, products and quotients cut at 2^-256.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wide {
     is_negative: bool,
-    /// The size, its lowest limb first.
+    /// The absolute value, lowest limb first.
     size: [u64; LIMBS],
 }
 
@@ -103,7 +103,7 @@ fn closed_form_wide_numbers() {
         }
         sum
     };
-    // The first 53 bits of 1/e, and the next: their products with e are 1 to 75 digits.
+    // The first 53 bits of 1/e and the next: their products with e add to 1 to 75 digits.
     let (e, mut left) = (series(1.0), series(-1.0));
     let mut rest = Wide::new(-1.0);
     for _ in 0..6 {

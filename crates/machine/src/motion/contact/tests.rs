@@ -1,4 +1,4 @@
-//! The sizes by which a value counts as zero, and the verdicts of events.
+//! The scales below which a value counts as zero, and the decisions at events.
 
 use crate::file::{no_records, parse};
 use crate::{Assembly, Motion};
@@ -17,7 +17,7 @@ fn closed_form_what_stands_by_forces_that_cancel_has_the_rounding_of_their_sizes
     assert!(motion.body(0).iter().all(|x| x.abs() < 1e-20), "{:?}", motion.body(0));
     motion.include_flight();
     let sizes = motion.hybrid.sizes.0.as_slice();
-    // The coordinate counts a hundredth of the travel by these.
+    // The coordinate's scale is a hundredth of the travel at these velocities.
     assert!((sizes[1] - 2.0).abs() < 1e-12 && (sizes[0] - 0.01).abs() < 1e-14, "{sizes:?}");
 }
 
@@ -33,7 +33,7 @@ fn closed_form_an_impact_clears_the_flags_of_the_elements_that_it_moves() {
     let all = || vec![true; 2];
     let flags =
         super::Flags { stops: all(), resting: all(), edges: all(), limits: all(), sliders: Vec::new() };
-    // Only the second body is hit; beside its speed of 1 m/s a kick of 1e-14 m/s is rounding.
+    // Only the second body is hit; compared with its 1 m/s, a kick of 1e-14 m/s is rounding.
     for (kick, stays) in [(-0.5, false), (1e-14, true), (0.0, true)] {
         let kick = nalgebra::DVector::from_vec(vec![0.0, kick]);
         let after = flags.after(&kick, &motion.assembly.system, &motion.hybrid.sizes);

@@ -1,8 +1,8 @@
-//! What the proofs of a passage say of polynomials, against their values at many places.
+//! Proofs about passages of polynomials, compared with their values at many points.
 
 use super::*;
 
-/// Places of an interval at which a polynomial is looked at.
+/// Number of points of an interval at which a polynomial is evaluated.
 const PLACES: usize = 64;
 /// Some roundings of a polynomial's terms, which are of order one.
 const ROUNDING: f64 = 1e-12;
@@ -24,8 +24,8 @@ fn cubic(c: &[f64; 4], t: f64) -> [f64; 2] {
 
 #[test]
 fn invariant_every_interval_with_a_passage_is_near() {
-    // With the bound of the second derivative that just holds; and none is near where all is as far
-    // below zero as to need no proof.
+    // With the exact bound of the second derivative; and without a search if everything is so far
+    // below zero that no proof is required.
     let (mut random, mut far) = (Random(3), 0);
     for case in 0..20_000 {
         let order = case % 4;
@@ -80,8 +80,8 @@ fn invariant_every_interval_with_a_passage_is_near() {
 
 #[test]
 fn closed_form_what_turns_round_beyond_zero() {
-    // begin + c₁ u + c₂ u² at u = 1: its vertex is c₁'²/(-4 c₂) higher than there, where c₁' = c₁ +
-    // 2 c₂ is its slope.
+    // begin + c₁ u + c₂ u² at u = 1: its vertex is c₁'²/(-4 c₂) higher than there, where c₁' = c₁
+    // + 2 c₂ is its slope.
     let of = |begin: f64, terms: &[f64], zero: f64| {
         let mut c = [0.0; LOCAL];
         c[0] = begin;
