@@ -1,5 +1,5 @@
-//! Stepping, getting and setting allocate nothing, nor does a motion of a queue. Alone in its
-//! process, since it has an allocator of its own.
+//! Stepping, getting and setting allocate nothing, and neither does a motion of a queue. The test
+//! has its own process, because it has its own allocator.
 #![allow(unsafe_code)] // an allocator is one, and so is the C interface
 
 #[path = "../../../tests/common/allocations.rs"]
@@ -17,7 +17,7 @@ use vibro_paper_component::fmi2::description;
 use vibro_paper_component::fmi3::abi::*;
 use vibro_paper_component::fmi3::description as description3;
 
-/// Motions of different systems, a tenth of them with rest, of which all is reported.
+/// Motions of different systems, a tenth of them with rest; everything is reported.
 #[derive(Default)]
 struct Motions {
     left: u32,
@@ -71,7 +71,7 @@ fn a_motion_of_a_queue_allocates_nothing() {
         assert!(motions.samples >= 59 * left as usize && motions.rests > 0 && motions.maxima > 0);
         COUNT.get() - before
     };
-    // The first run makes what all others use again.
+    // The first run allocates memory that all others reuse.
     allocated(10 * TOGETHER as u32);
     assert_eq!(allocated(10 * TOGETHER as u32), allocated(40 * TOGETHER as u32));
 }
@@ -115,8 +115,8 @@ fn a_step_with_impacts_loads_and_rest_allocates_nothing() {
     }
 }
 
-/// FMI 3.0: steps with loads, ends at impacts, Event Mode with getters, an input set in it and the
-/// next event announced; without event mode the same without those.
+/// FMI 3.0: steps with loads, ends at impacts, Event Mode with getters, an input set in Event Mode
+/// and the announced next event; without event mode, the same without these.
 #[test]
 fn a_step_of_fmi3_with_its_events_allocates_nothing() {
     let token = CString::new(description3::instantiation_token(description3::MAIN)).unwrap();

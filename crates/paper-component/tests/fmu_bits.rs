@@ -1,6 +1,6 @@
-//! Bits of the FMU's outputs in many runs through the C interface against a golden file (golden
-//! file: `tests/data/fmu_bits.<instruction set>.txt`), all modes; see `tests/state_bits.rs` for the
-//! library's.
+//! Bits of the FMU's outputs in many runs through the C interface, in all modes, compared with a
+//! golden file (golden file: `tests/data/fmu_bits.<instruction set>.txt`); see
+//! `tests/state_bits.rs` for the library's.
 #![allow(unsafe_code)] // the C interface
 
 #[path = "../../../tests/common/bits.rs"]
@@ -19,8 +19,8 @@ use vibro_paper_component::fmi2::abi::*;
 use vibro_paper_component::fmi2::description;
 use vibro_paper_component::fmi2::types::FmiEventInfo;
 
-/// Value references that the golden file covers: those of version 0.1, so that a new variable
-/// leaves it as it is.
+/// Value references in the golden file: the variables of version 0.1, so that a new variable does
+/// not change it.
 const RECORDED: u32 = 72;
 /// Points at which each run is recorded.
 const POINTS: u32 = 10_000;

@@ -1,5 +1,5 @@
-//! A panic inside an FMI call prints nothing; all others still reach the program's own hook. Alone
-//! in its process, since there is one hook for all.
+//! A panic inside an FMI call prints nothing; all other panics still reach the program's own hook.
+//! The test has its own process, because all code shares one hook.
 #![allow(unsafe_code)] // the C interface
 
 use std::ffi::CString;

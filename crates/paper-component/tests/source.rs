@@ -1,4 +1,4 @@
-//! What the source promises about itself.
+//! Properties that the source promises of itself.
 
 #[path = "../../doors/tests/common/sources.rs"]
 mod sources;
@@ -30,7 +30,7 @@ fn neither_version_imports_the_other() {
 
 #[test]
 fn the_component_knows_no_version_of_fmi_and_nothing_imports_upward() {
-    // Words of one version: its name, its functions and types, its statuses and its states.
+    // Words of one FMI version: its name, functions, types, statuses and states.
     const OF_A_VERSION: [&str; 13] = [
         "fmi2",
         "fmi3",
@@ -60,7 +60,7 @@ fn the_component_knows_no_version_of_fmi_and_nothing_imports_upward() {
     }
 }
 
-/// The worked example of the README: every piece of code in it stands in the file that it names.
+/// The worked example of the README: every code fragment in it occurs in the file that it names.
 #[test]
 fn the_example_of_a_variable_is_a_real_one() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -1,5 +1,5 @@
-//! What hosts do to an FMU, through the C interface: each test is a habit of a host that was seen
-//! (named where known).
+//! Habits of hosts, through the C interface: each test is a habit that was observed (the host is
+//! named if known).
 #![allow(unsafe_code)] // the C interface
 
 #[path = "common/fmi2.rs"]
@@ -10,11 +10,11 @@ use vibro_impact::{Parameters, Simulator, State};
 use vibro_paper_component::component::variables::reference;
 use vibro_paper_component::fmi2::abi::*;
 
-/// Largest difference of one motion in other steps: the default motion is stable, so rounding is
+/// Largest difference of a motion in different steps: the default motion is stable, so rounding is
 /// not amplified.
 const SAME: f64 = 1e-10;
 
-/// The native library's states at that time, from the default start.
+/// The native library's states at a time, from the default start.
 fn native(time: f64) -> [f64; 6] {
     let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
     simulator.advance_to(time).unwrap();
@@ -28,7 +28,7 @@ fn assert_same(a: [f64; 6], b: [f64; 6]) {
     }
 }
 
-/// fmpy and others leave a last step of the size of a rounding error.
+/// fmpy and others leave a last step as short as a rounding error.
 #[test]
 fn the_last_step_is_2e_14_long() {
     let host = Fmu2::logged().start(&[]);
@@ -41,8 +41,8 @@ fn the_last_step_is_2e_14_long() {
     assert_same(host.motion(), native(101.0));
 }
 
-/// Hosts that add step sizes up: the point drifts away from k h, and each end is another sum than
-/// the next point.
+/// Hosts that add up step sizes: the point drifts away from k h, and each end differs from the
+/// next point.
 #[test]
 fn the_communication_point_drifts_by_1e_14_a_step() {
     let host = Fmu2::logged().start(&[]);
@@ -61,7 +61,7 @@ fn the_communication_point_drifts_by_1e_14_a_step() {
 fn a_point_that_is_off_by_more_than_1e_9_is_an_error_with_both_times() {
     let host = Fmu2::logged().start(&[]);
     host.step(0.0, 2.5);
-    // The allowed mismatch is 1e-9 max(1, |t|), 2.5e-9 here.
+    // The accepted mismatch is 1e-9 max(1, |t|), 2.5e-9 here.
     host.step(2.5 + 2e-9, 1e-12);
     let before = host.motion().map(f64::to_bits);
     for point in [2.5 + 6e-9, 2.5 - 1e-8, 0.0] {
@@ -81,7 +81,7 @@ fn a_point_that_is_off_by_more_than_1e_9_is_an_error_with_both_times() {
 fn valid_steps_are_ok_and_warnings_go_to_the_log() {
     let host = Fmu2::logged();
     host.set("mode", 2.0);
-    // Above the stability limit: played, with a warning.
+    // Above the stability limit: simulated, with a warning.
     // SAFETY: one of each.
     assert_eq!(unsafe { fmi2SetReal(host.c, &reference("drive.amplitude"), 1, &0.25) }, OK);
     host.initialize();
@@ -104,7 +104,7 @@ fn valid_steps_are_ok_and_warnings_go_to_the_log() {
     }
 }
 
-/// fmusim resumes like this: no initialization between instantiation and step.
+/// fmusim resumes a run without initialization between instantiation and step.
 #[test]
 fn a_run_is_resumed_from_serialized_bytes_without_initialization() {
     let first = Fmu2::logged().start(&[]);
@@ -129,8 +129,7 @@ fn the_logger_and_memory_callbacks_are_null() {
 
 #[test]
 fn neither_stop_time_nor_tolerance_is_defined() {
-    // `initialize` gives a tolerance that is no number and a stop before the start, neither
-    // defined.
+    // `initialize` passes a NaN tolerance and a stop time before the start, both undefined.
     let host = Fmu2::logged().start(&[]);
     host.step(0.0, 1e4);
     assert_eq!(host.time(), 1e4);
@@ -167,8 +166,8 @@ fn a_step_after_an_impact_names_the_way_back() {
     assert!(last(&host).ends_with(refusal), "{}", last(&host));
 }
 
-/// As fmusim does, with a load of its own; the same motion as of a host that goes back to the state
-/// it saved.
+/// Like fmusim, with a separate load; the motion equals the motion of a host that restores its
+/// saved state.
 #[test]
 fn a_host_goes_on_from_an_impact_where_the_motion_stands() {
     const END: f64 = 60.0;
@@ -195,12 +194,12 @@ fn a_host_goes_on_from_an_impact_where_the_motion_stands() {
         (time, stops) = (reached, stops + 1);
     }
     assert!(stops > 5, "{stops}");
-    // A step up to the impact and one that stops there part by the last digit of its time.
+    // A step to the impact and a step stopped there differ in the last digit of their times.
     assert_same(going_on.motion(), going_back.motion());
 }
 
-/// Many instances in many threads, as servers that run studies have them, against one alone and the
-/// library.
+/// Many instances in many threads, as in servers that run studies, compared with a single one and
+/// the library.
 #[test]
 fn a_thousand_instances_in_eight_threads_have_the_same_bits() {
     let alone = Fmu2::logged().start(&[]);
@@ -210,7 +209,7 @@ fn a_thousand_instances_in_eight_threads_have_the_same_bits() {
     std::thread::scope(|scope| {
         for _ in 0..8 {
             scope.spawn(|| {
-                // All alive at once in each thread, stepped in turn.
+                // All exist at once in each thread and are stepped in turn.
                 let hosts: Vec<_> = (0..125).map(|_| Fmu2::logged().start(&[])).collect();
                 for i in 0..20 {
                     for host in &hosts {
@@ -225,11 +224,11 @@ fn a_thousand_instances_in_eight_threads_have_the_same_bits() {
     });
 }
 
-/// A host that meets the limit of work in one step: the step is refused as a whole, and shorter
-/// ones are carried out.
+/// A host that exceeds the work limit in one step: the step is refused as a whole, and shorter
+/// steps succeed.
 #[test]
 fn a_step_with_too_much_work_is_refused_and_can_be_taken_in_parts() {
-    /// About a second, on a machine with other work to do.
+    /// The work takes about a second on a computer with other work to do.
     const LONGEST: f64 = 15.0;
     let host = Fmu2::logged();
     let names = ["stop.restitution", "block.s", "box.f", "block.f"].map(reference);
@@ -244,7 +243,7 @@ fn a_step_with_too_much_work_is_refused_and_can_be_taken_in_parts() {
     let begin = std::time::Instant::now();
     assert_eq!(host.try_step(1.0, 1e5), ERROR);
     assert!(begin.elapsed().as_secs_f64() < LONGEST);
-    // Nothing has changed, and the text does not say otherwise.
+    // Nothing has changed, and the message does not say otherwise.
     assert_eq!((host.time(), host.motion().map(f64::to_bits)), (1.0, before));
     let (status, category, message) = host.log().last().unwrap();
     assert_eq!((*status, category.as_str()), (ERROR, "logStatusError"));

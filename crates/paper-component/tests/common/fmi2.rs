@@ -1,6 +1,6 @@
 //! A host of FMI 2.0 in a few lines.
 
-// Each test program uses its share of these.
+// Each test program uses only a part of this module.
 #![allow(dead_code, missing_docs)]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -39,15 +39,15 @@ pub struct Fmu2 {
 }
 
 impl Fmu2 {
-    /// Of a `fmi2Type`, without a logger.
+    /// An instance of a `fmi2Type`, without a logger.
     pub fn quiet(kind: c_int) -> Self {
         Self::new(kind, None, false)
     }
 
-    /// For Co-Simulation, with all messages in the log.
+    /// A Co-Simulation instance with all messages in the log.
     pub fn logged() -> Self {
-        // SAFETY: on the platforms of the tests a variadic call without variadic arguments is an
-        // ordinary one.
+        // SAFETY: on the platforms of the tests, a variadic call without variadic arguments is an
+        // ordinary call.
         let logger = unsafe { std::mem::transmute::<Plain, FmiLogger>(keep) };
         Self::new(1, Some(logger), true)
     }
@@ -62,8 +62,8 @@ impl Fmu2 {
             step_finished: None,
             component_environment: log.cast(),
         };
-        // SAFETY: valid strings; the callbacks may go after the call, the logger and its
-        // environment stay.
+        // SAFETY: valid strings; the callbacks may be freed after the call, the logger and its
+        // environment remain.
         let c = unsafe {
             fmi2Instantiate(c"box".as_ptr(), kind, guid.as_ptr(), null(), &functions, 0, logging.into())
         };
@@ -71,7 +71,7 @@ impl Fmu2 {
         Self { c, log }
     }
 
-    /// Without a logger, ready for the first step of Co-Simulation.
+    /// A Co-Simulation instance without a logger, ready for the first step.
     pub fn started(start: &[(&str, f64)]) -> Self {
         Self::quiet(1).start(start)
     }
@@ -162,7 +162,7 @@ impl Fmu2 {
     }
 
     pub fn restore(&self, bytes: &[u8]) {
-        // What is in the variable that is written to may be anything.
+        // The variable that receives the state may contain anything before.
         let mut state = std::ptr::without_provenance_mut(0xdead_beef);
         // SAFETY: as above.
         unsafe {

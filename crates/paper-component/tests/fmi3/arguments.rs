@@ -1,5 +1,5 @@
-//! What this machine takes and refuses by FMI 3.0; wrong arguments of any kind are tested by the
-//! doors' example (`crates/doors/tests/second_component/arguments.rs`).
+//! Arguments that this machine accepts and refuses by FMI 3.0. The doors' example tests wrong
+//! arguments of all kinds (`crates/doors/tests/second_component/arguments.rs`).
 
 use super::host::*;
 use std::ffi::CString;
@@ -31,14 +31,14 @@ fn loads_in_a_closed_form_are_discarded() {
     }
 }
 
-/// `fmi3Boolean` is one byte; any but 0 is true.
+/// `fmi3Boolean` is one byte; any value except 0 is true.
 #[test]
 fn booleans_are_bytes() {
     let fmu = Fmu::new(FF);
     let r = vr("startOnOrbit");
     for (byte, expected) in [(1_u8, 1), (255, 1), (2, 1), (0, 0)] {
         let mut read = [7_u8; 3];
-        // SAFETY: one of each; the byte beside is not touched.
+        // SAFETY: one of each; the adjacent byte is not touched.
         unsafe {
             assert_eq!(fmi3SetBoolean(fmu.c, &r, 1, &byte, 1), OK);
             assert_eq!(fmi3GetBoolean(fmu.c, &r, 1, &mut read[1], 1), OK);
@@ -47,7 +47,7 @@ fn booleans_are_bytes() {
     }
 }
 
-/// Start values can be read before initialization, as hosts do that show them.
+/// Start values can be read before initialization, as some hosts do to display them.
 #[test]
 fn start_values_are_read_before_initialization() {
     let fmu = Fmu::new(FF);
@@ -62,7 +62,7 @@ fn start_values_are_read_before_initialization() {
     assert!(fmu.log().is_empty(), "{:?}", fmu.log());
 }
 
-/// The versions have different value references, so an FMU does not take the other's token.
+/// The versions have different value references, so an FMU refuses the other version's token.
 #[test]
 fn the_guid_of_fmi2_is_not_a_token_of_fmi3() {
     let guid = CString::new(vibro_paper_component::fmi2::description::guid()).unwrap();

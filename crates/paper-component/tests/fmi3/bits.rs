@@ -1,5 +1,5 @@
-//! Without event mode and early return the motion is that of FMI 2.0 and of the library, bit for
-//! bit; states cross between the versions.
+//! Without event mode and early return, the motion is bit-identical to FMI 2.0 and to the library;
+//! states can be exchanged between the versions.
 
 use super::fmi2::Fmu2;
 use super::host::*;
@@ -7,7 +7,7 @@ use vibro_impact::{Parameters, Simulator, State};
 use vibro_paper_component::component::variables::{Base, reference};
 use vibro_paper_component::fmi2::description;
 
-/// All variables of both descriptions but the setting whose start differs.
+/// Compares all variables of both descriptions except the setting with a different start value.
 fn compare(two: &Fmu2, three: &Fmu, at: f64) {
     for (r, variable) in description::variables().filter(|(_, v)| v.name != "stopAtImpact") {
         let (a, b) = (two.get(r, variable.base()), three.get(variable.name));
@@ -86,8 +86,8 @@ fn invariant_a_saved_state_of_either_version_goes_on_in_the_other() {
     }
 }
 
-/// A state saved before an impact's law, with the event still to be handled, in both directions and
-/// on itself.
+/// A state saved before an impact's law, with its event pending, in both directions and onto
+/// itself.
 #[test]
 fn invariant_a_saved_state_at_a_pending_event_goes_on() {
     let start = RUNS[0];
@@ -105,7 +105,7 @@ fn invariant_a_saved_state_at_a_pending_event_goes_on() {
         fmu.run(end.time, 60.0, 0.5);
     }
     assert_eq!(again.motion().map(f64::to_bits), three.motion().map(f64::to_bits));
-    // FMI 2.0 knows no pending event: its next step begins with the law.
+    // FMI 2.0 has no pending events: its next step begins with the law.
     let two = Fmu2::quiet(1);
     two.restore(&bytes);
     assert_eq!(two.get(reference("impacts.upper"), Base::Integer) as u32, 0);
@@ -116,7 +116,7 @@ fn invariant_a_saved_state_at_a_pending_event_goes_on() {
         let counts = [&two, &plain].map(|fmu| fmu.get(reference(name), Base::Integer));
         assert_eq!(counts[0], counts[1], "{name}");
     }
-    // In Event Mode too, and with both versions' instances at once.
+    // In Event Mode too, and with instances of both versions at the same time.
     let third = Fmu::started(TT, start);
     third.step(0.0, 50.0);
     third.enter_event_mode();

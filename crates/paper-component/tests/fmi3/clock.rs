@@ -21,7 +21,7 @@ fn started(flags: Flags) -> Fmu {
     fmu
 }
 
-/// Impacts by the library: time, impulse, speed, side as the enumeration has it.
+/// Impacts by the library: time, impulse, speed, side as in the enumeration.
 fn impacts(end: f64) -> Vec<[f64; 4]> {
     let state = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
     let mut simulator = Simulator::new(&Parameters::default(), &state, 0.0).unwrap();
@@ -74,7 +74,7 @@ fn second_method_ticks_are_impacts_with_the_librarys_values() {
     assert_eq!(ticks, expected.len());
 }
 
-/// Several impacts in a step: one tick, for the last; the counts tell how many there were.
+/// Several impacts in a step cause one tick, for the last impact; the counters give their number.
 #[test]
 fn a_step_through_several_impacts_ticks_once_for_the_last() {
     let fmu = started(TF);
@@ -146,8 +146,8 @@ fn the_main_description_has_no_clock_and_no_clock_is_an_input() {
     }
 }
 
-/// An error while it ticks ends the tick: what was shown of it stays, here and in a state saved
-/// then, and is that of one impact.
+/// An error during a tick ends the tick. Its values stay, here and in a state saved then, and
+/// belong to a single impact.
 #[test]
 fn invariant_an_error_during_a_tick_ends_it() {
     let fmu = started(TT);

@@ -6,7 +6,7 @@ use vibro_paper_component::component::variables::VARIABLES;
 use vibro_paper_component::fmi3::abi::*;
 use vibro_paper_component::fmi3::description;
 
-/// What `fmi3GetVariableDependencies` says: element, name, kind.
+/// The result of `fmi3GetVariableDependencies`: element, name, kind.
 fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
     let mut count = 99;
     // SAFETY: one of each.
@@ -18,7 +18,7 @@ fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
     );
     let (mut elements, mut references, mut others, mut kinds) =
         (vec![9; count], vec![0; count], vec![9; count], vec![9; count]);
-    // SAFETY: as many elements as are said.
+    // SAFETY: as many elements as stated.
     let status = unsafe {
         fmi3GetVariableDependencies(
             fmu.c,
@@ -36,8 +36,8 @@ fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
     elements.into_iter().zip(names).zip(kinds).map(|((element, name), kind)| (element, name, kind)).collect()
 }
 
-/// Against the derivatives: what a variable does not depend on in this contact has the derivative
-/// 0, and what it depends on has another one at this point, where nothing cancels.
+/// Compared with the derivatives: if a variable does not depend on another in this contact, the
+/// derivative is 0; if it does, the derivative at this generic point is not 0.
 #[test]
 fn second_method_dependencies_of_the_present_contact() {
     for (i, start) in CONTACTS.into_iter().enumerate() {
@@ -79,7 +79,7 @@ fn dependencies_of_arrays_parameters_and_in_initialization() {
     assert!(accelerations.iter().any(|entry| (entry.0, entry.1) == (3, "secondary.f")));
     assert!(!accelerations.iter().any(|entry| (entry.0, entry.1) == (1, "secondary.f")));
     assert!(dependencies(&fmu, "box.m").is_empty() && dependencies(&fmu, "box.f").is_empty());
-    // Within what is declared.
+    // Within the declared dependencies.
     for (_, variable) in description::variables(description::ARRAYS) {
         let listed = dependencies(&fmu, variable.name);
         let declared = vibro_paper_component::component::structure::outputs(description::ARRAYS);

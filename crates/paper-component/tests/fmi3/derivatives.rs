@@ -35,7 +35,7 @@ fn references(names: &[&str]) -> Vec<u32> {
 /// The directional derivative.
 pub fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
     let (u, k, mut y) = (references(unknowns), references(knowns), vec![f64::NAN; unknowns.len()]);
-    // SAFETY: as many elements as are said.
+    // SAFETY: as many elements as stated.
     let status = unsafe {
         fmi3GetDirectionalDerivative(
             fmu.c,
@@ -56,7 +56,7 @@ pub fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> V
 /// The adjoint derivative.
 fn backward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
     let (u, k, mut x) = (references(unknowns), references(knowns), vec![f64::NAN; knowns.len()]);
-    // SAFETY: as many elements as are said.
+    // SAFETY: as many elements as stated.
     let status = unsafe {
         fmi3GetAdjointDerivative(
             fmu.c,
@@ -74,7 +74,7 @@ fn backward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<
     x
 }
 
-/// Column of one known.
+/// Column of a known.
 fn column(fmu: &Fmu, known: &str) -> Vec<f64> {
     forward(fmu, &unknowns(), &[known], &[1.0])
 }
@@ -117,8 +117,8 @@ pub fn in_event_mode(start: &[(&str, f64)], exchange: bool) -> Fmu {
     fmu
 }
 
-/// Everything is linear or quadratic in what is varied but the drive, so a small step leaves
-/// rounding.
+/// Except for the drive, everything is linear or quadratic in the varied numbers, so a small step
+/// leaves only rounding.
 const DIFFERENCE: f64 = 1e-7;
 
 fn assert_column(name: &str, exact: &[f64], differences: &[f64]) {
@@ -127,8 +127,8 @@ fn assert_column(name: &str, exact: &[f64], differences: &[f64]) {
     }
 }
 
-/// Inputs and tunable parameters, set in Event Mode, where getters follow; in both interface types
-/// and all contacts.
+/// Inputs and tunable parameters, set in Event Mode, where getters return the new values; in both
+/// interface types and all contacts.
 #[test]
 fn second_method_inputs_and_parameters_by_differences() {
     const STEP: f64 = 1e-4;
@@ -147,8 +147,7 @@ fn second_method_inputs_and_parameters_by_differences() {
                 let mut differences: Vec<f64> =
                     high.iter().zip(&low).map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
                 if name.starts_with("drive.f") || name == "drive.phase" {
-                    // They turn the drive's phase; energies that were summed up before are the
-                    // same.
+                    // They change the drive's phase; energies accumulated before are the same.
                     differences.truncate(unknowns().len());
                 }
                 assert_column(name, &exact, &differences);
@@ -194,7 +193,7 @@ fn second_method_states_and_time_by_differences() {
             });
             let (mut exact, mut differences) = (exact, difference(high, low));
             if fmu.get("stop.state") != 1.0 {
-                // At rest the solver's states may leave the stop by its errors; shown is the stop.
+                // At rest the solver's states may drift off the stop; the stop's values are shown.
                 (exact[6], differences[6]) = (0.0, 0.0);
             }
             assert_column(name, &exact, &differences);
@@ -202,7 +201,7 @@ fn second_method_states_and_time_by_differences() {
     }
 }
 
-/// ⟨w, J v⟩ = ⟨Jᵀ w, v⟩, and the rows of the one are the columns of the other.
+/// ⟨w, J v⟩ = ⟨Jᵀ w, v⟩, and the rows of J are the columns of Jᵀ.
 #[test]
 fn invariant_adjoint_identity() {
     const ROUNDING: f64 = 1e-14;
@@ -231,8 +230,7 @@ fn invariant_adjoint_identity() {
     }
 }
 
-/// A seed that is not finite, a sum that is not, a known that is none behind one that is: nothing
-/// is written.
+/// A non-finite seed, a non-finite sum, or an invalid known after a valid one: nothing is written.
 #[test]
 fn adjoint_derivatives_that_are_no_finite_numbers_are_refused_by_name() {
     const UNTOUCHED: [f64; 2] = [7.0; 2];
@@ -267,7 +265,7 @@ fn adjoint_derivatives_that_are_no_finite_numbers_are_refused_by_name() {
     }
 }
 
-/// Of a closed form: parameters by differences of another order, time by the motion itself.
+/// For a closed form: parameters by differences of another order, time by the motion itself.
 #[test]
 fn second_method_of_a_closed_form() {
     const SAME: f64 = 1e-6;
@@ -320,7 +318,7 @@ fn what_is_no_unknown_or_known_is_an_error() {
     assert_eq!(status, DISCARD, "a value that cannot be");
 }
 
-/// In initialization: of the unknowns there, by differences of the values shown.
+/// In Initialization Mode: derivatives of its unknowns, by differences of the shown values.
 #[test]
 fn second_method_in_initialization() {
     const STEP: f64 = 1e-5; // a mass of 0.1 enters by its inverse

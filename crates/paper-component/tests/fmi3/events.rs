@@ -99,8 +99,8 @@ fn row_event_mode_with_early_return() {
     }
 }
 
-/// Row T/F, and T/T with stopAtImpact = false: the step goes on; discrete outputs are latched until
-/// Event Mode.
+/// Row T/F, and T/T with stopAtImpact = false: the step continues; discrete outputs are latched
+/// until Event Mode.
 #[test]
 fn row_event_mode_without_early_return() {
     for (flags, stop) in [(TF, 1.0), (TT, 0.0)] {
@@ -140,10 +140,10 @@ fn row_event_mode_without_early_return() {
     }
 }
 
-/// The times of events are those of the library to the last places.
+/// The times of events equal the library's up to the last digits.
 #[test]
 fn second_method_event_times_are_the_librarys() {
-    const UNITS: f64 = 16.0; // of the last place: other sub-steps
+    const UNITS: f64 = 16.0; // in the last place: different sub-steps
     let p = Parameters::default();
     let state = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
     let mut simulator = Simulator::new(&p, &state, 0.0).unwrap();
@@ -164,7 +164,7 @@ fn second_method_event_times_are_the_librarys() {
     }
 }
 
-/// An event at the step's end but for rounding is met there, however the host's sum rounds.
+/// An event at the step's end within rounding is handled there, however the host's sum is rounded.
 #[test]
 fn an_event_at_the_end_of_a_step_is_no_early_return() {
     let find = Fmu::started(TT, START);
@@ -185,7 +185,7 @@ fn an_event_at_the_end_of_a_step_is_no_early_return() {
                 (false, true) => assert_eq!(count, 1.0, "after the law"),
                 _ => {}
             }
-            // It is met once.
+            // It occurs once.
             let next = fmu.step(end.time, 0.05);
             assert!(!next.event && !next.early, "{units}: {next:?}");
             assert_eq!(fmu.get("impacts.upper") + fmu.get("impacts.lower"), 1.0);
@@ -193,7 +193,7 @@ fn an_event_at_the_end_of_a_step_is_no_early_return() {
     }
 }
 
-/// A host that ignores the early return asks for the next planned point.
+/// A host that ignores the early return and asks for the next planned point gets an error.
 #[test]
 fn an_early_return_that_is_ignored_is_an_error() {
     let fmu = Fmu::started(FT, START);
@@ -216,7 +216,7 @@ fn a_pending_event_must_be_handled() {
     assert!(fmu.last().contains("must be handled in Event Mode first"), "{}", fmu.last());
 }
 
-/// Hosts enter Event Mode after every step.
+/// Some hosts enter Event Mode after every step.
 #[test]
 fn event_mode_without_an_event_changes_nothing() {
     let (plain, fmu) = (Fmu::started(TF, START), Fmu::started(TF, START));
@@ -232,7 +232,7 @@ fn event_mode_without_an_event_changes_nothing() {
     assert_eq!(plain.motion().map(f64::to_bits), fmu.motion().map(f64::to_bits));
 }
 
-/// The law takes inputs and tunable parameters as set in Event Mode; getters follow.
+/// The law uses inputs and tunable parameters set in Event Mode; getters show the result.
 #[test]
 fn parameters_set_at_an_event_take_part_in_it() {
     let fmu = Fmu::started(TT, START);
@@ -253,8 +253,8 @@ fn parameters_set_at_an_event_take_part_in_it() {
     assert_eq!(fmu.get("stop.restitution"), 0.5);
     fmu.enter_step_mode();
     assert_eq!(fmu.motion(), shown);
-    // A resting block that is pulled off lets go in that Event Mode, and in Step Mode at the step's
-    // own start.
+    // A resting block that is pulled off is released in that Event Mode, and in Step Mode at the
+    // start of the step.
     let fmu = Fmu::started(TT, PLASTIC);
     while fmu.get("stop.state") == 1.0 {
         time = fmu.step(fmu.get("time"), 100.0).time;
@@ -293,7 +293,7 @@ fn an_event_that_is_not_updated_is_taken_with_a_warning() {
     assert!(fmu.step(time, 0.1).time > time);
 }
 
-/// A start at a stop with closing speed: the first step meets the impact at once, and progresses
+/// A start at a stop with closing speed: the first step handles the impact at once, and progresses
 /// after it.
 #[test]
 fn a_start_at_a_stop_is_an_event_at_the_start() {
@@ -306,7 +306,7 @@ fn a_start_at_a_stop_is_an_event_at_the_start() {
     assert!(fmu.step(0.0, 0.1).time == 0.1);
 }
 
-/// Announced is what happens: bit for bit where the host steps past it with held inputs.
+/// An announced event happens: bit for bit if the host steps past it with held inputs.
 #[test]
 fn invariant_the_announced_event_happens() {
     const EVENTS: usize = 10_000;
@@ -327,7 +327,7 @@ fn invariant_the_announced_event_happens() {
     }
 }
 
-/// As containers do it: steps end on the announced time, Event Mode after every step.
+/// As in containers: steps end at the announced time, with Event Mode after every step.
 #[test]
 fn steps_that_end_on_the_announced_time_meet_the_event() {
     let (fmu, plain) = (Fmu::started(TF, START), Fmu::started(FF, START));
@@ -353,7 +353,8 @@ fn steps_that_end_on_the_announced_time_meet_the_event() {
     assert_eq!(fmu.get("impacts.upper"), plain.get("impacts.upper"));
 }
 
-/// A closed form that begins late, where announced times are rounded more than the drive's phase.
+/// A closed form that begins late, so that announced times are rounded more than the drive's
+/// phase.
 #[test]
 fn steps_that_end_on_the_announced_time_meet_the_impacts_of_a_closed_form() {
     const BEGIN: f64 = 1e4;
@@ -379,15 +380,15 @@ fn steps_that_end_on_the_announced_time_meet_the_impacts_of_a_closed_form() {
     }
 }
 
-/// A slow impact is found no better than w is rounded, which is more than the rounding of its time.
-/// It too is met by the step that ends on the announced time.
+/// A slow impact is located only within the rounding of w, which exceeds the rounding of its time.
+/// It is handled by the step that ends at the announced time too.
 #[test]
 fn slow_impacts_are_met_by_steps_that_end_on_the_announced_time() {
-    /// Slower ones are the last bounces of a chatter run, which round-off decides.
+    /// Slower impacts are the last bounces of chatter, which rounding decides.
     const SLOWEST: f64 = 1e-4;
     let mut met = 0;
     for k in 0..60 {
-        let depth = 10.0_f64.powf(-0.1 * f64::from(k)); // of the block before the stop against which it is pressed
+    let depth = 10.0_f64.powf(-0.1 * f64::from(k)); // distance of the block from the stop against which it is pressed
         let start = [("block.s", 1.0 - depth), ("block.f", 0.02), ("stop.restitution", 0.5)];
         let fmu = Fmu::started(TT, &start);
         let (mut time, mut next) = (0.0, fmu.handle_event().next);
@@ -404,7 +405,7 @@ fn slow_impacts_are_met_by_steps_that_end_on_the_announced_time() {
     assert!(met > 200, "{met}");
 }
 
-/// A new input makes the announcement obsolete, which does no harm.
+/// A new input invalidates the announcement, which is harmless.
 #[test]
 fn an_obsolete_announcement_is_harmless() {
     let fmu = Fmu::started(TT, START);
@@ -419,11 +420,11 @@ fn an_obsolete_announcement_is_harmless() {
     assert!(fmu.step(end.time, 20.0).event);
 }
 
-/// Modes, and whether a parameter is set in the event or it is an impact, whose reading shows what
-/// comes after.
+/// Modes, and whether a parameter is set in the event or the event is an impact, for which getters
+/// show the values after it.
 const SHOWN: [(f64, bool); 4] = [(1.0, false), (2.0, true), (3.0, true), (3.0, false)];
 
-/// An instance in such an event, and the flags with which it was made.
+/// An instance in such an event, and its flags.
 fn in_an_event((mode, set): (f64, bool)) -> (Fmu, Flags) {
     let flags = if set { TF } else { TT };
     let fmu = Fmu::new(flags);
@@ -441,8 +442,8 @@ fn in_an_event((mode, set): (f64, bool)) -> (Fmu, Flags) {
     (fmu, flags)
 }
 
-/// What an event shows stays where the host ends the simulation in it, and in a state saved then:
-/// what was set there, and an impact.
+/// If the host ends the simulation in an event, the shown values stay, also in a state saved then:
+/// values set in the event, and an impact.
 #[test]
 fn invariant_the_end_in_an_event_keeps_what_was_shown() {
     for case in SHOWN {
@@ -458,13 +459,13 @@ fn invariant_the_end_in_an_event_keeps_what_was_shown() {
     }
 }
 
-/// An error in an event ends the simulation before it: here and in a state saved then, whatever was
-/// shown.
+/// An error in an event ends the simulation before the event: here and in a state saved then,
+/// whatever was shown.
 #[test]
 fn invariant_an_error_in_an_event_leaves_what_is_saved() {
     for case in SHOWN {
         let (fmu, flags) = in_an_event(case);
-        fmu.motion(); // what comes after the event
+        fmu.motion(); // values after the event
         // SAFETY: a live instance; no variable has this reference.
         assert_eq!(unsafe { fmi3SetFloat64(fmu.c, &u32::MAX, 1, &1.0, 1) }, ERROR);
         let other = Fmu::new(flags);

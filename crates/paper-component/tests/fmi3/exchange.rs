@@ -1,5 +1,5 @@
-//! Model Exchange: both limits of an event, and a motion integrated by a host's solver against
-//! Co-Simulation.
+//! Model Exchange: both limits of an event, and a motion integrated by a host's solver, compared
+//! with Co-Simulation.
 
 use super::host::*;
 use vibro_paper_component::component::structure::EVENT_INDICATORS;
@@ -45,7 +45,7 @@ impl Solver {
 
     fn indicators(&self) -> [f64; EVENT_INDICATORS] {
         let mut z = [0.0; EVENT_INDICATORS];
-        // SAFETY: as many elements.
+        // SAFETY: `z.len()` elements.
         assert_eq!(unsafe { fmi3GetEventIndicators(self.fmu.c, z.as_mut_ptr(), z.len()) }, OK);
         z
     }
@@ -58,7 +58,7 @@ impl Solver {
         }
     }
 
-    /// Where the classical Runge-Kutta rule comes in a step of `h`.
+    /// Result of a classical Runge-Kutta step of `h`.
     fn stage(&self, x: &[f64; 6], h: f64) -> [f64; 6] {
         let at = |k: &[f64; 6], s: f64| std::array::from_fn(|i| x[i] + s * k[i]);
         self.put(self.time, x);
@@ -72,7 +72,7 @@ impl Solver {
         std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
     }
 
-    /// One step with its event, if there is one; true then.
+    /// A step with its event, if any; returns whether there was one.
     fn step(&mut self, h: f64) -> bool {
         let x = self.states();
         let before = self.indicators().map(|z| z > 0.0);
@@ -116,7 +116,7 @@ fn second_method_exchange_against_cosimulation() {
         let (before, counted) =
             (solver.states(), solver.fmu.get("impacts.upper") + solver.fmu.get("impacts.lower"));
         solver.fmu.enter_event_mode();
-        // Getters show what comes after the event, before it is carried out.
+        // Getters show the values after the event, before the event is handled.
         let after = solver.states();
         let shown = solver.fmu.get("impacts.upper") + solver.fmu.get("impacts.lower");
         assert_eq!(solver.fmu.motion(), after);
@@ -161,8 +161,7 @@ fn names_of_the_structure_are_its_vectors() {
     assert!(nominals.iter().all(|x| *x > 0.0));
 }
 
-/// What is read between events depends on time, states and inputs, and not on what was asked
-/// before.
+/// Values read between events depend on time, states and inputs, and not on earlier calls.
 #[test]
 fn invariant_values_do_not_depend_on_the_order_of_calls() {
     let solver = Solver::new(START);
@@ -195,12 +194,12 @@ fn states_that_no_motion_has_are_discarded() {
         assert_eq!(unsafe { fmi3SetContinuousStates(solver.fmu.c, bad.as_ptr(), 6) }, DISCARD, "{value}");
         assert_eq!(solver.states(), good);
     }
-    // A solver that looks across an event goes a little beyond the stop.
+    // A solver that searches across an event goes slightly beyond the stop.
     solver.put(0.1, &[0.0, 1.5, 0.0, 0.0, 0.5, 0.0]);
 }
 
 /// In Event Mode: inputs, tunable parameters and the states that events do not change (FMI 3.0.2,
-/// 2.3.5); time only as it is.
+/// 2.3.5); time only if unchanged.
 #[test]
 fn what_may_be_set_in_event_mode() {
     let fmu = Fmu::exchange();
@@ -223,7 +222,8 @@ fn what_may_be_set_in_event_mode() {
     assert_eq!(unsafe { fmi3SetTime(fmu.c, 0.5) }, ERROR);
 }
 
-/// fmpy and others set an input in Event Mode before the update: rest is let go of there.
+/// fmpy and others set an input in Event Mode before the update: a resting contact is released
+/// there.
 #[test]
 fn an_input_set_at_an_event_takes_part_in_it() {
     let fmu = Fmu::exchange();

@@ -13,7 +13,7 @@ pub const ERROR: c_int = 3;
 
 pub const MOTION: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
-/// What an instance is made with.
+/// Flags of an instantiation.
 #[derive(Clone, Copy, Default)]
 pub struct Flags {
     pub event_mode: bool,
@@ -25,7 +25,7 @@ pub const FT: Flags = Flags { event_mode: false, early_return: true };
 pub const TF: Flags = Flags { event_mode: true, early_return: false };
 pub const TT: Flags = Flags { event_mode: true, early_return: true };
 
-/// What `fmi3DoStep` returned.
+/// Result of `fmi3DoStep`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct End {
     pub event: bool,
@@ -34,7 +34,7 @@ pub struct End {
     pub time: f64,
 }
 
-/// What `fmi3UpdateDiscreteStates` returned.
+/// Result of `fmi3UpdateDiscreteStates`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Update {
     pub values_changed: bool,
@@ -76,18 +76,18 @@ impl Fmu {
         Self::with_callback(flags, &[], None, null_mut())
     }
 
-    /// Of the description with arrays.
+    /// An instance of the description with arrays.
     pub fn arrays(flags: Flags) -> Self {
         Self::with(description::ARRAYS, flags, &[], None, null_mut())
     }
 
-    /// Of the description with a clock.
+    /// An instance of the description with a clock.
     pub fn clocked(flags: Flags) -> Self {
         Self::with(description::CLOCKED, flags, &[], None, null_mut())
     }
 
-    /// Messages go to the log unless there is an environment of the callback's, which both would
-    /// get.
+    /// Messages go to the log unless the callback has an environment, which the logger would get
+    /// too.
     pub fn with_callback(
         flags: Flags,
         required: &[u32],
@@ -171,7 +171,7 @@ impl Fmu {
         Self::new(flags).start(flags, start)
     }
 
-    /// Sets start values and goes to the first step.
+    /// Sets start values and initializes up to the first step.
     pub fn start(self, flags: Flags, start: &[(&str, f64)]) -> Self {
         let fmu = self;
         for (name, value) in start {
@@ -279,7 +279,7 @@ impl Fmu {
         Update { values_changed: values == 1, next: (defined == 1).then_some(next) }
     }
 
-    /// Event Mode and back, as a host does it that changes nothing.
+    /// Enters Event Mode and leaves it, like a host that changes nothing.
     pub fn handle_event(&self) -> Update {
         self.enter_event_mode();
         let update = self.update();
@@ -287,7 +287,8 @@ impl Fmu {
         update
     }
 
-    /// To `end` through all events, in steps of at most `size`; the events' count.
+    /// Advances to `end` through all events, in steps of at most `size`; returns the number of
+    /// events.
     pub fn run(&self, begin: f64, end: f64, size: f64) -> usize {
         let (mut time, mut events) = (begin, 0);
         while time < end {

@@ -1,5 +1,5 @@
-//! Intermediate update: inputs in the course of a step, outputs at its events, early return at a
-//! requested time.
+//! Intermediate update: inputs during a step, outputs at its events, early return at a requested
+//! time.
 
 use super::host::*;
 use std::ffi::{CString, c_void};
@@ -21,12 +21,12 @@ struct Call {
     shown: [f64; 3],
 }
 
-/// What the callback knows.
+/// Data of the callback.
 struct Course {
     c: FmiInstance,
-    /// The load on the block in time.
+    /// The load on the block as a function of time.
     load: fn(f64) -> f64,
-    /// Where to ask for an early return, and when.
+    /// Time from which an early return is requested, if any.
     stop: Option<f64>,
     calls: Vec<Call>,
 }
@@ -72,7 +72,7 @@ unsafe extern "C-unwind" fn update(
     }
 }
 
-/// An instance whose callback sets `block.f`, initialized, with its course.
+/// An initialized instance whose callback sets `block.f`, and the callback's data.
 fn with_load(flags: Flags, load: fn(f64) -> f64) -> (Fmu, Box<Course>) {
     let mut course = Box::new(Course { c: null_mut(), load, stop: None, calls: Vec::new() });
     let environment = std::ptr::from_mut(&mut *course).cast();
@@ -97,7 +97,7 @@ fn cubic_derivatives(t: f64) -> [f64; 4] {
     [cubic(t), -0.01 + 0.008 * t - 0.0006 * t * t, 0.008 - 0.0012 * t, -0.0012]
 }
 
-/// Intermediate update beside FMI 2.0's `SetRealInputDerivatives`, with one cubic load.
+/// Intermediate update compared with FMI 2.0's `SetRealInputDerivatives`, for one cubic load.
 #[test]
 fn second_method_a_cubic_load_is_that_of_input_derivatives() {
     const SAME: f64 = 1e-13;
@@ -137,11 +137,11 @@ fn quintic(t: f64) -> f64 {
     0.05 * (1.3 * t).sin() + 1e-4 * t.powi(5)
 }
 
-/// A cubic through four values of a smooth load is off by h⁴; so is the motion, before its first
-/// impact.
+/// The error of a cubic through four values of a smooth load is of order h⁴; so is the motion's
+/// error, before its first impact.
 #[test]
 fn order_of_a_smooth_load_is_four() {
-    // Half the step, a sixteenth of the error, and a little.
+    // Half the step gives a sixteenth of the error, within a margin.
     const ORDER: std::ops::Range<f64> = 3.6..4.6;
     let end = |steps: u32| {
         let (fmu, _course) = with_load(FF, quintic);
@@ -160,8 +160,8 @@ fn order_of_a_smooth_load_is_four() {
     }
 }
 
-/// Three calls for inputs, one before each event, one at the end; nothing is asked in vain, and
-/// finished times do not fall.
+/// Three calls for inputs, one before each event, one at the end; no call is superfluous, and
+/// finished times do not decrease.
 #[test]
 fn the_calls_of_a_step() {
     for (flags, can_return) in [(FF, false), (FT, true), (TF, false)] {
@@ -198,14 +198,14 @@ fn the_calls_of_a_step() {
         let after = fmu.get("impacts.upper") + fmu.get("impacts.lower");
         assert_eq!(after - before, events as f64);
     }
-    // Event mode with early return: it returns at the event instead of asking there.
+    // Event mode with early return: the step returns at the event without a callback there.
     let (fmu, course) = with_load(TT, cubic);
     assert!(fmu.step(0.0, 30.0).event);
     assert_eq!(course.calls.len(), 3);
 }
 
-/// A host that gives a callback but requires no input is shown outputs alone; as the example of the
-/// Reference FMUs does.
+/// If a host gives a callback but requires no input, it only sees outputs, like the example of the
+/// Reference FMUs.
 #[test]
 fn outputs_alone() {
     let mut course = Box::new(Course { c: null_mut(), load: cubic, stop: None, calls: Vec::new() });
@@ -229,14 +229,15 @@ fn outputs_alone() {
     }
 }
 
-/// An early return that is asked for ends at that time exactly, whatever lies before and after it.
+/// A requested early return ends exactly at the requested time, with any events before and after
+/// it.
 #[test]
 fn early_return_at_a_requested_time() {
-    // The cubic is taken through other points, and the motion in other sub-steps.
+    // The cubic is interpolated at other points, and the motion has other sub-steps.
     const SAME: f64 = 1e-12;
     let (find, _course) = with_load(FT, cubic);
     let impact = find.step(0.0, 40.0).time;
-    // FT returns at the event by itself; stopAtImpact = false goes on to the requested time.
+    // FT returns at the event by itself; stopAtImpact = false continues to the requested time.
     for stop in [impact * 0.5, impact, impact + 0.3, f64::NAN, 1e9] {
         let mut course = Box::new(Course { c: null_mut(), load: cubic, stop: Some(stop), calls: Vec::new() });
         let environment = std::ptr::from_mut(&mut *course).cast();
@@ -254,7 +255,7 @@ fn early_return_at_a_requested_time() {
             assert_eq!(end.time, stop, "exactly");
         }
         assert!((fmu.get("block.f") - cubic(end.time)).abs() < 1e-13);
-        // The motion is that of steps that end there.
+        // The motion equals the motion in steps that end there.
         let after = fmu.get("impacts.upper") + fmu.get("impacts.lower");
         assert!(after >= 1.0);
         course.stop = None;
@@ -262,8 +263,7 @@ fn early_return_at_a_requested_time() {
     }
 }
 
-/// Inputs whose value is not set keep the last one; a load held through the callback is a held
-/// load.
+/// Inputs that are not set keep their last value; a load held by the callback is a held load.
 #[test]
 fn held_inputs_are_held() {
     let (fmu, _course) = with_load(FF, |_| 0.05);
@@ -284,7 +284,7 @@ fn held_inputs_are_held() {
     }
 }
 
-/// Steps of the length of rounding, as the last one of many hosts.
+/// Steps as short as rounding, like the last step of many hosts.
 #[test]
 fn the_smallest_steps_are_steps() {
     let (fmu, _course) = with_load(FF, cubic);
