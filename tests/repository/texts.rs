@@ -1,9 +1,9 @@
-//! The texts of the repository, as people read them.
+//! The texts of the repository that people read.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Endings of files whose text people read.
+/// Extensions of files whose text people read.
 const TEXTS: [&str; 10] = ["rs", "py", "md", "toml", "html", "ts", "js", "mjs", "yml", "cff"];
 /// Folders that are made, fetched, or input of another program.
 pub const PASSED_OVER: [&str; 7] =

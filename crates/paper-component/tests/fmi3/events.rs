@@ -353,8 +353,7 @@ fn steps_that_end_on_the_announced_time_meet_the_event() {
     assert_eq!(fmu.get("impacts.upper"), plain.get("impacts.upper"));
 }
 
-/// A closed form that begins late, so that announced times are rounded more than the drive's
-/// phase.
+/// A closed form that begins late: announced times are rounded more than the drive's phase.
 #[test]
 fn steps_that_end_on_the_announced_time_meet_the_impacts_of_a_closed_form() {
     const BEGIN: f64 = 1e4;

@@ -287,8 +287,7 @@ impl Fmu {
         update
     }
 
-    /// Advances to `end` through all events, in steps of at most `size`; returns the number of
-    /// events.
+    /// Advances to `end` through all events in steps of at most `size`; returns the events' count.
     pub fn run(&self, begin: f64, end: f64, size: f64) -> usize {
         let (mut time, mut events) = (begin, 0);
         while time < end {
