@@ -1,6 +1,6 @@
-"""The equations of docs/assembly-law.md by other ways: multipliers instead of elimination, all sets of contacts instead of a
-minimum, sums instead of closed forms. They are matrices and inequalities, which the reader of docs/theory.md does not know, so
-that they are written here once more; that none is forgotten is checked."""
+"""The equations of docs/assembly-law.md, checked by other methods: multipliers instead of elimination, all sets of contacts instead
+of a minimum, sums instead of closed forms. They are matrices and inequalities, which the reader of docs/theory.md cannot parse, so
+they are written again here; a test checks that none is missing."""
 
 import itertools
 import random
