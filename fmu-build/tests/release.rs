@@ -246,7 +246,7 @@ fn files_that_agree_are_released() {
 /// reuse a build of other sources.
 #[test]
 fn unpacked_sources_are_newer_than_what_was_built_before() {
-        let before = SystemTime::now() - Duration::from_secs(60); // disks have coarse clocks
+    let before = SystemTime::now() - Duration::from_secs(60); // disks have coarse clocks
     let dist = Dist::new();
     assert_eq!(dist.disagreements(), [""; 0]);
     let sdist = dist.folder.path().join(sdist_file(VERSION));

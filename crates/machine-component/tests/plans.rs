@@ -1,5 +1,5 @@
-//! The variables and descriptions of all example machines, and of one with every kind of element
-//! and input.
+//! The variables and descriptions of all example machines, and of a machine with every kind of
+//! element and input.
 
 use fmi_doors::Version;
 use fmi_doors::description::{Kind, Variability};
@@ -24,8 +24,8 @@ fn plans() -> Vec<Plan> {
     plans
 }
 
-/// A named parameter is a parameter of the FMU: tunable where every number that follows from it is
-/// tunable, else fixed. Numbers that follow from one are calculated.
+/// A named parameter is a parameter of the FMU: tunable if every number that depends on it is
+/// tunable, else fixed. Dependent numbers are calculated parameters.
 #[test]
 fn golden_named_parameters_are_parameters_and_what_follows_is_calculated() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly/play_by_one_number.toml");
@@ -43,7 +43,7 @@ fn golden_named_parameters_are_parameters_and_what_follows_is_calculated() {
     ] {
         assert_eq!(role(name), expected, "{name}");
     }
-    // The force of a flank depends on the play, as its gap would be listed.
+    // The force of a flank depends on the play, as it would depend on its gap.
     let description = plan.description();
     let force = plan.table.reference("drive_flank.f").unwrap();
     let known = description.outputs.iter().find(|unknown| unknown.reference == force).unwrap();
@@ -52,8 +52,8 @@ fn golden_named_parameters_are_parameters_and_what_follows_is_calculated() {
     assert_eq!(listed.count(), 1);
 }
 
-/// What says when something is, and where a body begins, is fixed; inputs have the unit of what
-/// they are added to.
+/// Times of signals, and starts of bodies, are fixed; inputs have the unit of the quantity to
+/// which they are added.
 #[test]
 fn golden_numbers_of_signals_that_are_fixed_and_units_of_inputs() {
     let plan = Plan::new(include_str!("common/signals.toml").into(), "signals.toml").unwrap();
@@ -75,8 +75,8 @@ fn golden_numbers_of_signals_that_are_fixed_and_units_of_inputs() {
     assert_eq!(row("body.table.motion.acceleration.input").unit, "m/s2");
 }
 
-/// Heights and times of a stiffness that steps are tunable, its period is fixed; what its steps put
-/// in is a variable of such a machine alone.
+/// Heights and times of a stepping stiffness are tunable, its period is fixed. Only such a machine
+/// has a variable for the work of the steps.
 #[test]
 fn golden_stiffness_that_steps_and_what_it_puts_in() {
     let plan = Plan::new(include_str!("common/stepped.toml").into(), "stepped.toml").unwrap();
@@ -122,7 +122,7 @@ fn invariant_both_descriptions_have_every_variable_with_a_unit_that_is_defined()
     }
 }
 
-/// fmi-sim 0.7 opens no archive in which a variable itself has one of these attributes.
+/// fmi-sim 0.7 cannot open an archive in which a variable itself has one of these attributes.
 #[test]
 fn invariant_units_and_nominal_values_are_those_of_declared_types_in_fmi_3() {
     let mut nominals = 0;
@@ -179,7 +179,7 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
     let drive = "[load.l]\non = \"b\"\namplitude = 1.0\nfrequency = 1000.0\n";
     let slow = "[load.l]\non = \"b\"\namplitude = 1.0\nfrequency = 0.5\n";
     let record = "[load.l]\non = \"b\"\nsteps = [[12.0, 1.0], [30.0, 1.0]]\n";
-    // Thrown 40 cm at 20 m/s: 20 ms.
+    // Thrown over 40 cm at 20 m/s: 20 ms.
     let thrown = "[body.b]\nmass = 1.0\nstart = { v = 20.0 }\n[stop.wall]\nbetween = [\"ground\", \"b\"]\ngap = 0.4\nrestitution = 0.5\n";
     let alone = "[body.b]\nmass = 1.0\n";
     let falling = "gravity = 9.81\n[body.b]\nmass = 1.0\ngravity = 1.0\n";
@@ -187,7 +187,7 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
     let friction = "[friction.f]\nbetween = [\"ground\", \"b\"]\n";
     let held = "[spring.h]\nbetween = [\"p\", \"b\"]\nstiffness = 1e-3\n";
     let (swing, step) = ("amplitude = 0.1, frequency = 0.5", "steps = [[12.0, 0.1]]");
-    // Turning freely with a second body: no period of the pair.
+    // Rotating freely with a second body: the pair has no period.
     let pair =
         "[body.b]\nmass = 1.0\n[body.c]\nmass = 1.0\n[spring.s]\nbetween = [\"b\", \"c\"]\nstiffness = 5e3\n";
     for (text, stop, steps) in [
@@ -202,12 +202,12 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
         (format!("{alone}[load.l]\non = \"b\"\nconstant = 1.0\n"), 10.0, 1000..=1024),
         // Ten steps in each 10 ms of 1.3 s.
         (format!("{own}{}", drive.replace("1000.0", "100.0")), 1.3, 2000..=2048),
-        // Four times the mass, in twice the time.
+        // Four times the mass doubles the time.
         (format!("{}{bumper}", alone.replace("1.0", "4.0")), 0.13, 1000..=1024),
-        // A metre of fall: √(2/9.81) s; with 1 m/s (√(1 + 2 · 9.81) - 1)/9.81 s.
+        // A fall of one metre: √(2/9.81) s; with 1 m/s: (√(1 + 2 · 9.81) - 1)/9.81 s.
         (format!("{falling}{floor}"), 9.1, 1000..=1024),
         (format!("{falling}start = {{ v = 1.0 }}\n{floor}"), 7.3, 1000..=1024),
-        // Signals of every kind count by their harmonics and by their last change.
+        // Signals of every kind count through their harmonics and their last change.
         (format!("{own}{}force = {{ constant = 1.0, {swing} }}\n", friction), 40.0, 4000..=4096),
         (
             format!("{own}{}force = 1.0\nstatic = {{ constant = 2.0, {swing} }}\n", friction),
@@ -314,7 +314,7 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
                 "{}",
                 row.name
             );
-            // Of a named parameter the range follows from its use (tests/components/named.rs).
+            // The range of a named parameter follows from its use (tests/components/named.rs).
             if !follows.is_empty() {
                 continue;
             }
@@ -327,7 +327,7 @@ fn invariant_parameters_and_inputs_are_described_by_their_start_range_and_role()
     }
 }
 
-/// What hosts may do with a machine: each is done in the tests of the C interface.
+/// The allowed actions of hosts; the tests of the C interface perform each of them.
 #[test]
 fn golden_capabilities_are_those_of_the_component() {
     let plan = Plan::new(include_str!("common/everything.toml").into(), "everything.toml").unwrap();
@@ -337,7 +337,7 @@ fn golden_capabilities_are_those_of_the_component() {
         let tag = &text[from..from + text[from..].find('>').unwrap()];
         let words = tag.split_whitespace().map(|word| word.trim_end_matches('/').replace('"', ""));
         let mut words: Vec<String> = words.filter(|word| word.contains('=')).collect();
-        // The library, not the machine, says the others.
+        // The others are capabilities of the library, not of the machine.
         words.retain(|word| !["modelI", "canBeI", "canNot", "needsE"].contains(&&word[..6]));
         words.sort();
         words

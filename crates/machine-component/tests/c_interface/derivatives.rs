@@ -1,10 +1,10 @@
-//! Derivatives of outputs against differences of the machine's outputs.
+//! Derivatives of outputs compared with differences of the machine's outputs.
 
 use crate::host::*;
 use crate::*;
 use vibro_machine_component::{FILE, Plan, Role};
 
-/// A body between a spring and a compliant stop, which an input pushes.
+/// A body between a spring and a compliant stop, pushed by an input.
 fn pushed() -> Plan {
     let text = "name = \"Pushed\"\n[body.b]\nmass = 2.0\nstart = { s = 0.3, v = 1.0 }\n[spring.k]\nbetween = [\"ground\", \"b\"]\n\
                 stiffness = 50.0\ndamping = 1.0\n[stop.wall]\nbetween = [\"ground\", \"b\"]\ngap = 0.2\nstiffness = 1e3\n\
@@ -105,7 +105,7 @@ fn closed_form_directional_derivatives_by_an_input() {
     assert!(near(adjoint, 2.0 * 0.5 + 1.0), "{adjoint}");
 }
 
-/// A stop's force never pulls; its derivatives have either sign.
+/// A stop's force never pulls; its derivatives may have either sign.
 #[test]
 fn closed_form_derivatives_of_a_stops_force_that_falls() {
     // Rounding of a sine and of a weight in a sum.
@@ -203,8 +203,8 @@ fn second_method_derivatives_over_a_step_against_differences_of_steps() {
     }
 }
 
-/// Every tunable parameter, set at a communication point under way: a step with the changed
-/// machine.
+/// Every tunable parameter, set at a communication point during the motion: a step with the
+/// changed machine.
 #[test]
 fn second_method_derivatives_over_a_step_by_parameters_against_differences_of_steps() {
     // Relative step and error of a fourth-order difference, with rounding over its step.
@@ -234,7 +234,7 @@ fn second_method_derivatives_over_a_step_by_parameters_against_differences_of_st
         let mut moved = 0;
         for (k, name) in tunable.iter().enumerate() {
             let step = STEP * machine.get(name).abs().max(0.1);
-            // Nothing is below 0 but what may be.
+            // Only numbers that may be negative are varied below 0.
             let places = if machine.get(name) == 0.0 { [0.0, 1.0, 2.0, 3.0] } else { [-2.0, -1.0, 1.0, 2.0] };
             let [a, b, c, d] = places.map(|place| states(&run(size, name, place * step)));
             for i in 0..4 {
@@ -253,7 +253,7 @@ fn second_method_derivatives_over_a_step_by_parameters_against_differences_of_st
         }
         assert!(moved > 20, "{moved}");
     }
-    // Without a step there is nothing that a parameter has moved.
+    // Before the first step, no parameter has had any effect.
     let still = Instance::of("step by parameters", &plan, false);
     still.begin();
     let mut all = vec![f64::NAN; 4 * tunable.len()];
@@ -262,8 +262,8 @@ fn second_method_derivatives_over_a_step_by_parameters_against_differences_of_st
     assert!(all.iter().all(|x| *x == 0.0));
 }
 
-/// Of FMI 2.0 knowns are inputs and states; of FMI 3.0 tunable parameters and time, too, once the
-/// motion has begun.
+/// In FMI 2.0, knowns are inputs and states; in FMI 3.0, also tunable parameters and time, once
+/// the motion has begun.
 #[test]
 fn what_is_no_known_is_refused_by_name() {
     let plan = pushed();
@@ -286,8 +286,8 @@ fn what_is_no_known_is_refused_by_name() {
     assert!((along + 0.3).abs() < 1e-15, "{along}");
 }
 
-/// Steps that end before each event's law. Read after the events, the product of their matrices is
-/// that of the whole step; read before, a matrix lacks the jump.
+/// Steps that end before each event's law. If read after the events, their matrices multiply to
+/// the matrix of the whole step; if read before, a matrix lacks the jump.
 #[test]
 fn invariant_products_of_steps_between_events() {
     // Rounding of a product of some twenty matrices.
@@ -319,7 +319,7 @@ fn invariant_products_of_steps_between_events() {
     for (a, b) in all.iter().flatten().zip(expected.iter().flatten()) {
         assert!((a - b).abs() < ROUNDING * largest, "{a} {b}");
     }
-    // A restored instance has made no step.
+    // A restored instance has not made a step.
     let mut state = std::ptr::null_mut();
     unsafe {
         assert_eq!(fmi3GetFMUState(parts.c, &mut state), OK);
@@ -365,8 +365,8 @@ fn invariant_arrays_are_in_their_own_description_alone() {
     assert!(unsafe { fmi2Instantiate(name, 1, token.as_ptr(), uri.as_ptr(), none, 0, 0) }.is_null());
 }
 
-/// A seed that is not finite, or gives a derivative that is not, is refused by name; nothing is
-/// written, and the motion continues.
+/// A seed or a derivative that is not finite is refused by name; nothing is written, and the
+/// motion continues.
 #[test]
 fn derivatives_that_are_no_finite_numbers_are_refused_by_name() {
     let plan = pushed();

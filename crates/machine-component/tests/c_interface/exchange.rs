@@ -1,4 +1,4 @@
-//! Model Exchange by both versions, with a host that uses the C interface only.
+//! Model Exchange in both versions, with a host that uses only the C interface.
 
 mod sets;
 
@@ -39,7 +39,7 @@ impl Host {
         host
     }
 
-    /// Handles an event: whether states have changed, and the time of the next event where it is
+    /// Handles an event; returns whether states have changed, and the time of the next event if
     /// known.
     fn handle(&self) -> (bool, Option<f64>) {
         let (mut changed, mut defined, mut next) = (0, 0, 0.0);
@@ -62,7 +62,7 @@ impl Host {
         x
     }
 
-    /// The derivatives at a point, and the least indicator.
+    /// The derivatives at a point, and the smallest indicator.
     fn at(&self, time: f64, x: &[f64]) -> (Vec<f64>, f64) {
         let (mut slope, mut z) = (vec![0.0; self.states], vec![0.0; self.indicators]);
         unsafe {
@@ -74,7 +74,7 @@ impl Host {
         (slope, z.into_iter().fold(f64::INFINITY, f64::min))
     }
 
-    /// Accepts a point: whether an event is to be handled there.
+    /// Accepts a point; returns whether an event must be handled there.
     fn accept(&self) -> bool {
         let (mut event, mut end) = (0, 0);
         unsafe { assert_eq!(fmi3CompletedIntegratorStep(self.c, 1, &mut event, &mut end), OK) };
@@ -95,7 +95,7 @@ fn closed_form_a_ball_by_a_hosts_solver() {
     while bounces < 3 {
         let x = host.states();
         let h = (x[1].mul_add(x[1], 2.0 * g * (1.0 - x[0])).sqrt() - x[1]) / g;
-        // To just beyond the stop, as a search for a root ends.
+        // Just beyond the stop, where a root search ends.
         let h = h * (1.0 + 1e-10);
         let (slope, _) = host.at(time, &x);
         let next = [x[0] + h * (slope[0] + 0.5 * h * slope[1]), x[1] + h * slope[1]];
@@ -237,7 +237,7 @@ fn set(host: &Host, plan: &Plan, name: &str, value: f64) {
     assert_eq!(unsafe { fmi3SetFloat64(host.c, &reference, 1, &value, 1) }, OK, "{name}");
 }
 
-/// Friction whose level is an input alone has only the size that the host sets.
+/// The friction of a brake whose level is only an input equals the host's value.
 #[test]
 fn closed_form_a_brake_that_a_host_presses_acts_at_once() {
     let text = "name = \"Brake\"\n[body.sled]\nmass = 2.0\nstart = { v = 3.0 }\n\
@@ -288,7 +288,7 @@ fn closed_form_a_buffer_that_a_jump_of_its_base_takes_away_has_no_force() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// Values set at an event act after it, in any order, with an update or without, and through a
+/// Values set at an event act after it, in any order, with or without an update, and through a
 /// saved state.
 #[test]
 fn closed_form_a_parameter_and_an_input_of_one_event() {

@@ -1,4 +1,4 @@
-//! A host of FMI 3.0 for one machine, with its messages.
+//! An FMI 3.0 host for one machine, with its messages.
 
 use crate::*;
 use fmi_doors::fmi3::abi::FmiInstance;
@@ -13,7 +13,7 @@ pub const OK: c_int = 0;
 pub const DISCARD: c_int = 2;
 pub const ERROR: c_int = 3;
 
-/// The plan of an example, changed in its text.
+/// The plan of an example after a change of its text.
 pub fn plan(example: &str, change: impl Fn(String) -> String) -> Plan {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly").join(example);
     let machine = file::read(&path).unwrap();
@@ -41,14 +41,14 @@ impl std::ops::Deref for Messages {
     type Target = Vec<String>;
 
     fn deref(&self) -> &Vec<String> {
-        // SAFETY: the list lives as long as this, and nothing is added while it is read.
+        // SAFETY: the list lives as long as `self`, and nothing is added while it is read.
         unsafe { &*self.0 }
     }
 }
 
 impl Drop for Messages {
     fn drop(&mut self) {
-        // SAFETY: it was made of a box.
+        // SAFETY: the pointer came from a box.
         drop(unsafe { Box::from_raw(self.0) });
     }
 }
@@ -137,7 +137,8 @@ impl<'a> Instance<'a> {
         unsafe { fmi3SetFloat64(self.c, &self.reference(name), 1, &value, 1) }
     }
 
-    /// A step; whether an event is to be handled, whether it has ended early, and the time reached.
+    /// Makes a step; returns whether an event is pending, whether it ended early, the time
+    /// reached.
     pub fn step(&self, point: f64, size: f64) -> (bool, bool, f64) {
         let (mut event, mut end, mut early, mut time) = (0, 0, 0, 0.0);
         let status =
@@ -146,8 +147,8 @@ impl<'a> Instance<'a> {
         (event != 0, early != 0, time)
     }
 
-    /// Handles the events of this instant; whether something has changed, and the time of the next
-    /// event where it is known.
+    /// Handles the events of this instant; returns whether anything has changed, and the time of
+    /// the next event if known.
     pub fn handle(&self) -> (bool, Option<f64>) {
         let (mut changed, mut defined, mut next) = (0, 0, 0.0);
         unsafe {
@@ -170,8 +171,8 @@ pub fn native(plan: &Plan) -> Motion {
     Motion::new(plan.assembly.clone()).unwrap()
 }
 
-/// Times at which a native motion up to a time has an event, and times at which it tells of one. A
-/// compliant stop whose force has ended tells of nothing where its gap opens afterwards.
+/// Times at which a native motion up to a time has an event, and times at which it reports one. A
+/// compliant stop whose force has ended reports nothing when its gap opens later.
 pub fn native_events(plan: &Plan, end: f64) -> (Vec<f64>, Vec<f64>) {
     let (mut motion, mut due, mut told) = (native(plan), Vec::new(), Vec::new());
     while motion.advance_before_event(end, &mut |event| told.push(event.time)).unwrap() == Reached::Event {

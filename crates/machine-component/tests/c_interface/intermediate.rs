@@ -83,8 +83,8 @@ fn instance(plan: &Plan, name: &str, host: &mut Course, event_mode: bool) -> Fmi
     }
 }
 
-/// A step: its status, whether an event is to be handled, whether it ended early, and the time
-/// reached.
+/// Makes a step; returns its status, whether an event must be handled, whether it ended early, and
+/// the time reached.
 fn step(c: FmiInstance, point: f64, size: f64) -> (i32, bool, bool, f64) {
     let (mut event, mut end, mut early, mut time) = (0, 0, 0, 0.0);
     let status = unsafe { fmi3DoStep(c, point, size, 1, &mut event, &mut end, &mut early, &mut time) };

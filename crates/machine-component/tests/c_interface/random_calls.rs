@@ -1,6 +1,6 @@
-//! Random calls with random arguments on machines with every kind of element, by both doors: no
-//! crash, no panic, and the instance answers afterwards. The fuzzer `machine` of `tests/fuzz` makes
-//! the same calls; what it has found stands in its corpus.
+//! Random calls with random arguments on machines with every kind of element, through both doors:
+//! no crash, no panic, and the instance still answers. The fuzzer `machine` of `tests/fuzz` makes
+//! the same calls; its findings are in its corpus.
 
 use crate::calls::{Random, Target, run_fmi2, run_fmi3};
 use crate::machines::{machines, run};

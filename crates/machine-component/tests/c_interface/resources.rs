@@ -1,4 +1,4 @@
-//! The machine's file in the resources: that of another machine, damaged ones and hostile ones.
+//! The machine's file in the resources: another machine's, damaged ones and malicious ones.
 
 use crate::host::*;
 use crate::*;
@@ -94,7 +94,7 @@ fn hostile_files_are_refused_by_name_and_quickly() {
         assert!(message.len() < 100_000, "{name}: {} bytes", message.len());
         assert!(before.elapsed().as_secs() < 20, "{name}: {:?}", before.elapsed());
     }
-    // Bytes that are no UTF-8.
+    // Invalid UTF-8.
     let (folder, token) = hostile("hostile bytes", &[0xff, 0xfe, 0x00, 0x80]);
     let refused = Instance::new(&folder, &ball, &token, false);
     assert!(refused.c.is_null() && refused.messages[0].contains(FILE), "{:?}", refused.messages);

@@ -170,7 +170,7 @@ fn invariant_saved_states_go_through_bytes_and_reset_begins_anew() {
 
 /// Whether a saved state with another phase and a valid checksum is accepted.
 fn is_taken(machine: &Instance<'_>, phase: u8) -> bool {
-    // After mark and checksum (8 bytes each) and the token follow interface type, two Booleans and
+    // After mark and checksum (8 bytes each) and the token come interface type, two Booleans and
     // the phase.
     const CONTENT: usize = 16;
     const BEFORE_THE_PHASE: usize = 3;
@@ -192,7 +192,7 @@ fn is_taken(machine: &Instance<'_>, phase: u8) -> bool {
     }
 }
 
-/// Damaged bytes may hold any phase: only phases that fit the motion, or its absence, are accepted.
+/// Damaged bytes may contain any phase; only phases that agree with the motion are accepted.
 #[test]
 fn saved_states_whose_phase_does_not_go_with_the_motion_are_refused() {
     let plan = plan("damper_with_buffer.toml", unchanged);
@@ -227,7 +227,7 @@ fn closed_form_inputs_with_their_derivatives() {
         assert_eq!(fmi2EnterInitializationMode(c), OK);
         let input = reference("load.push.input");
         assert_eq!(fmi2SetReal(c, &input, 1, &3.0), OK);
-        // Set values are read back at once, and time is that of the host.
+        // Set values are read back at once, and time is the host's.
         assert_eq!([get(c, "sled.a"), get(c, "push.f"), get(c, "time")], [1.0, 4.0, 3.0]);
         assert_eq!(fmi2ExitInitializationMode(c), OK);
         assert_eq!(fmi2SetReal(c, &input, 1, &1.0), OK);

@@ -7,7 +7,7 @@ use std::path::Path;
 use vibro_machine::file;
 use vibro_machine_component::{FILE, Plan};
 
-/// Most calls of one fuzzer input.
+/// Largest number of calls of one fuzzer input.
 const CALLS: usize = 64;
 
 /// The machines, each without and with arrays; the files of their resources are written to this
@@ -39,8 +39,8 @@ pub fn machines(folder: &Path) -> Vec<Target> {
     texts.flat_map(|text| [(text.clone(), false), (text, true)]).map(target).collect()
 }
 
-/// Runs a fuzzer input: the first byte chooses the machine and its use, the others choose calls and
-/// arguments.
+/// Runs a fuzzer input: the first byte chooses the machine and its use, the others choose calls
+/// and arguments.
 pub fn run(machines: &[Target], bytes: &[u8]) {
     let Some((kind, bytes)) = bytes.split_first() else { return };
     let (place, way) = (usize::from(*kind) % (machines.len() / 2), *kind / 8 % 5);

@@ -1,6 +1,6 @@
-//! What descriptions say of dependencies against numerical derivatives: what is not listed must not
-//! move, and by a factor that is said not to change the first derivative is the same wherever the
-//! mode is, so that the second one is zero, mixed ones too.
+//! Declared dependencies compared with numerical derivatives. Unlisted dependencies must have no
+//! effect. A constant factor must be the same in every mode, so that all second derivatives,
+//! including mixed ones, are zero.
 
 use crate::plans;
 use crate::solver::{Silent, Solver, get, set};
@@ -15,7 +15,7 @@ use vibro_machine_component::{FILE, Plan, Quantity, Role, SavedState};
 const ROUNDING: f64 = 1e-9;
 /// Number of steps of the solver.
 const STEPS: usize = 300;
-/// Most modes that are examined.
+/// Largest number of modes that are examined.
 const MODES: usize = 6;
 
 /// The listed dependency kinds, by unknown and known.
@@ -67,8 +67,8 @@ impl Probe<'_> {
         self.unknowns.iter().map(|&unknown| get(machine, unknown).unwrap()).collect()
     }
 
-    /// First derivatives times the step, second ones times its square, and the sizes of the values.
-    /// Time varies forwards only.
+    /// First derivatives times the step, second derivatives times its square, and the sizes of the
+    /// values. Time is only varied forwards.
     fn along(&mut self, base: &[(u32, f64)], known: u32, by: f64) -> Vec<[f64; 3]> {
         let moved = |by: f64| [base, &[(known, by)]].concat();
         let is_time = self.plan.table.rows[known as usize - 1].quantity == Quantity::Time;
@@ -82,7 +82,7 @@ impl Probe<'_> {
     }
 }
 
-/// Factors that hold for all modes, by unknown and known.
+/// Factors valid for all modes, by unknown and known.
 type Factors = HashMap<(u32, u32), f64>;
 
 #[derive(Default)]
@@ -151,8 +151,8 @@ fn mode(plan: &Plan, solver: &mut Solver) -> Vec<i64> {
     references.into_iter().map(|reference| get(&mut solver.machine, reference).unwrap() as i64).collect()
 }
 
-/// All values after each of some parameter values is set at one event, with the states held; `None`
-/// where one is refused.
+/// All values after each of some parameter values is set at one event, with the states held;
+/// `None` if a value is refused.
 fn after_event(probe: &mut Probe, parameter: u32, values: &[f64]) -> Option<Vec<f64>> {
     probe.solver.restore(&probe.saved);
     let machine = &mut probe.solver.machine;
@@ -167,8 +167,7 @@ fn after_event(probe: &mut Probe, parameter: u32, values: &[f64]) -> Option<Vec<
     Some(probe.unknowns.iter().map(|&unknown| get(machine, unknown).unwrap()).collect())
 }
 
-/// Checks that unlisted tunable parameters, set at an event, change nothing. A jump of states is no
-/// dependency.
+/// Checks that unlisted tunable parameters, set at an event, change nothing but states.
 fn parameters(probe: &mut Probe, lists: &HashMap<u32, HashMap<u32, DependencyKind>>, found: &mut Found) {
     let plan = probe.plan;
     for (parameter, row) in (1..).zip(&plan.table.rows).filter(|(_, row)| row.role == Role::Tunable) {
@@ -233,13 +232,14 @@ fn second_method_dependencies_by_differences_in_every_mode_that_is_met() {
     assert_eq!(kinds.len(), 5, "{kinds:?}");
 }
 
-/// Partial derivatives by tunable parameters and time, where the states and the mode stay.
+/// Partial derivatives by tunable parameters and time, if the states and the mode do not change.
 fn partial(probe: &mut Probe, found: &mut HashSet<String>) -> usize {
     // Relative step and error of a central difference.
     const STEP: f64 = 1e-4;
     const DIFFERENCE: f64 = 1e-6;
-    // Rounding of a value, and of the largest, of which accelerations may be small differences; a
-    // change of a parameter that shows nothing but rounding, and how much more there may be.
+    // Rounding relative to a value and to the largest value, of which accelerations are
+    // differences; size of changes that count as rounding, and the factor by which rounding may
+    // exceed it.
     const ROUNDING: (f64, f64) = (1e-12, 1e-11);
     const NOISE: (f64, f64) = (1e-12, 16.0);
     let plan = probe.plan;
@@ -267,7 +267,7 @@ fn partial(probe: &mut Probe, found: &mut HashSet<String>) -> usize {
             };
             values.filter(|_| mode(plan, probe.solver) == before)
         };
-        // Time varies forwards only, and what must not be negative may be 0.
+        // Time is only varied forwards, and nonnegative numbers may be 0.
         let difference = match [at(0.0), at(step), at(2.0 * step), at(-step).filter(|_| !is_time)] {
             [_, Some(b), _, Some(d)] => {
                 b.iter().zip(&d).map(|(b, d)| (b - d) / (2.0 * step)).collect::<Vec<_>>()
@@ -326,7 +326,7 @@ fn second_method_partial_derivatives_by_parameters_and_time_by_differences() {
     assert!(moved > 1000, "{moved}");
 }
 
-/// The initial unknowns; `None` where the start is refused.
+/// The initial unknowns; `None` if the start is refused.
 fn initial(
     (plan, unknowns): (&Arc<Plan>, &[u32]),
     interface: Interface,
@@ -383,8 +383,8 @@ fn second_method_initial_unknowns_by_differences() {
     }
 }
 
-/// A force changes no coordinate and no rate at once: hosts that connect these find no algebraic
-/// loop.
+/// A force changes neither coordinates nor rates at once, so that hosts that connect these find no
+/// algebraic loop.
 #[test]
 fn closed_form_an_input_that_is_a_force_is_listed_by_forces_and_accelerations_alone() {
     let text = "name = \"Pair\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"a\", \"b\"]\n\

@@ -5,10 +5,10 @@ use fmi_doors::{Component, EventHandling, Interface, Life};
 use std::sync::Arc;
 use vibro_machine_component::{FILE, Machine, Plan};
 
-/// Roundings of some hundred sub-steps, in parts of the energies that were turned over.
+/// Rounding of some hundred sub-steps, relative to the energies that were converted.
 const ROUNDING: f64 = 1e-9;
 
-/// A block that swings at a table of which the host sets the place, with energy from the start on.
+/// A block on a spring to a table that the host moves; it has energy from the start.
 const SHAKEN: &str = "name = \"Shaken\"\n[body.table]\nmotion = { amplitude = 0.01, frequency = 3.0, input = true }\n[body.block]\n\
     mass = 2.0\nstart = { s = 0.1, v = 1.0 }\n[spring.k]\nbetween = [\"table\", \"block\"]\nstiffness = 800.0\ndamping = 3.0\n\
     [load.push]\non = \"block\"\ninput = true\n";
@@ -21,14 +21,14 @@ fn named<const N: usize>(plan: &Plan, names: [&str; N]) -> [u32; N] {
     names.map(|name| plan.table.reference(name).unwrap())
 }
 
-/// Mechanical energy, and what work and losses do not account for.
+/// Mechanical energy, and the part that work and losses do not explain.
 fn balance(machine: &mut Machine, plan: &Plan) -> (f64, f64) {
     let names = ["energy.kinetic", "energy.stored", "energy.residual"];
     let [kinetic, stored, residual] = named(plan, names).map(|reference| get(machine, reference).unwrap());
     (kinetic + stored, residual)
 }
 
-/// Steps of stiffness between and within a host's steps, one of which it changes.
+/// Steps of stiffness between and within a host's steps; the host changes one of them.
 #[test]
 fn invariant_what_steps_of_stiffness_put_in_is_accounted_for() {
     let plan = Arc::new(Plan::new(include_str!("../common/stepped.toml").into(), FILE).unwrap());
@@ -83,7 +83,7 @@ fn invariant_energy_is_accounted_for_whatever_a_host_sets_between_steps() {
         largest = energy.max(largest);
         assert!(residual.abs() < ROUNDING * largest, "{k}: {residual} of {energy}");
     }
-    // Losses, work and what is left: none of them is nothing.
+    // Losses, work and the remaining energy: none of them is zero.
     let [work, lost] = named(&plan, ["energy.work", "energy.lost"]).map(|r| get(&mut machine, r).unwrap());
     assert!(lost > 0.1 && work.abs() > 0.1, "{work} {lost}");
 }
@@ -100,7 +100,7 @@ fn invariant_a_hosts_solver_sees_no_energy_come_by_inputs() {
         let now = balance(&mut solver.machine, &plan);
         assert!((now.0 - before.0).abs() < ROUNDING && now.1.abs() < ROUNDING, "{value}: {now:?}");
     }
-    // The table's place is the spring's end: what it holds changes, and is no residual.
+    // The table is the spring's end: moving it changes the stored energy, without a residual.
     for value in [0.02, -0.01] {
         assert!(set(&mut solver.machine, place, value));
         let now = balance(&mut solver.machine, &plan);

@@ -1,5 +1,5 @@
-//! Messages of events: every state of a contact that changes at an event is reported by name, but
-//! for the turn of a stop that has no dashpot in the rebound, and friction that follows a stop.
+//! Messages of events: every state change of a contact at an event is reported by name, except the
+//! reversal of a stop without a dashpot in the rebound, and friction that follows a stop.
 
 use crate::plans;
 use crate::solver::{Silent, get, set};
@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use vibro_machine_component::{FILE, Machine, Plan, Quantity};
 
-/// Most events of a machine.
+/// Largest number of events of a machine.
 const EVENTS: usize = 60;
 
 #[derive(Default)]
@@ -68,11 +68,11 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
                 let is_told = told.0.iter().any(|text| text.starts_with(&name));
                 // Pressed (4) and rebounding (7).
                 let turns = [was.min(is), was.max(is)] == [4.0, 7.0];
-                // A friction that follows a stop begins and ends to act with the stop's force.
+                // A friction that follows a stop starts and stops acting with the stop's force.
                 let with_stop = name.starts_with("friction.rub") && was.min(is) == 1.0;
                 let is_told = is_told || with_stop && told.0.iter().any(|text| text.starts_with("stop.pad "));
-                // A contact whose force has ended (5) and that leaves its gap (3) was told when it
-                // ended.
+                // A contact whose force has ended (5) and that leaves its gap (3) was reported
+                // when the force ended.
                 let leaves = (was, is) == (5.0, 3.0);
                 assert!(
                     was == is || is_told || turns || leaves,
@@ -85,13 +85,12 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
             machine.leave_event(&mut Silent).unwrap();
         }
     }
-    // Among them are those of an `ElastoGap`: pressed (4) and capped (6).
+    // They include the changes of an `ElastoGap`: pressed (4) and capped (6).
     assert!(changes.contains(&(true, 4, 6)) || changes.contains(&(true, 6, 4)), "{changes:?}");
     assert!(changes.len() > 12, "{changes:?}");
 }
 
-/// An input that is set in initialization is what the first sample reads; samples are no lines of
-/// the log.
+/// The first sample reads an input that is set in Initialization Mode; samples are not logged.
 #[test]
 fn closed_form_the_first_sample_reads_the_inputs_of_initialization() {
     let text = r#"

@@ -1,5 +1,5 @@
-//! Forces in Model Exchange against the accelerations: a solver looks for an event on both sides of
-//! it, so that it sees flanks, stops and contacts that are pulled.
+//! Forces in Model Exchange compared with accelerations: a solver searches for an event on both
+//! sides, so that it sees flanks, stops and contacts in tension.
 
 use crate::plans;
 use crate::solver::{Solver, get};
@@ -8,19 +8,19 @@ use vibro_machine::Element;
 use vibro_machine::description::{BodyKind, Description};
 use vibro_machine_component::Plan;
 
-/// Steps of a run, after each of which the states are displaced.
+/// Number of steps of a run; the states are displaced after each.
 const STEPS: usize = 60;
-/// Displacement of a state in nominal values: beyond the end of most contacts.
+/// Displacement of a state in nominal values, enough to end most contacts.
 const BESIDE: f64 = 0.03;
 /// Rounding relative to the largest force on a body.
 const ROUNDING: f64 = 1e-9;
 
-/// Whether each force on a body is that of an element, and none that of a link or a matrix.
+/// Whether each force on a body is an element's, and none is a link's or a matrix's.
 fn has_forces(machine: &Description) -> bool {
     machine.links.is_empty() && machine.bodies.iter().all(|body| !body.is_inner())
 }
 
-/// Mass times acceleration less all forces of a free body, and the largest of these.
+/// Mass times acceleration minus all forces of a free body, and the largest of these forces.
 fn unbalanced(plan: &Plan, solver: &mut Solver, body: usize) -> Option<[f64; 2]> {
     let machine = &plan.assembly.description;
     let BodyKind::Free(free) = &machine.bodies[body].kind else { return None };

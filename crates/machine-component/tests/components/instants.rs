@@ -37,7 +37,7 @@ fn value(machine: &mut Machine, plan: &Plan, name: &str) -> f64 {
     get(machine, place.unwrap_or_else(|| panic!("no {name}")) as u32 + 1).unwrap()
 }
 
-/// Samples of which the outputs act at a time.
+/// The number of samples whose outputs have acted by a time.
 fn acted(time: f64) -> f64 {
     ((time - 0.7e-3) / 2e-3 + APART).floor().max(0.0)
 }

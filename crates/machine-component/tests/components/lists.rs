@@ -1,11 +1,11 @@
-//! The lists of dependencies of a machine with one element of each kind, written out: what is
-//! listed too much, or as less than it is,
-//! no difference of values shows.
+//! The complete lists of dependencies of a machine with one element of each kind. Differences of
+//! values cannot show that a dependency is superfluous, or declared weaker than it is; this test
+//! can.
 
 use fmi_doors::description::Unknown;
 use vibro_machine_component::{FILE, Plan};
 
-/// A machine with one element of each kind, of which the lists follow from the laws by hand.
+/// A machine with one element of each kind, whose lists were derived from the laws by hand.
 const EACH: &str = "name = \"Each\"\ngravity = 9.81\n[body.table]\nmotion = { amplitude = 0.01, frequency = 3.0, input = true }\n\
     [body.box]\nmass = 3.0\ngravity = 1.0\nstart = { s = 0.01, v = 0.1 }\n[body.wheel]\ninertia = 0.2\n[body.drum]\ninertia = 0.1\n\
     [spring.mount]\nbetween = [\"table\", \"box\"]\nstiffness = 40.0\n[stop.wall]\nbetween = [\"ground\", \"box\"]\ngap = 0.4\n\
@@ -13,7 +13,7 @@ const EACH: &str = "name = \"Each\"\ngravity = 9.81\n[body.table]\nmotion = { am
     between = [\"ground\", \"wheel\"]\nforce = { constant = 0.2, input = true }\n[link.gear]\narms = { wheel = 1.0, drum = -3.0 }\n\
     [load.torque]\non = \"drum\"\nconstant = 1.0\nsteps = [[0.3, 2.0]]\n";
 
-/// The lists by name: the unknown, and after each kind the knowns that enter so.
+/// The lists by name: the unknown, and after each kind the knowns of that kind.
 fn written(plan: &Plan, list: &[Unknown]) -> Vec<String> {
     let name = |reference: u32| plan.table.rows[reference as usize - 1].name.as_str();
     let line = |unknown: &Unknown| {
@@ -81,7 +81,7 @@ fn golden_lists_of_a_machine_with_an_element_of_each_kind() {
     }
 }
 
-/// f = c e' of a damper: no list of it, nor of what it accelerates, has a coordinate.
+/// f = c e' for a damper: neither its list nor the lists of its bodies have a coordinate.
 #[test]
 fn closed_form_no_force_depends_on_the_elongation_of_a_damper() {
     let text = "name = \"D\"\n[body.a]\nmass = 1.0\n[body.b]\nmass = 2.0\n[damper.d]\nbetween = [\"a\", \"b\"]\n\

@@ -1,4 +1,4 @@
-//! Named parameters and what follows from them, as variables of the FMU.
+//! Named parameters and numbers that depend on them, as variables of the FMU.
 
 use crate::solver::{Silent, Solver, get, set};
 use fmi_doors::description::{Causality, Variability, Variable};
@@ -6,7 +6,7 @@ use fmi_doors::{Bases, Component, Interface, Model, Phase};
 use std::sync::Arc;
 use vibro_machine_component::{FILE, Plan};
 
-/// A ball between two stops; a restitution is within 0 and 1, a stiffness at least 0.
+/// A ball between two stops; the range of a restitution is 0 to 1, a stiffness is at least 0.
 const BALL: &str = r#"
 name = "Ball"
 [parameters]
@@ -38,7 +38,7 @@ fn golden_named_parameters_have_comment_use_and_range_and_what_follows_is_calcul
     let plan = plan();
     for (name, text, [min, max]) in [
         ("play", "from stop to stop, <clear>; sets stop.left.gap, stop.right.gap", [None, None]),
-        // 0 <= 1 - 2 bounce <= 1; the square says nothing.
+        // 0 <= 1 - 2 bounce <= 1; the square gives no limit.
         (
             "bounce",
             "Named parameter; sets stop.left.restitution, stop.right.restitution",
@@ -70,7 +70,7 @@ fn golden_named_parameters_have_comment_use_and_range_and_what_follows_is_calcul
         let own = variable(&plan, name);
         assert_eq!((own.causality, own.variability), (Causality::CalculatedParameter, variability), "{name}");
         assert_eq!((&*own.description, own.start, [own.min, own.max]), (text, None, [min, max]), "{name}");
-        // FMI 2.0, 2.2.8, and FMI 3.0.2, 2.4.8: each is an initial unknown, which names its knowns.
+        // FMI 2.0, 2.2.8, and FMI 3.0.2, 2.4.8: each is an initial unknown with its knowns.
         let unknowns = plan.description().initial_unknowns;
         assert_eq!(unknowns.iter().filter(|unknown| unknown.reference == own.reference).count(), 1, "{name}");
     }
@@ -104,7 +104,7 @@ fn closed_form_what_follows_is_read_as_it_follows_and_is_not_set() {
         );
     }
     follows(&mut machine, 0.4);
-    // The motion has them: 0.2 m at 0.5 m/s with a spring of 18 N/m, sin(3 t) · 0.5 / 3.
+    // The motion uses the values: 0.2 m at 0.5 m/s with a spring of 18 N/m, sin(3 t) · 0.5 / 3.
     machine.step_as_agreed(0.0, 0.4, &mut Silent).unwrap();
     let s = get(&mut machine, place("ball.s")).unwrap();
     assert!((s - (1.2f64).sin() * 0.5 / 3.0).abs() < 1e-12, "{s}");
@@ -127,7 +127,7 @@ fn a_named_parameter_that_makes_a_number_wrong_is_refused_by_its_own_name() {
     let wrong =
         "bounce = 0.75: then stop.right.restitution = 1 - 2 * bounce = -0.5: allowed is a number from 0 to 1";
     assert_eq!(begun(&[("bounce", 0.75), ("v0", 0.25)]).1, wrong);
-    // Under way it is refused at once, and nothing has changed.
+    // During the motion it is refused at once, and nothing has changed.
     let (mut machine, ended) = begun(&[]);
     assert_eq!(ended, "");
     let refused = machine.set(Bases::REAL, &[place("bounce")], |_| 0.75).unwrap_err().to_string();

@@ -34,7 +34,7 @@ fn closed_form_an_input_holds_its_last_value_after_a_step_in_which_it_had_a_cour
     let mut sled = begun(&plan, EventHandling::default());
     let mut pieces = Pieces::begin(&sled, 0.0, 0.5).unwrap();
     assert_eq!(pieces.left(&sled), 0.5);
-    // t² + t³, of which the derivatives at the step's end are not zero.
+    // t² + t³, with nonzero derivatives at the step's end.
     let push = |t: f64| t * t + t * t * t;
     pieces.interpolate(&mut sled, plan.table.inputs[0], [0.0, 1.0, 2.0, 3.0].map(|k| push(k / 6.0)));
     pieces.start(&mut sled, &mut Silent).unwrap();
@@ -57,7 +57,7 @@ fn closed_form_what_changes_at_events_is_shown_once_they_are_handled() {
     let mut pieces = Pieces::begin(&ball, 0.0, 0.5).unwrap();
     pieces.start(&mut ball, &mut Silent).unwrap();
     assert_eq!(pieces.next(&mut ball, None, &mut Silent).unwrap(), Piece::Event);
-    // The fall of a metre.
+    // The fall over one metre.
     assert!((ball.time() - (2.0 / 9.81f64).sqrt()).abs() < ROUNDING);
     assert!(!pieces.ends_before_event());
     pieces.pass_event(&mut ball, &mut Silent);
@@ -111,7 +111,7 @@ fn closed_form_an_input_is_zero_until_it_is_set() {
         assert_eq!((get(&mut sled, input), get(&mut sled, acceleration)), (Some(8.0), Some(2.0)));
         sled.exit_initialization(&mut Silent).unwrap();
         assert_eq!((get(&mut sled, input), get(&mut sled, acceleration)), (Some(8.0), Some(2.0)));
-        // As it was made.
+        // The same as when it was made.
         sled.reset();
         assert_eq!(get(&mut sled, input), Some(0.0));
     }

@@ -1,4 +1,4 @@
-//! Sampled blocks: what they keep is discrete, and is no state of a host's solver.
+//! Sampled blocks: their state is discrete, and is not a state of a host's solver.
 
 use crate::plans;
 use crate::solver::{Silent, Solver, get};
@@ -31,7 +31,7 @@ fn begun(plan: &Arc<Plan>, handling: EventHandling) -> Machine {
     machine
 }
 
-/// References of all that the cart's block keeps.
+/// References of all discrete states of the cart's block.
 fn kept(plan: &Plan) -> Vec<u32> {
     ["pd.u", "pd.x[0]", "pd.u.held", "pd.u.next[0]"].map(|name| plan.table.reference(name).unwrap()).to_vec()
 }
@@ -51,7 +51,7 @@ fn golden_what_a_sampled_block_keeps_is_discrete_with_its_times() {
         );
         let times = "; sampled at multiples of `block.pd.sample` (0.01 s), outputs act `block.pd.delay` (0.003 s) later";
         assert!(variable.description.ends_with(times), "{}", variable.description);
-        // No list has it as a known: the force that it holds depends on the time.
+        // No list has it as a known: the force that it holds depends on time.
         for list in [&description.outputs, &description.derivatives, &description.event_indicators] {
             let mut knowns = list.iter().flat_map(|unknown| unknown.dependencies.iter().flatten());
             assert!(knowns.all(|known| known.0 != reference), "{}", variable.name);
@@ -60,7 +60,7 @@ fn golden_what_a_sampled_block_keeps_is_discrete_with_its_times() {
     assert!(
         plan.table.reference("pd.x[0].rate").is_none() && plan.table.reference("pd.u.held.rate").is_none()
     );
-    // A solver has the cart alone.
+    // A solver only integrates the cart.
     assert_eq!((description.derivatives.len(), plan.nominals.len()), (2, 2));
 }
 
@@ -98,7 +98,7 @@ fn second_method_a_solver_without_their_states_follows_the_exact_motion() {
     });
     let saved: Vec<_> = saved.collect();
     assert!(events > 10 && steps > 5 * events, "{events} of {steps}");
-    // They are part of a saved state: the second half once more, bit for bit.
+    // They are part of a saved state: the second half is repeated, bit for bit.
     let (state, begin, end) = &saved[1];
     solver.restore(state);
     solver.time = *begin;
@@ -106,7 +106,7 @@ fn second_method_a_solver_without_their_states_follows_the_exact_motion() {
     assert_eq!(&read(&mut solver.machine), end);
 }
 
-/// Values that change at events only are shown as they were until the host has handled the event.
+/// Values that change only at events keep their old values until the host has handled the event.
 #[test]
 fn invariant_what_samples_change_is_shown_after_the_event_is_handled() {
     let mut changes = 0;
@@ -129,7 +129,7 @@ fn invariant_what_samples_change_is_shown_after_the_event_is_handled() {
             changes += usize::from(read(&mut machine) != before);
             machine.leave_event(&mut Silent).unwrap();
         }
-        // Without early return a step passes many samples, and shows the last of them at its end.
+        // Without early return a step passes many samples, and shows the last one at its end.
         let mut machine = begun(&plan, EventHandling { event_mode: true, early_return: false });
         machine.leave_event(&mut Silent).unwrap();
         let before = read(&mut machine);

@@ -1,4 +1,4 @@
-//! A host's solver for machines as components: the Runge-Kutta method of fourth order, with events
+//! A host's solver for machines as components: the fourth-order Runge-Kutta method, with events
 //! found by bisection.
 
 use fmi_doors::log::{Category, Log};
@@ -18,16 +18,16 @@ impl Log for Silent {
 
 /// Bisections of a step in the search for an event.
 const HALVINGS: usize = 40;
-/// Turns of the power iteration that finds the largest rate, of which the second half is counted.
+/// Iterations of the power method for the largest rate; the second half counts.
 const TURNS: usize = 60;
-/// Product of step and rate up to which the method stays bounded, less a third: 2.8 on either axis.
+/// Largest product of step and rate: two thirds of the stability limit, 2.8 on either axis.
 const STABLE: f64 = 1.9;
 
 /// A machine under the solver.
 pub struct Solver {
     pub machine: Machine,
     pub time: f64,
-    /// The longest step in which the fastest motion of the machine at its start stays bounded, s.
+    /// The longest step for which the fastest motion of the machine at its start stays bounded, s.
     longest: f64,
 }
 
@@ -47,7 +47,7 @@ impl Solver {
         solver
     }
 
-    /// [`STABLE`] over the largest rate of the states, by power iteration on their slopes.
+    /// [`STABLE`] over the largest rate of the states, by the power method on their slopes.
     fn longest_step(&mut self) -> f64 {
         let (from, norm) = (self.states(), |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt());
         let here = self.slope(0.0, &from);
@@ -102,8 +102,8 @@ impl Solver {
         self.put(t + h, &along(from, &mean, h));
     }
 
-    /// Makes a step of `h` or of the longest that is stable, or the part of it up to the next
-    /// event, whose law is then applied.
+    /// Makes a step of `h`, or of the longest stable step, or up to the next event, whose law is
+    /// then applied.
     pub fn step(&mut self, h: f64) {
         let h = h.min(self.longest);
         let from = self.states();
@@ -137,7 +137,7 @@ impl Solver {
     }
 }
 
-/// A variable's value of any type; `None` where it cannot be read.
+/// A variable's value of any type; `None` if it cannot be read.
 pub fn get(machine: &mut Machine, reference: u32) -> Option<f64> {
     let mut value = f64::NAN;
     machine.get(Bases::ANY, &[reference], |_, x| value = x).ok()?;

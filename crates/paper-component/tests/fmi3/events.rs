@@ -387,7 +387,7 @@ fn slow_impacts_are_met_by_steps_that_end_on_the_announced_time() {
     const SLOWEST: f64 = 1e-4;
     let mut met = 0;
     for k in 0..60 {
-    let depth = 10.0_f64.powf(-0.1 * f64::from(k)); // distance of the block from the stop against which it is pressed
+        let depth = 10.0_f64.powf(-0.1 * f64::from(k)); // distance of the block from the stop against which it is pressed
         let start = [("block.s", 1.0 - depth), ("block.f", 0.02), ("stop.restitution", 0.5)];
         let fmu = Fmu::started(TT, &start);
         let (mut time, mut next) = (0.0, fmu.handle_event().next);

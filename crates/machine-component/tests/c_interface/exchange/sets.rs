@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// A host's solver leaves a moving closed stop slightly off its gap, on either side: this neither
-/// violates nor opens it.
+/// A host's solver moves a closed stop slightly off its gap, in either direction: this neither
+/// violates nor opens the stop.
 #[test]
 fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     let text = "name = \"Shaken\"\ngravity = 10.0\n[body.base]\nmotion = { amplitude = 0.1, frequency = 0.5, phase = 0.5 }\n\
@@ -19,7 +19,7 @@ fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
         let (sine, cosine) = (w * time + 0.5).sin_cos();
         [0.1 * sine, 0.1 * w * cosine, -0.1 * w * w * sine]
     };
-    // It falls onto the base, and stays.
+    // The body falls onto the base and stays there.
     let [place, rate, _] = base(1.0);
     host.at(1.0, &[place - 1e-9, rate - 1.0]);
     unsafe { assert_eq!(fmi3EnterEventMode(host.c), OK) };
@@ -38,7 +38,7 @@ fn closed_form_a_parameter_that_is_set_on_a_moving_base() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// An impossible value is refused when the event ends, and has no effect once it is taken back.
+/// An impossible value is refused when the event ends, and has no effect once it is reverted.
 #[test]
 fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
     let text = "name = \"Base\"\n[body.base]\nmotion = { input = true }\ndimension = \"translation\"\n\
@@ -53,7 +53,7 @@ fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
         assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), OK);
         assert_eq!(fmi2EnterInitializationMode(c), OK);
         assert_eq!(fmi2ExitInitializationMode(c), OK);
-        // Into the body by 0.2 m.
+        // 0.2 m inside the body.
         assert_eq!(fmi2SetReal(c, &input, 1, &0.5), OK);
         assert_eq!(fmi2EnterContinuousTimeMode(c), ERROR);
         assert_eq!(fmi2SetContinuousStates(c, [1.0, 1.0].as_ptr(), 2), ERROR);
@@ -75,7 +75,7 @@ fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
 /// dashpot.
 #[test]
 fn closed_form_losses_after_an_input_that_is_set_between_events() {
-    // Error of a polynomial of degree 5 in place of the exponential: some (0.1 / 2)^6 / 6! of 1 J.
+    // Error of a polynomial of degree 5 instead of the exponential: (0.1 / 2)^6 / 6! of 1 J.
     const POLYNOMIAL: f64 = 1e-9;
     let text = "name = \"Braked\"\n[body.sled]\nmass = 1.0\n[load.push]\non = \"sled\"\ninput = true\n\
                 [spring.oil]\nbetween = [\"ground\", \"sled\"]\nstiffness = 0.0\ndamping = 1.0\n";
