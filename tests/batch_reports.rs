@@ -38,11 +38,11 @@ struct Recorder {
     order: Vec<usize>,
     end: f64,
     reports: Reports,
-    /// Number of the sample that ends a motion.
+    /// Index of the sample that ends a motion.
     last: u32,
     /// Difference between the numbers of two samples.
     stride: u32,
-    /// Number of the event that requests samples.
+    /// Index of the event that requests samples.
     asking: usize,
     under_way: [usize; vibro_impact::simulator::TOGETHER],
     records: Vec<Record>,

@@ -201,7 +201,7 @@ fn chromium_shows_the_page_without_errors_or_missing_pictures() {
         let complaints: Vec<&str> = log.lines().filter(|line| line.contains(":CONSOLE")).collect();
         assert!(complaints.is_empty(), "{complaints:?}");
     }
-    // For a person to look at.
+    // Kept for inspection by a person.
     std::fs::write(&file, page()).unwrap();
     let picture = fmu_build::compile::target().join("documentation.png");
     let target = format!("--screenshot={}", picture.display());

@@ -163,7 +163,7 @@ fn check_commands(page: &str, block: &str) {
     let example_tests = read("tests/examples/test_scripts.py") + &read("tests/examples/test_dask_sweep.py");
     let block = block.replace("\\\n", " ");
     for line in block.lines().map(|line| line.split('#').next().unwrap_or("").trim()) {
-        // Installed requirements are those that the tests install.
+        // The tests install the same requirements.
         let installed = line.strip_prefix("pip install ").is_some_and(|list| {
             list.split_whitespace().all(|name| requirements.contains(&format!("\n{name}==")))
         });

@@ -204,8 +204,8 @@ pub fn search_with_best<'py, T: Clone + Send + 'static, P: IntoPyObject<'py>>(
     }
 }
 
-/// An error; a signal's exception with the best result so far as its attribute `partial`, `None`
-/// if the work cannot end within [`PATIENCE`]. A second signal does not wait.
+/// An error; the exception of a signal has the best result so far as its attribute `partial`,
+/// `None` if the work cannot end within [`PATIENCE`]. A second signal does not wait.
 fn with_best<'py, T: Send, P: IntoPyObject<'py>>(
     py: Python<'py>,
     error: PyErr,

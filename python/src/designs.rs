@@ -27,7 +27,7 @@ pub enum Assemblies {
     Several(Vec<Described>),
 }
 
-/// Rows of numbers, each as long as there are names.
+/// Rows of numbers, one number for each name.
 pub struct Rows {
     numbers: Vec<f64>,
     width: usize,
@@ -74,7 +74,7 @@ impl Assemblies {
         }
     }
 
-    /// Checks names of measures and of a section's element, errors in which concern all machines.
+    /// Checks names of measures and of a section's element; their errors concern all machines.
     ///
     /// # Errors
     /// For a name that the first machine does not have.

@@ -34,7 +34,7 @@ impl System {
         }
     }
 
-    /// The default set with these values: first those in SI, then the groups.
+    /// The default set with these values: SI parameters first, then the groups.
     ///
     /// # Errors
     /// For values out of their range.
@@ -87,7 +87,7 @@ fn physical(values: &[(Name, f64)]) -> vibro_impact::Result<Parameters> {
 
 #[pymethods]
 impl System {
-    /// The default set with these values: first those in SI, then the groups, as in a parameter
+    /// The default set with these values: SI parameters first, then the groups, as in a parameter
     /// file.
     #[new]
     fn new(si: Vec<(String, f64)>, groups: Vec<(String, f64)>) -> PyResult<Self> {

@@ -398,7 +398,7 @@ def by_script(python, script, fmu, *way, names=STATES):
 
 
 def requirements():
-    """Requirements of the tests, without those that only the tests need."""
+    """Requirements of the tests, except the tools that only tests need."""
     lines = (ROOT / "tests/fmpy/requirements.txt").read_text().splitlines()
     return [line for line in lines if line and not line.startswith(("#", "pytest", "libcosimpy"))]
 

@@ -8,7 +8,7 @@ const TEXTS: [&str; 10] = ["rs", "py", "md", "toml", "html", "ts", "js", "mjs", 
 /// Folders that are made, fetched, or input of another program.
 pub const PASSED_OVER: [&str; 7] =
     ["target", "dist", ".git", "corpus", "node_modules", "snapshots", "vibro-out"];
-/// The tests of texts, which name what they forbid.
+/// The tests of texts, which contain the forbidden words.
 const OWN: [&str; 3] =
     ["tests/repository.rs", "tests/repository/citations.rs", "tests/repository/clauses.rs"];
 
@@ -34,7 +34,7 @@ pub fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Every text of the repository with its path, except those of these tests.
+/// Every text of the repository with its path, except the texts of these tests.
 pub fn all() -> Vec<(PathBuf, String)> {
     let mut paths = Vec::new();
     walk(root(), &mut paths);

@@ -128,7 +128,7 @@ def test_eq_91_damped_energy_as_a_quadratic_form() -> None:
 
 
 class Transposable:
-    """A column that the page's z_0^T Y z_0 makes a number of."""
+    """A column for the page's z_0^T Y z_0, which is a number."""
 
     def __init__(self, column: Any):
         self.column = column

@@ -169,7 +169,7 @@ def test_eq_109_a_touch_belongs_to_both_words() -> None:
         assert abs(u[3] * 10 - mpmath.mpf("2.899802377121")) < mpmath.mpf(10) ** -12
         # The derivative of the longer word is regular there.
         assert abs(mpmath.det(longer.derivative(u[:3]))) > 0.01
-        # (109) says as much: the last relation is that of the speed.
+        # (109) states the same: its last relation is the velocity's.
         assert eq(109).relations[-1].right_tokens == ("0",) and eq(109).relations[-1].left_tokens[0] == "s"
 
 

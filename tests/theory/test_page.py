@@ -56,7 +56,7 @@ def test_names_and_docstrings_of_the_tests_agree() -> None:
 
 
 def test_a_missing_test_is_noticed() -> None:
-    """The two tests above look at something: there are as many equations as the page numbers, in order."""
+    """The two tests above cover everything: the page's equations are numbered in order without gaps."""
     assert sorted(equations()) == list(range(1, len(equations()) + 1)) and len(equations()) == page().count(r"\tag{")
     assert list(equations()) == sorted(equations()), "not in order"
     assert len(displays()) == len(equations())

@@ -158,7 +158,7 @@ fn a_curve_that_ends_at_a_touch_says_so_in_table_picture_and_words() {
 
 #[test]
 fn an_orbit_that_is_a_shorter_one_passed_twice_is_said_to_be_that() {
-    // UL doubles its period at 2.373: below this value there is no separate ULUL orbit.
+    // UL doubles its period at 2.373: below this value no separate ULUL orbit exists.
     let (once, twice) = (folder("orbit-once"), folder("orbit-twice"));
     drawn(&once, &["orbit", "--word", "UL", "--set", "f10=2.2"]);
     let said = drawn(&twice, &["orbit", "--word", "ULUL", "--period", "2", "--set", "f10=2.2"]);

@@ -154,7 +154,7 @@ fn closed_form_a_ball_comes_to_rest_on_a_course() {
 /// which drives the body from the other.
 #[test]
 fn second_method_bounces_end_on_a_course_as_in_the_exact_motion() {
-    // For coordinates, late events magnified by impacts; for rates, those of the skipped bounces.
+    // For coordinates, late events amplified by impacts; for rates, the rates of skipped bounces.
     const AGREEMENT: f64 = 1e-6;
     let rubbed = |restitution: f64, force: f64| Description {
         gravity: 10.0,
@@ -317,7 +317,7 @@ fn invariant_a_stop_that_the_impact_of_another_drives_shut_has_its_own_impact() 
 
 /// A stiff spring holds a light part on a stop of a heavy one. The rounding of the spring's force
 /// exceeds the excess of the friction force at the late event: the part sticks until the excess is
-/// significant, which is no error.
+/// significant, which is correct.
 #[test]
 fn closed_form_a_part_slips_that_a_stiff_spring_holds_on_a_stop() {
     const FREQUENCY: f64 = 1.17;

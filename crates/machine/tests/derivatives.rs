@@ -131,7 +131,7 @@ fn closed_form_a_start_at_rest() {
 
 #[test]
 fn closed_form_frequency_phase_and_amplitude() {
-    // Two loads of the same frequency, one of which varies: v = A (cos φ - cos(ωt + φ))/(mω).
+    // Two loads of the same frequency; one varies: v = A (cos φ - cos(ωt + φ))/(mω).
     let text = "name = \"F\"\n[body.a]\nmass = 2.0\n[body.b]\nmass = 2.0\n\
                 [load.p]\non = \"a\"\namplitude = 3.0\nfrequency = 0.7\nphase = 0.4\n\
                 [load.q]\non = \"b\"\namplitude = 3.0\nfrequency = 0.7\nphase = 0.4\n";
@@ -212,7 +212,7 @@ fn closed_form_a_prescribed_body_that_carries_others() {
     close(of(&motion, "b.s", 0), -0.2 * sine);
     close(of(&motion, "b.v", 1), 2.0 * 0.2 * TAU * (cosine - TAU * t * sine));
     close(of(&motion, "b.a", 0), 0.2 * TAU * TAU * sine);
-    // It sticks at m r/F, at the position r t - m r²/(2F) from then on.
+    // It sticks at m r/F, at r t - m r²/(2F).
     let (m, r, f) = (2.0, 0.5, 4.0);
     let (time, by) = &stuck[0];
     assert!((time - m * r / f).abs() < ROUNDING);

@@ -138,7 +138,7 @@ fn a_start_at_a_stop_without_force_is_hit_on_one_side() {
     let text = "[body.a]\nmass = 1.0\n[load.l]\non = \"a\"\nconstant = -1.0\n\
         [stop.x]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nrestitution = 0.5\n";
     own(text, 1.0).check(&[("body.a.start.v", limit("stop.x")), ("load.l.constant", None)]);
-    // A varying load pulls it away or presses it: from the start on there is no derivative.
+    // A varying load pulls it away or presses it: no derivative exists from the start on.
     let text = text.replace("constant = -1.0", "amplitude = 0.0\nfrequency = 1.0");
     let case = own(&text, 0.5);
     let mut motion =
@@ -397,7 +397,7 @@ fn a_lash_that_is_passed_within_a_piece_of_a_record_is_no_touch() {
     let mut motion = Differentiated::new(assembly, &[By::Parameter(gap.into())]).unwrap();
     motion.advance_to(end).unwrap();
     let found = motion.state_derivative(0).unwrap_or_else(|| panic!("{:?}", motion.lost(0)))[0];
-    // Of a lash of 0.15 mm and a lift of 0.2 mm.
+    // The lash is 0.15 mm, the lift 0.2 mm.
     let step = 1e-9;
     for side in [-step, step] {
         let slope = (lift(side) - lift(0.0)) / side;

@@ -1,4 +1,4 @@
-//! Derivatives from a time on, compared with those of the rest of the motion; partial derivatives.
+//! Derivatives of the rest of a motion, from a time during the motion; partial derivatives.
 
 use crate::common::machines::BLOCK_ON_BELT;
 use std::sync::Arc;

@@ -56,8 +56,8 @@ fn closed_form_base_that_steps_away_from_what_lies_on_it() {
     near(off_balance(&m, 0.0), 0.0);
 }
 
-/// A differential: two bodies whose coordinates add up to that of a prescribed body, with springs
-/// that store the work of a step.
+/// A differential: two bodies whose coordinates add up to the prescribed body's coordinate, with
+/// springs that store the work of a step.
 fn differential(motion: &str, order: [&str; 2]) -> Motion {
     differential_with(motion, order, "")
 }

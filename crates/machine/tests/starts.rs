@@ -86,7 +86,7 @@ fn invariant_a_start_is_written_and_read_with_all_digits() {
         assert_eq!(again, start);
         let state = &motion.state().as_slice()[..2 * assembly.system().coordinates];
         assert_eq!(again.state(&assembly).unwrap(), state);
-        // By name, one number at a time.
+        // Numbers by name, one at a time.
         let mut named = Start::default();
         for (name, value) in start.numbers() {
             named.set(&assembly.description, &name, value).unwrap();

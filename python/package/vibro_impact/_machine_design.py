@@ -158,7 +158,7 @@ def design(
     periods, settle, section
         As in :meth:`Machine.measure`.
     again
-        Number of periods of motion that may be spent on measuring the best designs for longer.
+        Budget of periods of motion for measuring the best designs for longer.
     start
         As in :meth:`Machine.simulate`, or a list of starts: every design is run from each of them.
     progress

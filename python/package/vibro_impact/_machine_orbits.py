@@ -41,7 +41,7 @@ LABELS = {
 
 #: Labels of points at which curves over two parameters begin.
 _BEGINS = tuple(label for label in LABELS if label not in ("EP", "MX"))
-#: Number of points on either side of a special point from which the search for an orbit may begin.
+#: Number of points on either side of a special point at which the search for an orbit may begin.
 _BESIDE = 6
 
 _MOST_RETURNS = 10_000_000

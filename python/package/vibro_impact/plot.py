@@ -144,7 +144,7 @@ def _portrait_of_described(run: Run, axes: Axes, of: str) -> Axes:
 
 
 def forces(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
-    """Draws forces over time: for a described machine those of elements and loads; for the paper's machine impulses (N.s) at stops as stems.
+    """Draws forces over time: elements and loads of a described machine, or impulses (N.s) at the stops of the paper's machine as stems.
 
     Parameters
     ----------

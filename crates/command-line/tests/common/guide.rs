@@ -47,7 +47,7 @@ impl Guide {
         &self.text
     }
 
-    /// Fenced blocks as (what follows the fence, text).
+    /// Fenced blocks as (info string, text).
     fn blocks(&self) -> Vec<(&str, String)> {
         let mut found = Vec::new();
         let mut lines = self.text.lines();

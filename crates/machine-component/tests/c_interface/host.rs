@@ -147,8 +147,7 @@ impl<'a> Instance<'a> {
         (event != 0, early != 0, time)
     }
 
-    /// Handles the events of this instant; returns whether anything has changed, and the time of
-    /// the next event if known.
+    /// Handles this instant's events; returns whether anything changed, and the next event's time.
     pub fn handle(&self) -> (bool, Option<f64>) {
         let (mut changed, mut defined, mut next) = (0, 0, 0.0);
         unsafe {

@@ -6,7 +6,7 @@ use fmi_doors::{Component, Interface, Model};
 use std::sync::Arc;
 use vibro_machine_component::{FILE, Machine, Plan};
 
-/// Samples, and outputs that act, are farther apart than this, s; rounding is nearer.
+/// Samples and acting outputs are farther apart than this, s; rounding is smaller.
 const APART: f64 = 1e-9;
 
 /// A mass on a belt behind a slipping bristle, and a block that counts its samples.

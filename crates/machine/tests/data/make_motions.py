@@ -13,7 +13,7 @@ import sys
 from mpmath import matrix, mp, mpf, pi, sin
 
 mp.dps = 50
-ZERO = mpf(10) ** -32  # above the rounding of sums and roots, below anything that a machine of short decimals has by itself
+ZERO = mpf(10) ** -32  # above the rounding of sums and roots, below any value that short decimals give
 ORDERS = 44
 TAIL = mpf(10) ** -46
 SLOW = mpf(10) ** -20
