@@ -1,4 +1,4 @@
-//! Motions compared with a second method in 50 digits (tests/data/make_motions.py, _families.py).
+//! Motions and a second method in 50 digits (tests/data/make_motions.py and make_families.py).
 
 use std::sync::Arc;
 use vibro_machine::description::Description;
