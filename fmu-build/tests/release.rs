@@ -1,6 +1,5 @@
-//! The release command: it refuses disagreements in the sources and in the build results; the
-//! notes; and, on request, the whole (`cargo test -p fmu-build --test release -- --ignored
-//! --nocapture`).
+//! The release command: it refuses disagreements in sources and build results; the notes; and, on
+//! request, the whole (`cargo test -p fmu-build --test release -- --ignored --nocapture`).
 
 mod common;
 

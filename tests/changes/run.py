@@ -51,12 +51,12 @@ SLOWER, MORE = 10.0, 60.0
 # Only the changed package is compiled again: a third of the time, with the same arithmetic.
 PARTS = 64
 
-# Integers up to this one are indices, exponents and factors. Larger ones are limits of loops and the
-# like; a change by one does not affect any result. Floats beyond this limit, or below its inverse,
-# are tolerances; so are constants.
+# Integers up to this one are indices, exponents and factors. Larger ones are limits of loops and
+# the like; a change by one does not affect any result. Floats beyond this limit, or below its
+# inverse, are tolerances; so are constants.
 MEANT, LIMIT = 2, 1e4
 
-# Pairs that are swapped in both directions. Operators have blanks around them, as rustfmt writes them.
+# Pairs that are swapped in both directions. Operators have blanks around them, as rustfmt writes.
 # `<` for `<=` is omitted: on floats, the most common operands, it changes only a null set.
 SWAPS = [
     (" + ", " - "),

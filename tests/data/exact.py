@@ -153,7 +153,7 @@ def first_root(p, lo, hi):
     if abs(p[0]) > rest:
         return None
     c, r = (lo + hi) / 2, (hi - lo) / 2
-    # A bound about the centre, in doubles with a margin far above their rounding, which decides most
+    # A bound about the centre, in doubles with a margin far above rounding, which decides most
     # intervals.
     b, scale = [float(a) for a in p], sum(abs(float(a)) * float(hi) ** k for k, a in enumerate(p))
     b = shift(b, float(c))

@@ -141,8 +141,8 @@ def solve(parameters, t0, start, span, side, depth):
     if depth < 0:
         if hit is not None:
             return None
-        # Nowhere else does the flight come as close: a stop moved inwards by 1e-14 is first hit just
-        # before the top.
+        # Nowhere else does the flight come as close: a stop moved inwards by 1e-14 is first hit
+        # just before the top.
         level = (s.gap - clearance) * (1 - mpf(10) ** -14)
         if touching == 0:
             closest = s.first_contact(y, t0, top, 0, level)

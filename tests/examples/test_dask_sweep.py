@@ -58,8 +58,8 @@ def measure(request, fmu, tmp_path_factory):
 
 # Error of the largest of 64 samples per period, which may miss a corner at an impact.
 SAMPLES = 0.02
-# Error of counts and sums that the FMU accumulates between its communication points, which are whole
-# periods up to rounding.
+# Error of counts and sums that the FMU accumulates between its communication points, which are
+# whole periods up to rounding.
 COUNTED = 1e-6
 
 

@@ -18,8 +18,8 @@ LAW = 1e-12
 # Steps that end at impacts divide the flow differently: rounding, propagated through the impacts of
 # a stable motion.
 CUT = 1e-9
-# The error of an impact's time is the rounding of time, plus the rounding of displacements over the relative
-# speed.
+# The error of an impact's time is the rounding of time, plus the rounding of displacements over the
+# relative speed.
 LOCATED = 1e-12
 COUNTS = ("impacts.upper", "impacts.lower")
 RECORDED = (*STATES, *COUNTS, "stop.state", "energy.impact", "impacts.lastImpulse")

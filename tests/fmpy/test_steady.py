@@ -6,7 +6,7 @@ from conftest import STATES
 
 EVENT_DRIVEN, MULTIPLE_SCALES, EXACT_ORBIT = 1, 2, 3
 
-# Rounding difference between the FMU's time and the table's; the formulas are from the same library.
+# Rounding difference between the FMU's time and the table's; both use the same formulas.
 SAME = 1e-12
 
 # Issue 4: the simulation forgets its start with the orbit's multipliers (0.9124 per half period).

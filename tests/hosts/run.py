@@ -42,8 +42,8 @@ ME_END = 20.0
 # 1e-6 after forty).
 CVODE = 1e-6
 
-# Euler's method is of first order: half the step gives half the error, and at the smaller step the error
-# is at most about h t / 2 times the accelerations, which are below 2.
+# Euler's method is of first order: half the step gives half the error; at the smaller step the
+# error is at most about h t / 2 times the accelerations, which are below 2.
 EULER_STEPS = (1 / 2000, 1 / 4000)
 EULER_RATIO = (1.6, 2.5)
 EULER = 0.005
@@ -59,9 +59,9 @@ EVENTS = (
 # Steps of the container, longer than most flights: announced events lie inside the next step.
 CONTAINER_STEP, CONTAINER_STEPS = 4.0, 75
 
-# Machines of text files, in addition to the 3-DOF machine: name, file, variables, communication step, number of steps,
-# of steps made in Model Exchange, and of steps before the first event. Steps are powers of two, whose
-# sums are exact.
+# Machines of text files, in addition to the 3-DOF machine: name, file, variables, communication
+# step, number of steps, of steps made in Model Exchange, and of steps before the first event. Steps
+# are powers of two, whose sums are exact.
 ASSEMBLIES = (
     ("DamperWithBuffer", "damper_with_buffer", ("box.s", "box.v", "block.s", "block.v", "pump.s", "pump.v"), 2**-9, 1024, 100, 4),
     ("MslCoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),
@@ -71,7 +71,7 @@ ASSEMBLIES = (
 ASSEMBLY_SAME = 1e-10
 ASSEMBLY_CVODE = 1e-5
 
-# casadi's differences are one-sided, with steps of 1e-6: the kinetic energy contributes half of that.
+# casadi's differences are one-sided, with steps of 1e-6; the kinetic energy is off by half of that.
 DIFFERENCES = 1e-6
 
 
@@ -175,7 +175,7 @@ def euler(drive, version="2.0"):
     errors = []
     for step in EULER_STEPS:
         steps = round(ME_END / step)
-        # Only displacements: an impact that comes one step late has the wrong velocity for that step.
+        # Only displacements: the velocity is wrong for a step if an impact comes one step late.
         errors.append(difference(drive(step, steps, ME_START), native(step, steps, ME_START), slice(1, 4)))
     ratio = errors[0] / errors[1]
     good = errors[1] <= EULER and EULER_RATIO[0] <= ratio <= EULER_RATIO[1]

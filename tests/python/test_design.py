@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import vibro_impact as vi
 
-# Errors: of the amplitude of a settled linear motion; of the numbers of a best design, whose square is the amplitude's error.
+# Errors: of a settled linear motion's amplitude; of a best design's numbers, which enter squared.
 SETTLED = 1e-8
 NUMBERS = 1e-5
 
@@ -42,7 +42,7 @@ def test_closed_form_the_damping_at_a_limit_of_the_force() -> None:
 
 
 def test_closed_form_the_worst_over_single_frequencies() -> None:
-    # The stiffness at which the amplitudes at both frequencies, below and above the resonance, are equal.
+    # The stiffness with equal amplitudes at both frequencies, below and above the resonance.
     low, high = 2 * math.pi * 7, 2 * math.pi * 9
     found = mount().replace({"spring.mount.damping": 2.0}).design(
         maximize="amplitude.engine.s", vary={"spring.mount.stiffness": (1500, 4000)}, over={"load.unbalance.frequency": [7.0, "9 Hz"]}, evaluations=20

@@ -41,7 +41,7 @@ def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
     }
     machine = vi.Machine(text)
     run = machine.simulate(1.5, samples=3, derivatives=["stop.floor.gap", "friction.f.force"])
-    # The ball falls h = 5 to the floor in sqrt(2 h/g) = 1 s, hits it with u = 10 m/s, and leaves it with u/2.
+    # The ball falls h = 5 in sqrt(2 h/g) = 1 s, hits the floor with u = 10 m/s and leaves with u/2.
     by_gap = run.derivative("ball.s", "stop.floor.gap")
     assert not by_gap.mask.any() and np.abs(by_gap - [0.0, 0.0, 0.0, 0.75]).max() < ROUNDING
     assert np.abs(run.event_derivative("stop.floor.gap") - [0.1]).max() < ROUNDING
@@ -318,7 +318,7 @@ def test_numbers_are_in_si_and_texts_have_their_units():
     assert (texts.up.value == numbers.up.value).all() and (texts.up.maxima == numbers.up.maxima).all()
 
 
-#: Machines whose motions, sketches and archives the Rust tests have written: every kind of element, records, rotation.
+#: Machines with files from the Rust tests: every kind of element, records, rotation.
 NATIVE = ["damper_with_buffer", "gear_backlash", "msl_coupled_clutches", "valve_train"]
 
 

@@ -120,7 +120,7 @@ def test_constant_loads_are_parameters():
     # The mirror image of a motion is a motion under the opposite load, half a drive period later.
     image = upright.replace(load_block=9.81 * 0.6, drive_phase=np.pi).simulate(start={"block_s": 0.02, "block_v": -0.3}, periods=10)
     np.testing.assert_allclose(own.s, -image.s, rtol=0, atol=1e-10)
-    # Every study supports the load, also as its parameter; closed forms explain why they have no answer.
+    # Every study supports the load, also as its parameter; closed forms refuse it.
     diagram = upright.bifurcation(load_block=np.linspace(-6.0, 6.0, 3), periods=(5, 4), start=start)
     assert list(diagram.up.value) == [-6.0, 0.0, 6.0]
     basins = upright.basins({"block.s": (-0.02, "20 mm", 3)}, v2=(-1, 1, 3), settle=10)

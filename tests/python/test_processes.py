@@ -59,7 +59,7 @@ def test_a_signal_ends_a_long_call_at_once(call, signals):
     else:
         work, machine = LONG_OF_DESCRIBED[name], vi.Machine(DAMPER)
     delays = []
-    # The shortest of three delays, because another process may hold the processor when the signal comes.
+    # The shortest of three delays, because another process may hold the processor.
     for _ in range(3):
         sent, over = [], threading.Event()
 
@@ -81,7 +81,7 @@ def test_a_signal_ends_a_long_call_at_once(call, signals):
     assert min(delays) < PROMPT, delays
 
 
-#: Prints how many motions are finished at Ctrl-C, and whether their rows equal the rows of a complete call.
+#: Prints the number of motions finished at Ctrl-C, and whether their rows are correct.
 INTERRUPTED = """
 import os, signal, sys, threading
 import vibro_impact as vi

@@ -9,7 +9,7 @@ import vibro_impact as vi
 
 STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 
-# Rounding of 1e-13 at t = 600 s, because the two add communication points and steps in different order.
+# Rounding of 1e-13 at t = 600 s: the two add communication points and steps in different order.
 # Binary fractions avoid it. The stable default motion does not amplify it.
 SAME = 1e-11
 

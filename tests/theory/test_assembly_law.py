@@ -602,7 +602,7 @@ def test_law_33_what_contacts_take_from_a_motion_beside_their_rest() -> None:
         m, w, v = masses(r, 6), rows(r, 4, 6).T, vector(r, 6)
         held = matrix([number(r), number(r), abs(number(r)), abs(number(r))])
         level = [abs(held[0]) + mpf(1) / 7, abs(held[1]) + mpf(2) / 7]
-        # A velocity that opens the stops; the forces of the springs balance the forces of the contacts.
+        # A velocity that opens the stops; the springs balance the forces of the contacts.
         v -= m**-1 * w * mp.lu_solve(w.T * m**-1 * w, w.T * v - matrix([number(r), number(r), -1, -mpf(1) / 3]))
         rates, springs = w.T * v, w * held
         forces = matrix([level[0] * mp.sign(rates[0]), level[1] * mp.sign(rates[1]), 0, 0])
@@ -828,7 +828,7 @@ def test_law_46_lines_as_bounded_forces() -> None:
         slopes = [(f[j] - f[j - 1]) / (e[j] - e[j - 1]) for j in range(1, len(e))]
         least = min(slopes)
         for x in [*e, e[0] - 1, e[-1] + 1, (e[0] + e[1]) / 2]:
-            # The first line is everything below its end, the last line everything beyond its beginning.
+            # The first line covers all below its end, the last line all beyond its beginning.
             whole = f[1] + least * (x - e[1]) + (slopes[0] - least) * min(mpf(0), x - e[1])
             for j in range(2, len(e)):
                 way = (x if j == len(e) - 1 else min(x, e[j])) - e[j - 1]

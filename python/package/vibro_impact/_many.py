@@ -93,7 +93,7 @@ class _Motions:
     @property
     def given(self) -> tuple[Any, Any]:
         """Machines and starts in the form that the library reads."""
-        # Copies, because the memory of an array from another process may not be readable by the library.
+        # Copies: the library may not be able to read an array from another process in place.
         starts = (self.starts.scaled, self.starts.si) if isinstance(self.starts, Coordinates) else self.starts
         starts = np.array(starts, order="C") if isinstance(starts, np.ndarray) else starts
         if self.table is not None:

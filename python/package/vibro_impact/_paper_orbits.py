@@ -188,7 +188,7 @@ def find_branches(
     seeds, depth, settle = options
     seeds, depth = whole("seeds", seeds, 1, 10_000), whole("depth", depth, 0, 40)
     settle = whole("settle", settle, 0, 10_000_000)
-    # Random starts find isolated branches, which motions along the range do not reach; only needed with a depth.
+    # With a depth, random starts find isolated branches that motions along the range miss.
     starts = 0 if depth == 0 else 512
     with Bar(progress, 0, "branches") as bar:
         found = _native.paper_branches(machine._system, name, low_high, _WEIGHTS[of], seeds, depth, settle, starts, bar.report)

@@ -89,7 +89,7 @@ def _here(work: Work, ends: list[tuple[int, int]], missing: list[int]) -> Iterat
 
 def _there(executor: Any, work: Work, ends: list[tuple[int, int]], missing: list[int]) -> Iterator[tuple[int, list[Any]]]:
     """Yields parts computed by an executor, in order; cancels parts that have not begun if the work ends early."""
-    # Dask reuses the result of an earlier call with equal arguments. That is correct: equal parts have equal rows.
+    # Dask may reuse the result of an earlier, equal call; equal parts have equal rows.
     futures = [(k, executor.submit(_computed, work.part(*ends[k]))) for k in missing]
     try:
         for k, future in futures:

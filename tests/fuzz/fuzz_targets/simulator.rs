@@ -1,9 +1,10 @@
 //! Any parameters, loads, steps and changes: no panic, no hang, no block outside the box, no lost
 //! energy, and only documented errors.
 //!
-//! `cargo install cargo-fuzz`, then `cargo fuzz run --fuzz-dir tests/fuzz -s none simulator --
-//! -max_total_time=1200` (without a sanitizer it runs on the stable toolchain; the library has no
-//! unsafe code outside the C interface).
+//! `cargo install cargo-fuzz`, then
+//! `cargo fuzz run --fuzz-dir tests/fuzz -s none simulator -- -max_total_time=1200` (without a
+//! sanitizer it runs on the stable toolchain; the library has no unsafe code outside the C
+//! interface).
 
 #![no_main]
 
@@ -56,7 +57,7 @@ struct Input {
 /// Largest number of sub-steps of a step, so that an iteration is fast; a longer step is cut.
 const WORK: f64 = 200.0;
 /// Largest number of sub-steps of a step with nearly elastic stops, where up to 10⁶ impacts per
-/// sub-step length are computed one by one, which takes a tenth of a second.
+/// sub-step length take a tenth of a second.
 const ELASTIC_WORK: f64 = 5.0;
 /// Imbalance relative to the energy that passed through, or that is stored at the scale of the
 /// springs.
