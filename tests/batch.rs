@@ -67,7 +67,7 @@ fn growth(simulator: &Simulator, end: f64) -> f64 {
 /// Rounding of some hundred sub-steps with positions up to a few gaps, to be multiplied by the
 /// growth.
 const ROUNDING: f64 = 1e-12;
-/// Largest growth of small differences with which two computations of a motion are compared.
+/// Largest growth of small differences in comparisons of two computations of a motion.
 const MAX_GROWTH: f64 = 1e4;
 
 #[test]

@@ -49,7 +49,7 @@ fn closed_form_runs_are_closed_by_the_way_that_is_left() {
     }
 }
 
-/// With the load a0 - c t², whose jerk is initially zero, the acceleration reverses before the
+/// Under the load a0 - c t², whose jerk is initially zero, the acceleration reverses before the
 /// block is back: it never comes back.
 #[test]
 fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
@@ -71,7 +71,7 @@ fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
     }
 }
 
-/// With the load a0 - c t³, whose jerk and snap are initially zero, the block never comes back.
+/// Under the load a0 - c t³, whose jerk and snap are initially zero, the block never comes back.
 #[test]
 fn closed_form_a_block_that_its_load_lets_go_late_does_not_come_to_rest() {
     let (kappa, a0) = (0.5, 1e-3);
@@ -187,7 +187,7 @@ fn second_method_closed_runs_end_within_twice_their_length() {
     assert!(longest <= 2.0, "{longest}");
 }
 
-/// With 1 - κ < 10⁻³ a run is closed as soon as its bounces are lower than 10⁻¹² gaps, even if it
+/// If 1 - κ < 10⁻³, a run is closed as soon as its bounces are lower than 10⁻¹² gaps, even if it
 /// would never end.
 #[test]
 fn closed_form_nearly_elastic_runs_are_closed_by_the_height_of_their_bounces() {

@@ -36,7 +36,7 @@ def lines_of(texts):
 
 
 def package_of(path):
-    """Folder of the package that a file belongs to."""
+    """Folder of a file's package."""
     parts = path.split("/")
     return "/".join(parts[:2]) if parts[0] in ("crates", "web") else parts[0]
 

@@ -233,7 +233,7 @@ fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
     const ROUNDING: f64 = 1e-12;
     /// Speed of a bounce 10⁻¹² gaps high, under the largest acceleration of these motions, 1 m/s².
     const SLOW: f64 = 1.5e-6;
-    /// Time in which a run ends after a bounce of that speed, s.
+    /// Time until chatter ends after a bounce at that speed, s.
     const LATER: f64 = 1e-4;
     let (mut changed, mut runs) = (0, 0);
     for (load, kappa) in [(-0.05, 0.5), (-0.03, 0.75), (-0.1, 0.2)] {
@@ -304,7 +304,7 @@ fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64
     (simulator.impacts().upper, rest, height / p.stop_gap)
 }
 
-/// With κ near 1 thousands of bounces are within rounding of the stop. The ends of steps decide
+/// For κ near 1, thousands of bounces are within rounding of the stop. The ends of steps decide
 /// their number and the time of rest, and with κ = 1 whether the block comes to rest. Throughout,
 /// the block is on the stop, up to the exception of docs/guarantees.md.
 #[test]

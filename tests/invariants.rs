@@ -120,7 +120,7 @@ fn invariant_energy_balance_in_short_steps() {
 }
 
 /// Impacts that recur at one phase of the drive give the rule's error one sign, so that it
-/// accumulates. With a damper whose rate is a fifth of the fastest, the sum exceeds rounding in
+/// accumulates. Given a damper whose rate is a fifth of the fastest, the sum exceeds rounding in
 /// steps over which that rule alone computes the damping, but not in other steps.
 #[test]
 fn invariant_energy_balance_in_steps_of_half_an_interval_beside_a_damper() {

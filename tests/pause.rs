@@ -47,7 +47,7 @@ fn invariant_pause_and_law_give_the_bits_of_a_stop_after_the_impact() {
             if let Some(DueEvent::Release { side }) = before.due_event() {
                 assert_eq!(before.contact().side(), f64::from(side));
                 releases = true;
-                break; // from here on the phase is computed anew at other times
+                break; // from here on the phase is computed again at other times
             }
             assert_eq!(reason == AdvanceOutcome::EventDue, seen == AdvanceOutcome::Impact, "{kappa}");
             if reason == AdvanceOutcome::End {

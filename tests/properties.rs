@@ -51,7 +51,7 @@ fn state(gap: f64) -> impl Strategy<Value = State> {
     (-2.0..2.0f64, relative, -2.0..2.0f64, prop::array::uniform3(-2.0..2.0f64), any::<bool>()).prop_map(
         move |(x1, w, x3, v, still)| {
             let v = if still { [v[0], v[0], v[2]] } else { v };
-            // With the box at zero, w is exactly at a stop if it is meant to be.
+            // If the box is at zero, w is exactly at a stop if it is meant to be.
             let x1 = if w.abs() == 1.0 { 0.0 } else { x1 };
             State { x: [x1, x1 + w * gap, x3], v }
         },
@@ -102,7 +102,7 @@ fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
     (0..3).map(of_velocity).fold(0.0, f64::max)
 }
 
-/// Largest growth of small differences with which two computations of a motion are compared.
+/// Largest growth of small differences in comparisons of two computations of a motion.
 const MAX_GROWTH: f64 = 1e4;
 
 proptest! {

@@ -228,8 +228,8 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     assert!(refused(&p, 6e66));
     assert!(refused(&Parameters { stop_gap: 1e-300, ..p }, 0.5));
     assert!(refused(&Parameters { drive_amplitude: 1e30, ..p }, 0.0));
-    // Squares of speeds, by which chatter is closed, must not underflow: a motion scaled by a
-    // power of two is bit-identical, or is refused.
+    // Squares of speeds, the criterion for closing chatter, must not underflow: a motion scaled by
+    // a power of two is bit-identical, or is refused.
     let scaled = |gap: f64| {
         let p = Parameters {
             drive_amplitude: 0.3 * gap,

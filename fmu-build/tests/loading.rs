@@ -12,7 +12,7 @@ use std::process::Command;
 use vibro_paper_component::component::variables::reference;
 use vibro_paper_component::fmi2::description;
 
-/// Measured cycles, after warm-up cycles in which the allocator grows.
+/// Measured cycles, after warm-up cycles for the allocator's growth.
 const CYCLES: u32 = 200;
 const WARM_UP: u32 = 20;
 

@@ -174,7 +174,7 @@ fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, S
     Ok(printed.lines().map(row).collect())
 }
 
-/// Folder in which Debian's packages install another processor's C library.
+/// Debian's folder for another processor's C library.
 fn libraries(platform: &Platform) -> Option<&'static str> {
     let folder = match platform.place.folder {
         "aarch64-linux" => "/usr/aarch64-linux-gnu",

@@ -82,7 +82,7 @@ pub fn compute<T: Send + 'static>(
     let (sender, mut receiver) = channel();
     let theirs = Arc::clone(&control);
     let work = move || {
-        // After a signal there is no receiver.
+        // After a signal the receiver is gone.
         let _ = sender.send(work(&theirs));
     };
     let thread = std::thread::Builder::new().name("vibro_impact".into()).spawn(work);

@@ -65,7 +65,7 @@ impl Assemblies {
         }
     }
 
-    /// Number of columns of a motion, which all machines have in common.
+    /// Number of columns of a motion, the same for all machines.
     pub fn columns(&self) -> usize {
         let count = |machine: &Described| machine.description().quantities().count();
         match self {

@@ -16,7 +16,7 @@ use vibro_studies::paper::ParameterSet;
 pub struct PaperOrbit {
     set: ParameterSet,
     orbit: vibro_orbits::paper::Orbit,
-    /// Number of times that the requested word passes the orbit.
+    /// How often the requested word passes the orbit.
     passages: u32,
 }
 
@@ -70,13 +70,13 @@ impl PaperOrbit {
         self.orbit.word().period()
     }
 
-    /// Number of times that the requested word passes the orbit.
+    /// How often the requested word passes the orbit.
     #[getter]
     fn passages(&self) -> u32 {
         self.passages
     }
 
-    /// Number of drive periods that the multipliers span.
+    /// Span of the multipliers in drive periods.
     #[getter]
     fn multiplier_periods(&self) -> f64 {
         self.orbit.multiplier_periods()

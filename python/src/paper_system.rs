@@ -1,4 +1,4 @@
-//! A machine's parameters and loads as Python objects. They are plain values: the Python classes
+//! A machine's parameters and loads as Python objects. Both are plain values: the Python classes
 //! around them add equality, text and pickling.
 
 use crate::arrays::{Array1, column, numbers};

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mutation tests: small changes of a package's source, each of which its tests should catch.
+"""Mutation tests: small changes of a package's source, which its tests should catch.
 
     python3 tests/changes/run.py --package vibro-machine --count 40 --seed 1
 
@@ -25,7 +25,7 @@ import tomllib
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 
-# The files of each package from which changes are drawn, unless `--files` names some.
+# Files of each package for drawn changes, unless `--files` names some.
 FILES = {
     "vibro-machine": [
         "crates/machine/src/law",

@@ -24,7 +24,7 @@ from exact import FIELDS, FLIGHT, STATE, System, check_against_expm, write
 
 mp.dps = 60
 PERIODS = 20
-# By an interval-arithmetic certificate: from period 500 on, the state at whole periods is constant
+# Certified by interval arithmetic: after period 500, the state at whole periods is constant
 # to 15 digits.
 SETTLED = 500
 CERTIFIED = """-0.4253110842429075 0.2872634800253607 0.4900836440556809

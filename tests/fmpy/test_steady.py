@@ -90,7 +90,7 @@ def test_multiple_scales_are_off_by_the_order_of_the_mass_ratio(new):
         settings = basic(ratio)
         period = 2.0 * np.pi / settings["drive.frequency"]
         scales = sizes(in_mode(new, MULTIPLE_SCALES, settings), period)
-        # The slow flow's time is 1/ratio; starting on the orbit there is no transient to wait for,
+        # The slow flow's time is 1/ratio; starting on the orbit avoids the transient,
         # and ten periods of the simulation would leave an orbit that is not one.
         simulated = in_mode(new, EVENT_DRIVEN, settings, orbit=True)
         simulated.step(0.0, 10.0 * period)

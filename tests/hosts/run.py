@@ -31,7 +31,7 @@ STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 # is exact in binary and in libcosim's nanoseconds.
 STEP, STEPS = 0.5, 1200
 
-# Co-Simulation: the specified bound. With exact points only the build may differ.
+# Co-Simulation: the specified bound. For exact points, only the build may differ.
 SAME = 1e-10
 
 # Model Exchange is driven over 20 s with a dozen impacts from the start.
@@ -404,7 +404,7 @@ def requirements():
 
 
 def assembly_ways(host, fmu, fmu3, names):
-    """Ways in which a host runs a machine of a file: in words, whether by Model Exchange, and the drive."""
+    """How a host runs a machine of a file: in words, whether by Model Exchange, and the drive."""
     both = (("2.0", fmu), ("3.0", fmu3))
     cs, me = "Co-Simulation", "Model Exchange"
     if host == "fmpy":

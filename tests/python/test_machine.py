@@ -323,7 +323,7 @@ NATIVE = ["damper_with_buffer", "gear_backlash", "msl_coupled_clutches", "valve_
 
 
 def is_same(values, texts):
-    """Whether numbers equal those in a table of the command line, bit for bit."""
+    """Whether numbers equal the ones in a table of the command line, bit for bit."""
     return values.tobytes() == np.array([float(text) for text in texts]).tobytes()
 
 

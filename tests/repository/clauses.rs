@@ -22,7 +22,7 @@ fn leading_clauses(mut text: &str) -> Vec<&str> {
     }
 }
 
-/// Functions and types in backquotes right before the bracket in which a text ends.
+/// Functions and types in backquotes right before the bracket at the end of a text.
 fn named_before(text: &str) -> Vec<&str> {
     let Some((mut text, bracket)) = text.rsplit_once('(') else { return Vec::new() };
     let mut names = Vec::new();

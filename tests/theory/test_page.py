@@ -82,7 +82,7 @@ def test_table_has_every_equation_once() -> None:
 
 
 def test_table_names_the_checks() -> None:
-    """The third column names a test of this folder for every equation of its row, or says that it is a definition."""
+    """The third column names a test of this folder for every equation of its row, or marks it as a definition."""
     for equation, _, check, _ in rows():
         tests = re.findall(r"`(\w+)`", check)
         for name in tests:

@@ -194,7 +194,7 @@ fn times_from_a_file_are_the_rows() {
         rows.iter().map(|r| r["time"].as_str()).collect::<Vec<_>>(),
         ["0", "0.1", "0.1", "0.30000000000000004"]
     );
-    // With `--until`, the motion continues to that end.
+    // The motion continues to the end given by `--until`.
     let out = folder("assembly-times-until");
     drawn(&out, &["run", &machine("bouncing_ball.toml"), "--times", &times, "--until", "0.4"]);
     assert_eq!(table(&out, "states.csv").last().map(|row| row["time"].as_str()), Some("0.4"));

@@ -47,7 +47,7 @@ fn sled() -> Description {
 /// Follows a machine for 30 s; requires 20 events of each of these kinds, and no allocation.
 fn follow(machine: Description, kinds: &[fn(&EventKind) -> bool]) {
     let mut motion = motion(machine);
-    // By this time all modes and all transitions between them have occurred.
+    // Until this time all modes and all transitions between them have occurred.
     motion.advance_to(60.0).unwrap();
     let mut counts = [0; 4];
     let before = COUNT.get();

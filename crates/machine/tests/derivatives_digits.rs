@@ -20,7 +20,7 @@ const LEAST: f64 = 1e-6;
 struct Known {
     name: String,
     machine: Description,
-    /// By number: the derivatives of s and v of every body at each time.
+    /// For each number, the derivatives of s and v of every body at each time.
     derivatives: BTreeMap<String, Vec<(f64, Vec<f64>)>>,
 }
 
@@ -44,7 +44,7 @@ fn quantities(machine: &Description) -> impl Iterator<Item = Quantity> {
     (0..machine.bodies.len()).flat_map(|i| [What::S, What::V].map(|what| Quantity::of_body(i, what)))
 }
 
-/// Factor by which a motion amplifies a change of its start until a time.
+/// Amplification of a change of the start until a time.
 fn magnification(machine: &Description, time: f64) -> f64 {
     let mut off = machine.clone();
     for body in &mut off.bodies {

@@ -132,7 +132,7 @@ fn closed_form_a_wedge_that_its_own_force_brakes() {
     assert!((turn[0] - half / inward).abs() < ROUNDING, "{all:?}");
     assert!((free[0] - half / inward - half / outward).abs() < ROUNDING, "{all:?}");
     assert!((m.body(0)[1] + 0.8 * outward / inward).abs() < ROUNDING, "{:?}", m.body(0));
-    // With μ > 1 the wedge locks.
+    // If μ > 1, the wedge locks.
     let mut m = motion(Description {
         name: "Wedge".into(),
         bodies: vec![body("b", 1.0, 0.0, 0.8)],

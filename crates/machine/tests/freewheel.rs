@@ -145,7 +145,7 @@ fn closed_form_a_wall_and_two_bodies_is_the_limit_of_impacts_in_turns() {
     let mut m = motion(machine(text));
     let found = events(&mut m, 0.6);
     assert_eq!(words(&found)[..2], ["impact", "impact"]);
-    // In turns: the wall changes a's 2 into -1, the freewheel gives both ½, and so on. Each turn
+    // In turns: the wall changes a's 2 into -1, the freewheel gives both ½, etc. Each turn
     // multiplies the speed by (1 - ε)/2, so that both come to rest.
     let [mut a, mut b] = [2.0, 2.0];
     for _ in 0..60 {
@@ -231,7 +231,7 @@ fn errors_between_prescribed_bodies_a_freewheel_jams() {
     assert_eq!(stops, "freewheel.w");
 }
 
-/// Several freewheels: one against the ground, one between bodies one of which hits a wall.
+/// Several freewheels: one against the ground, one next to a body that hits a wall.
 const RATCHET: &str = r#"
     name = "Ratchet"
     body.rotor = { mass = 1.3, start = { v = 0.4 } }

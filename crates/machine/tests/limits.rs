@@ -102,7 +102,7 @@ fn what_a_link_makes_heavy_is_not_refused() {
     d.links = vec![Link { name: "rod".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) }];
     let mut motion = motion(d);
     motion.advance_to(0.001).unwrap();
-    // With the linked body of 1 kg the rate is 1,000 rad/s.
+    // For the linked body of 1 kg, the rate is 1,000 rad/s.
     let off = motion.body(1)[0] - 1e-3 * 1f64.sin();
     assert!(off.abs() < 1e-15, "{off:e}"); // a rounding of 1 m/s and some
 }

@@ -72,7 +72,7 @@ fn closed_form_of_a_start_at_another_time() {
     assert_eq!(refused, "start time = NaN: allowed is a finite number");
 }
 
-/// Names and machines in which an event function touches its limit before 1.5 s without an event.
+/// Names and machines whose event function touches its limit before 1.5 s without an event.
 fn touches() -> [(&'static str, Description); 4] {
     let wave = |constant, amplitude| Signal { constant, ..sine(amplitude, 0.5, 0.0) };
     let load = |force| vec![Load { name: "load".into(), body: 0, force }];

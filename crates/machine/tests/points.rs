@@ -50,7 +50,7 @@ fn corners(events: &[Event]) -> Vec<(f64, f64)> {
     events.iter().filter_map(corner).collect()
 }
 
-/// With slopes k for e < 0 and K for e > 0, a body of speed v alternates half turns of duration
+/// For slopes k for e < 0 and K for e > 0, a body of speed v alternates half turns of duration
 /// π/√K and π/√k.
 #[test]
 fn closed_form_two_slopes_are_half_turns() {

@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-14;
 /// sign; roundings of the speed.
 const MANY_STEPS: [f64; 2] = [1e-11, 1e-13];
 
-/// A weight at rest on a spring, and friction whose level rises from 0.5 s on.
+/// A weight at rest on a spring, and friction whose level rises after 0.5 s.
 fn hanging(mass: f64, stiffness: f64) -> Description {
     let level = Signal {
         table: Some(Record::new(vec![(0.5, 0.0), (1.0, 0.1)], Interpolation::Straight)),

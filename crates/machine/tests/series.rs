@@ -280,7 +280,7 @@ fn second_method_gradients_are_columns_and_variations_are_columns_by_the_start()
     }
 }
 
-/// At rest the branch has relaxed: 800 s = m g, x = s. By the stiffness k of `soft`: ds = -s/k.
+/// At rest the branch has relaxed: 800 s = m g, x = s. Derivative by k of `soft`: ds = -s/k.
 #[test]
 fn closed_form_a_start_at_rest_has_relaxed() {
     let text = BUFFER.replace(", start = { s = 0.000613125 }", "").replace(", slider = 0.000613125", "");

@@ -30,7 +30,7 @@ fn turns(knots: &[(f64, f64)], from: i32, to: i32) -> Vec<(f64, f64)> {
     (from..to).flat_map(turn).collect()
 }
 
-/// Written-out steps: each turn reverses all steps except those at time 0.
+/// Written-out steps: each turn reverses all steps except the ones at time 0.
 fn stairs(count: i32) -> Vec<(f64, f64)> {
     let back: f64 = STEPS.iter().skip(1).map(|step| step.1).sum();
     let turn = |k: i32| {

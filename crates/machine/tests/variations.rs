@@ -104,7 +104,7 @@ fn closed_form_a_ball_that_hits_two_that_touch() {
     let mut variations = varied(&mut three, 2.0);
     let speeds = [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
     assert!((0..3).all(|i| (three.rate(i) - speeds[i]).abs() < ROUNDING));
-    // By the rate of a: the impact is at time 0.5/u at a fixed position; all speeds scale with u.
+    // For the rate of a, the impact is at time 0.5/u at a fixed position; all speeds scale with u.
     let by_rate = variations.swap_remove(3);
     for i in 0..3 {
         let place = speeds[i] * (1.5 + 0.5);

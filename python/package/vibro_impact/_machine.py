@@ -171,7 +171,7 @@ class Machine(MachineDescription):
         Parameters
         ----------
         periods, settle
-            Returns to the section that are measured, and returns before them, in which the transient decays; each is extended to at least
+            Measured returns to the section, and earlier returns for the transient; each is extended to at least
             four periods of the slowest oscillation with open stops (docs/machine-studies.md).
         section
             A period in s, or the name of a stop or friction whose events are the section; by default the common period of all harmonics.
@@ -221,7 +221,7 @@ class Machine(MachineDescription):
         Parameters
         ----------
         periods, settle
-            Returns to the section that count, and returns before them, in which the transient decays.
+            Evaluated returns to the section, and earlier returns for the transient.
         section, start
             As in :meth:`measure`.
 
@@ -251,7 +251,7 @@ class Machine(MachineDescription):
         phase
             Phase of a section of whole periods, rad.
         periods, settle
-            Number of points of the section, and returns before them, in which the transient decays.
+            Number of points of the section, and earlier returns for the transient.
         start
             As in :meth:`simulate`.
 
@@ -363,7 +363,7 @@ class Machine(MachineDescription):
         Parameters
         ----------
         word
-            The orbit's events in order, ``"impact steel, press buffer"``, from any of them on. Impacts, chatter and press events always count;
+            The orbit's events in order, ``"impact steel, press buffer"``, beginning with any of them. Impacts, chatter and press events always count;
             other kinds of events count only if the word mentions them.
         period
             Period of the orbit: ``"2T"`` for two common periods of the drive, or a time, in s or as a text with a unit.
@@ -407,7 +407,7 @@ class Machine(MachineDescription):
         of
             The measure that is kept for each orbit, such as ``amplitude.box.s``; by default the amplitude of the first free body.
         seeds
-            Number of parameter values at which motions are followed until they settle, up and down; with a `depth`, from the start too.
+            Number of parameter values whose settled motions start branches, up and down; with a `depth`, from the start too.
         depth
             Largest number of branch switches in a row, at bifurcations and at touches of rigid stops; at other touches a branch continues.
         start, settle, section

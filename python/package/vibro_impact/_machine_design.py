@@ -146,7 +146,7 @@ def design(
     minimize, maximize
         The output to minimise or maximise for the worst motion, such as ``amplitude.box.s``; :attr:`Machine.measures` lists all.
     over
-        Parameters over which the worst value of a design is taken. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, in which
+        The worst value of a design is taken over these parameters. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, in which
         peaks between the values are searched too; a list has single values.
     subject_to
         Constraints on the worst motion, such as ``"impact.speed.steel <= 0.5 m/s"``.

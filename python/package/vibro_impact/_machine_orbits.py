@@ -41,7 +41,7 @@ LABELS = {
 
 #: Labels of points at which curves over two parameters begin.
 _BEGINS = tuple(label for label in LABELS if label not in ("EP", "MX"))
-#: Number of points on either side of a special point at which the search for an orbit may begin.
+#: Number of points on either side of a special point that may start the search for an orbit.
 _BESIDE = 6
 
 _MOST_RETURNS = 10_000_000
@@ -86,8 +86,8 @@ class Orbit(Result):
         """Returns the derivatives of a measure, as in :meth:`measure`, with respect to every parameter except the start, by name, in SI.
 
         ``orbit.gradient("amplitude.box.s")["stop.steel.gap"]``. The orbit keeps its word for the derivative. A value is None if no
-        derivative exists: at a fold, or if neither a larger nor a smaller value leaves an orbit, as for a frequency of which the other
-        frequencies are multiples.
+        derivative exists: at a fold, or if neither a larger nor a smaller value leaves an orbit, as for a frequency whose multiples are the other
+        frequencies.
         """
         if not isinstance(name, str):
             raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")

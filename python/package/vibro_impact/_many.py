@@ -217,7 +217,7 @@ def simulate_many(
 
     ``simulate_many(damper, {"stop.steel.gap": gaps}, until=2.0)`` does not create a Python object for each machine.
 
-    Motions of :class:`PaperMachine` are vectorised. They are as accurate as :meth:`PaperMachine.simulate`, but not bit-identical to it. Their
+    Motions of :class:`PaperMachine` are vectorised. Each is as accurate as :meth:`PaperMachine.simulate`, but not bit-identical to it. Their
     bits do not depend on the other motions or on the number of threads (docs/guarantees.md). Motions of :class:`Machine` are bit-identical
     to one :meth:`Machine.simulate` to the end; with `times`, each result is the :class:`Run` of :meth:`Machine.simulate`.
 
@@ -363,7 +363,7 @@ def measure_many(
     starts
         As in :func:`simulate_many`.
     periods, settle
-        Periods that are measured, and periods before them, in which the transient decays; the defaults are the same as for ``vibro sweep``.
+        Measured periods, and earlier periods for the transient; the defaults are the same as for ``vibro sweep``.
     section
         For described machines, as in :meth:`Machine.measure`.
     errors

@@ -172,7 +172,7 @@ class PaperMachine(ParameterValues):
         measures
             Names such as ``"amplitude.x1"`` or ``"amplitude.box.s"``, ``"impacts"``, ``"power.input"``.
         periods, settle
-            Drive periods that are measured, and periods before them, in which the transient decays; the defaults are the same as for ``vibro paper sweep``.
+            Measured drive periods, and earlier periods for the transient; the defaults are the same as for ``vibro paper sweep``.
         start
             As in :meth:`simulate`.
 
@@ -358,11 +358,11 @@ class PaperMachine(ParameterValues):
         of
             The displacement whose maxima are kept, as in :meth:`bifurcation`.
         seeds
-            Number of parameter values at which motions are followed until they settle, up and down.
+            Number of parameter values whose settled motions start branches, up and down.
         depth
             Largest number of branch switches in a row.
         settle
-            Drive periods in which transients decay.
+            Drive periods for transients.
 
         Raises
         ------
@@ -423,7 +423,7 @@ class PaperMachine(ParameterValues):
         phase
             Phase of the drive of the section, rad.
         periods, settle
-            Drive periods of the section, and periods before them, in which the transient decays.
+            Drive periods of the section, and earlier periods for the transient.
         start
             As in :meth:`simulate`.
 
@@ -453,7 +453,7 @@ class PaperMachine(ParameterValues):
         Parameters
         ----------
         periods, settle
-            Drive periods that count, and periods before them, in which the transient decays.
+            Evaluated drive periods, and earlier periods for the transient.
         start
             As in :meth:`simulate`.
 

@@ -154,7 +154,7 @@ class PaperBranch(Result):
 
     @property
     def multiplier_periods(self) -> float:
-        """Number of drive periods that the multipliers span: the period, or half of it for a symmetric orbit."""
+        """Span of the multipliers in drive periods: the period, or half of it for a symmetric orbit."""
         return 0.5 * self.periods if self.symmetric else float(self.periods)
 
     @property

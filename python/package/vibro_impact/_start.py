@@ -11,7 +11,7 @@ import numpy as np
 
 
 class Start(Mapping[str, float]):
-    """A time and a state from which a motion starts; an immutable mapping of names to numbers in SI: ``time``, ``box.s``, ``box.v``.
+    """Time and state at the start of a motion; an immutable mapping of names to numbers in SI: ``time``, ``box.s``, ``box.v``.
 
     ``run.end`` is a start, and so is ``{**run.end, "box.v": 0.0}`` with another velocity. :meth:`save` writes a file that reads back to an
     equal start; :meth:`Machine.start` and ``vibro run FILE --start`` read it. ``np.array(start)`` has all numbers except the time.

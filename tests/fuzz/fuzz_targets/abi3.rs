@@ -224,7 +224,7 @@ impl Host {
             if variable.base() != Base::Real {
                 continue;
             }
-            // SAFETY: as many values as any variable has.
+            // SAFETY: enough values for any variable.
             let status = unsafe { fmi3GetFloat64(self.c, &r, 1, values.as_mut_ptr(), variable.size()) };
             if status == OK {
                 assert!(values.iter().all(|value| value.is_finite()), "{}: {values:?}", variable.name);

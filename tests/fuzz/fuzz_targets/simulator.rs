@@ -1,10 +1,9 @@
 //! Any parameters, loads, steps and changes: no panic, no hang, no block outside the box, no lost
 //! energy, and only documented errors.
 //!
-//! `cargo install cargo-fuzz`, then
-//! `cargo fuzz run --fuzz-dir tests/fuzz -s none simulator -- -max_total_time=1200` (without a
-//! sanitizer it runs on the stable toolchain; the library has no unsafe code outside the C
-//! interface).
+//! `cargo install cargo-fuzz`, then `cargo fuzz run --fuzz-dir tests/fuzz -s none simulator --
+//! -max_total_time=1200` (without a sanitizer it runs on the stable toolchain; the library has no
+//! unsafe code outside the C interface).
 
 #![no_main]
 
@@ -54,7 +53,7 @@ struct Input {
     actions: Vec<Action>,
 }
 
-/// Largest number of sub-steps of a step, so that an iteration is fast; a longer step is cut.
+/// Largest number of sub-steps of a step; longer steps are cut to keep iterations fast.
 const WORK: f64 = 200.0;
 /// Largest number of sub-steps of a step with nearly elastic stops, where up to 10⁶ impacts per
 /// sub-step length take a tenth of a second.

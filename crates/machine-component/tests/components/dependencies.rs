@@ -15,7 +15,7 @@ use vibro_machine_component::{FILE, Plan, Quantity, Role, SavedState};
 const ROUNDING: f64 = 1e-9;
 /// Number of steps of the solver.
 const STEPS: usize = 300;
-/// Largest number of modes that are examined.
+/// Largest number of examined modes.
 const MODES: usize = 6;
 
 /// The listed dependency kinds, by unknown and known.

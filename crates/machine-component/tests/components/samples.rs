@@ -98,7 +98,7 @@ fn second_method_a_solver_without_their_states_follows_the_exact_motion() {
     });
     let saved: Vec<_> = saved.collect();
     assert!(events > 10 && steps > 5 * events, "{events} of {steps}");
-    // They are part of a saved state: the second half is repeated, bit for bit.
+    // The states are part of a saved state: the second half is repeated, bit for bit.
     let (state, begin, end) = &saved[1];
     solver.restore(state);
     solver.time = *begin;

@@ -100,7 +100,7 @@ def run(d):
 
 
 def derivative(d, name, here):
-    """By time and value the derivative; None where there is none."""
+    """The derivatives by time and value; None if a derivative does not exist."""
     try:
         (above, _), (below, _) = (run(moved(d, name, sign * STEP)) for sign in (1, -1))
     except (ArithmeticError, ZeroDivisionError, TypeError):

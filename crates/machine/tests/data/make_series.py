@@ -1,7 +1,7 @@
 """Motions with springs in series, by power series in 50 digits: the numbers of tests/series.rs.
 
 A ball of 0.5 kg falls 0.2 m onto a plate of 0.05 kg and hits a compliant stop between both
-(20 kN/m, never pulls); the plate rests on a Zener buffer of 800 N/m beside 3 kN/m in series with
+(20 kN/m, never pulls); the plate rests on a Zener buffer of 800 N/m parallel to 3 kN/m in series with
 12 N s/m. Each mode is z' = A z; events are roots of rows times z, found by Newton's method.
 """
 

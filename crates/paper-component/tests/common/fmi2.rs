@@ -84,7 +84,7 @@ impl Fmu2 {
     }
 
     pub fn initialize(&self) {
-        // SAFETY: a live component. What is not defined is not read.
+        // SAFETY: a live component. Undefined values are not read.
         unsafe {
             assert_eq!(fmi2SetupExperiment(self.c, 0, f64::NAN, 0.0, 0, -1.0), OK);
             assert_eq!(fmi2EnterInitializationMode(self.c), OK);
@@ -150,7 +150,7 @@ impl Fmu2 {
 
     pub fn bytes(&self) -> Vec<u8> {
         let (mut state, mut size) = (null_mut(), 0);
-        // SAFETY: a live component; as many bytes as it says.
+        // SAFETY: a live component; the stated number of bytes.
         unsafe {
             assert_eq!(fmi2GetFMUstate(self.c, &mut state), OK);
             assert_eq!(fmi2SerializedFMUstateSize(self.c, state, &mut size), OK);

@@ -18,7 +18,7 @@ fn dependencies(fmu: &Fmu, name: &str) -> Vec<(usize, &'static str, i32)> {
     );
     let (mut elements, mut references, mut others, mut kinds) =
         (vec![9; count], vec![0; count], vec![9; count], vec![9; count]);
-    // SAFETY: as many elements as stated.
+    // SAFETY: the stated number of elements.
     let status = unsafe {
         fmi3GetVariableDependencies(
             fmu.c,

@@ -35,7 +35,7 @@ fn references(names: &[&str]) -> Vec<u32> {
 /// The directional derivative.
 pub fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
     let (u, k, mut y) = (references(unknowns), references(knowns), vec![f64::NAN; unknowns.len()]);
-    // SAFETY: as many elements as stated.
+    // SAFETY: the stated numbers of elements.
     let status = unsafe {
         fmi3GetDirectionalDerivative(
             fmu.c,
@@ -56,7 +56,7 @@ pub fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> V
 /// The adjoint derivative.
 fn backward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
     let (u, k, mut x) = (references(unknowns), references(knowns), vec![f64::NAN; knowns.len()]);
-    // SAFETY: as many elements as stated.
+    // SAFETY: the stated numbers of elements.
     let status = unsafe {
         fmi3GetAdjointDerivative(
             fmu.c,
@@ -147,7 +147,8 @@ fn second_method_inputs_and_parameters_by_differences() {
                 let mut differences: Vec<f64> =
                     high.iter().zip(&low).map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
                 if name.starts_with("drive.f") || name == "drive.phase" {
-                    // They change the drive's phase; energies accumulated before are the same.
+                    // Parameters change the drive's phase; energies accumulated before are the
+                    // same.
                     differences.truncate(unknowns().len());
                 }
                 assert_column(name, &exact, &differences);

@@ -362,7 +362,7 @@ fn steps_that_end_on_the_announced_time_meet_the_impacts_of_a_closed_form() {
         for (name, value) in [("mode", 3.0), ("drive.frequency", 1.0 + 0.003 * f64::from(frequency))] {
             assert_eq!(fmu.set(name, value), OK);
         }
-        // SAFETY: a live instance. What is not defined is not read.
+        // SAFETY: a live instance. Undefined values are not read.
         unsafe {
             assert_eq!(fmi3EnterInitializationMode(fmu.c, 0, f64::NAN, BEGIN, 0, -1.0), OK);
             assert_eq!(fmi3ExitInitializationMode(fmu.c), OK);

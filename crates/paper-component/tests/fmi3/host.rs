@@ -110,7 +110,7 @@ impl Fmu {
             true => (log.cast(), Some(keep as FmiLogMessage)),
             false => (environment, None),
         };
-        // SAFETY: valid strings, as many references as there are, and what the host vouches for
+        // SAFETY: valid strings, the right number of references, and what the host vouches for
         // lives longer.
         let c = unsafe {
             fmi3InstantiateCoSimulation(
@@ -160,7 +160,7 @@ impl Fmu {
     }
 
     pub fn initialize(&self) {
-        // SAFETY: a live instance. What is not defined is not read.
+        // SAFETY: a live instance. Undefined values are not read.
         unsafe {
             assert_eq!(fmi3EnterInitializationMode(self.c, 0, f64::NAN, 0.0, 0, -1.0), OK, "{}", self.last());
             assert_eq!(fmi3ExitInitializationMode(self.c), OK, "{}", self.last());
@@ -310,7 +310,7 @@ impl Fmu {
 
     pub fn bytes(&self) -> Vec<u8> {
         let (state, mut size) = (self.save(), 0);
-        // SAFETY: a live instance; as many bytes as it says.
+        // SAFETY: a live instance; the stated number of bytes.
         unsafe {
             assert_eq!(fmi3SerializedFMUStateSize(self.c, state, &mut size), OK);
             let mut bytes = vec![0; size];

@@ -26,7 +26,7 @@ struct Course {
     c: FmiInstance,
     /// The load on the block as a function of time.
     load: fn(f64) -> f64,
-    /// Time from which an early return is requested, if any.
+    /// Start of the request of an early return, if any.
     stop: Option<f64>,
     calls: Vec<Call>,
 }
@@ -237,7 +237,7 @@ fn early_return_at_a_requested_time() {
     const SAME: f64 = 1e-12;
     let (find, _course) = with_load(FT, cubic);
     let impact = find.step(0.0, 40.0).time;
-    // FT returns at the event by itself; stopAtImpact = false continues to the requested time.
+    // FT returns at the event anyway; stopAtImpact = false continues to the requested time.
     for stop in [impact * 0.5, impact, impact + 0.3, f64::NAN, 1e9] {
         let mut course = Box::new(Course { c: null_mut(), load: cubic, stop: Some(stop), calls: Vec::new() });
         let environment = std::ptr::from_mut(&mut *course).cast();

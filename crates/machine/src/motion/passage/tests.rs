@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Number of points of an interval at which a polynomial is evaluated.
+/// Number of evaluations of a polynomial in an interval.
 const PLACES: usize = 64;
 /// Some roundings of a polynomial's terms, which are of order one.
 const ROUNDING: f64 = 1e-12;
