@@ -268,7 +268,7 @@ fn invariant_samples_as_asked_for_are_some_of_all() {
             every.samples.iter().filter(|s| s.0 >= 5 && s.0 % 3 == 2 && s.0 <= 29).collect();
         assert_eq!(some.samples.iter().collect::<Vec<_>>(), expected);
         assert_eq!(some.ended, Some(Ok(())));
-        // No event is reported for the sub-step in which a sample ended the motion.
+        // No event is reported for the sub-step of the sample that ended the motion.
         let count = some.events.len();
         assert!(count < every.events.len() || count == 0);
         assert_eq!((&some.events[..], &some.after[..]), (&every.events[..count], &every.after[..count]));

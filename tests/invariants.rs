@@ -88,7 +88,7 @@ fn invariant_momentum_and_restitution_at_each_impact() {
 
 #[test]
 fn invariant_energy_balance_over_ten_thousand_periods() {
-    /// Relative to the energy that passed through (docs/guarantees.md).
+    /// Bound, relative to the energy turnover (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
     for (f10, kappa) in [(1.5, 0.75), (0.6, 0.75), (3.6, 0.75), (1.5, 0.0), (1.5, 1.0)] {
         let p = basic(f10, kappa);
@@ -106,7 +106,7 @@ fn invariant_energy_balance_over_ten_thousand_periods() {
 /// most half an interval or over all of it.
 #[test]
 fn invariant_energy_balance_in_short_steps() {
-    /// Relative to the energy that passed through (docs/guarantees.md).
+    /// Bound, relative to the energy turnover (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
     let basic = basic(1.5, 0.75);
     // The drive is the fastest rate, with which the errors of the rules are largest.

@@ -108,7 +108,7 @@ def extrapolated(machine: Machine, time: float, size: float) -> tuple[float, int
 
 def iterated(machine: Machine, time: float, size: float) -> tuple[float, int]:
     """Both sides repeat the step from the saved states until they agree on the force f + f' t + q t² and the motion
-    s + v t + a t²/2. Third order between impacts; an impact inside a step lowers the order by one. With `stopAtImpact`, a step
+    s + v t + a t²/2. Third order between impacts; an impact inside a step lowers the order by one. If `stopAtImpact` is set, a step
     ends at the impact instead.
 
     Newton's method gives the next force. fmi2GetDirectionalDerivative gives the effect of the end force on the block's

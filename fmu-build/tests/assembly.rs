@@ -163,7 +163,7 @@ fn closed_form_reference_results_are_those_of_the_file() {
     assert_eq!(lines.next().unwrap(), "time,ball.s,ball.v,floor.impacts");
     let rows: Vec<_> = lines.map(numbers).collect();
     assert_eq!((rows.len(), rows[0].as_slice()), (257, &[0.0; 4][..]));
-    // The fall, and rest on the floor from 8.58 s on.
+    // The fall, and rest on the floor after 8.58 s.
     for row in rows.iter().filter(|row| row[0] * row[0] < 2.0 / 9.81) {
         assert!((row[1] - 0.5 * 9.81 * row[0] * row[0]).abs() < 1e-9, "{row:?}");
     }

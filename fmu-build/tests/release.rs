@@ -37,7 +37,7 @@ fn files_that_agree() -> Vec<String> {
     named.into_iter().chain(descriptions).chain(members).collect()
 }
 
-/// A copy of these files in which the changes belong to the version.
+/// A copy of these files whose changes belong to the version.
 fn copy_to_be_released() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for name in files_that_agree() {

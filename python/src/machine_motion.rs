@@ -271,7 +271,7 @@ pub struct Transition<'py> {
     end: Numbers,
     /// Element (i, j): number i of the final state by number j of the start.
     matrix: Varied<'py>,
-    /// For each number at the start the reason why there are no derivatives, or an empty text.
+    /// For each number at the start the reason for missing derivatives, or an empty text.
     lost: Vec<String>,
 }
 

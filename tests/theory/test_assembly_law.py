@@ -104,7 +104,7 @@ def test_law_2_3_motion_under_links() -> None:
         m, b, d, arms, p2 = reduced(r)
         forces = vector(r, 4)
         q2 = mp.lu_solve(b.T * m * b, b.T * (forces - m * d * p2))
-        # With a multiplier: m s'' = F + a μ with a s'' + a_p p'' = 0.
+        # Using a multiplier: m s'' = F + a μ with a s'' + a_p p'' = 0.
         full = mp.zeros(5, 5)
         full[0:4, 0:4] = m
         for i in range(4):
@@ -326,7 +326,7 @@ def test_law_21_variations_over_an_impact_by_differences() -> None:
 
     def meeting(h: mpf, v: mpf) -> mpf:
         t = mpf("0.35")
-        for _ in range(12):  # of Newton, each of which doubles the digits
+        for _ in range(12):  # Newton steps; each doubles the digits
             height, speed = fall(h, v, t)
             t -= (height - mp.sin(t)) / (speed - mp.cos(t))
         return t
@@ -533,7 +533,7 @@ def test_law_30_over_an_event_by_differences() -> None:
 
         def passes(p: mpf) -> mpf:
             t = meets  # noqa: B023
-            for _ in range(8):  # of Newton, each of which doubles the digits
+            for _ in range(8):  # Newton steps; each doubles the digits
                 state = flow(a(p), t) * (z + p * delta)  # noqa: B023
                 t -= ((h(p) * state)[0] - level) / (h(p) * a(p) * state)[0]  # noqa: B023
             return t

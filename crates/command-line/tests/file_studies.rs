@@ -74,7 +74,7 @@ fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_tou
     let line = ["response", &file, "--vary", "load.shaker.frequency=1.5Hz:6Hz", "--of", "amplitude.box.s"];
     let said = drawn(&out.join("r"), &[&line[..], &["--seeds", "8"]].concat());
     assert!(said.contains("branch 0: 1T [no event], from EP 1.5 Hz to GR stop.wall"), "{said}");
-    // The parts from which an interrupted study would continue.
+    // An interrupted study would continue these parts.
     assert!(!out.join("r/response-paths").exists());
     let rows = table(&out.join("r"), "response.csv");
     let free: Vec<_> = rows.iter().filter(|row| row["word"].is_empty()).collect();

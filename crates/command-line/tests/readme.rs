@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The command by which the pages call the program. The recipes of `docs/paper-machine.md` and
+/// The pages' call of the program. The recipes of `docs/paper-machine.md` and
 /// `docs/design-a-damper.md` call it `vibro`; `guides.rs` and `tutorial.rs` run their commands.
 const CALL: &str = "cargo run --release -p vibro -- ";
 /// Command that `studies.rs` runs.

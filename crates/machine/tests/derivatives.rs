@@ -253,7 +253,7 @@ fn two_impacts_at_one_instant_have_a_derivative_where_their_order_does_not_matte
     // a: h - ε u (t - t₁) + g (t - t₁)²/2 with u = √(2gh), t₁ = u/g.
     close(of(&alone, "a.s", 0), 1.0 - 0.5 * 5.0 * 0.1 + 0.5 * 2.0 * 0.5 - 10.0 * 0.1 * 0.5);
     close(of(&alone, "b.s", 0), 0.0);
-    // With a dashpot between the balls, the order of impacts matters, unless both shift together.
+    // Given a dashpot between the balls, the order of impacts matters, unless both shift together.
     let text = format!("{TWO}[damper.c]\nbetween = [\"a\", \"b\"]\ndamping = 1.0\n");
     let mut coupled = differentiated(&text, &["stop.fa.gap", "gravity"]);
     coupled.advance_to(0.3).unwrap();

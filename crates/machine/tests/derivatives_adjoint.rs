@@ -19,7 +19,7 @@ const EXAMPLES: [(&str, f64); 5] = [
 ];
 /// Rounding relative to the sum of the absolute values of all terms.
 const ROUNDING: f64 = 1e-12;
-/// Largest share of machines for which columns decide, because several events share one instant.
+/// Largest share of machines decided by columns, because several events share one instant.
 const MOST_BY_COLUMNS: f64 = 0.2;
 
 fn machines() -> impl Iterator<Item = (String, Description, f64)> {

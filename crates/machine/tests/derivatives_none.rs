@@ -138,7 +138,7 @@ fn a_start_at_a_stop_without_force_is_hit_on_one_side() {
     let text = "[body.a]\nmass = 1.0\n[load.l]\non = \"a\"\nconstant = -1.0\n\
         [stop.x]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nrestitution = 0.5\n";
     own(text, 1.0).check(&[("body.a.start.v", limit("stop.x")), ("load.l.constant", None)]);
-    // A varying load pulls it away or presses it: no derivative exists from the start on.
+    // A varying load pulls it away or presses it: it never has a derivative.
     let text = text.replace("constant = -1.0", "amplitude = 0.0\nfrequency = 1.0");
     let case = own(&text, 0.5);
     let mut motion =

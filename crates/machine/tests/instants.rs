@@ -5,7 +5,7 @@ use crate::common::*;
 use std::sync::Arc;
 use vibro_machine::{Assembly, Motion, Start};
 
-/// Counts samples: y of sample k, from 0 on, is k; a load steps at a separate time.
+/// Counts samples: y of sample k = 0, 1, … is k; a load steps at a separate time.
 fn counting(period: f64, delay: f64, step: f64) -> String {
     format!(
         r#"

@@ -71,7 +71,7 @@ fn closed_form_what_links_tie_to_a_motion_is_carried() {
     assert!((m.energy().loads[0].value() + 7.0 * 1.2).abs() < WORK);
     assert!((m.energy().motions.value() - 7.0 * 1.2).abs() < WORK, "{:?}", m.energy());
     assert_eq!(m.energy().balance().abs().max(WORK), WORK);
-    // With a free motor instead of the prescribed one, no motion at all is possible.
+    // If the motor is free instead of prescribed, no motion at all is possible.
     d.bodies[0] = body("motor", 1.0, 0.0, 0.0);
     d.bodies[1] = body("drum", 2.0, 0.0, 0.0);
     d.links.push(Link { name: "second".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) });

@@ -392,7 +392,7 @@ fn valve_train(preload: f64) -> vibro_machine::Motion {
     vibro_machine::Motion::from_state(assembly, 0.0451, &[0.0; 2]).unwrap()
 }
 
-/// Time after an opening until which the valve is observed, s: the valve moves 1e-5 m.
+/// Duration of the observation after an opening, s: the valve moves 1e-5 m.
 const SHORT: f64 = 1e-4;
 
 #[test]

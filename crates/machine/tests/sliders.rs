@@ -372,7 +372,7 @@ fn invariant_saved_states_have_the_sliders() {
     m.advance_to(2.0).unwrap();
     on.advance_to(2.0).unwrap();
     assert_eq!(on.save(), m.save());
-    // With other numbers it continues with forces within the new limits.
+    // After a change of numbers, it continues with forces within the new limits.
     let d = m.assembly().description.under_way([("spring.d.slip", 1.0)]).unwrap();
     let changed = m.changed(Arc::new(Assembly::new(d).unwrap())).unwrap();
     assert!(of(&changed, 3, What::F).abs() <= 1.0 + ROUNDING);

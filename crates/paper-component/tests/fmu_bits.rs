@@ -85,7 +85,7 @@ fn exchange(start: &[(&str, f64)], size: f64) -> String {
 fn saved(start: &[(&str, f64)], size: f64) -> String {
     let mut kept: *mut c_void = null_mut();
     let digest = steps(start, size, |fmu, i| {
-        // SAFETY: a live component; the bytes have the length asked for.
+        // SAFETY: a live component; the bytes have the requested length.
         unsafe {
             match i % 200 {
                 50 => assert_eq!(fmi2GetFMUstate(fmu.c, &mut kept), OK),

@@ -146,7 +146,7 @@ def design(
     minimize, maximize
         The output to minimise or maximise for the worst motion, such as ``amplitude.box.s``; :attr:`Machine.measures` lists all.
     over
-        The worst value of a design is taken over these parameters. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, in which
+        The worst value of a design is taken over these parameters. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, where
         peaks between the values are searched too; a list has single values.
     subject_to
         Constraints on the worst motion, such as ``"impact.speed.steel <= 0.5 m/s"``.
@@ -167,7 +167,7 @@ def design(
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C, with the best design so far as its attribute ``partial``: a :class:`Design` whose verdict is ``undecided: ended by hand``;
+        On Ctrl-C, with the best design found as its attribute ``partial``: a :class:`Design` whose verdict is ``undecided: ended by hand``;
         None if the running simulations do not end within 10 s, or at a second Ctrl-C.
     ValueError, TypeError
         If an argument is out of its range, or a name is unknown.

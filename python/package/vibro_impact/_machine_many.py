@@ -38,7 +38,7 @@ def runs(
 
 
 def names_of(parameters: Iterable[str]) -> list[str]:
-    """Returns names of parameters, each of which may occur once."""
+    """Returns names of parameters; raises for duplicates."""
     if isinstance(parameters, str):
         raise TypeError(f"derivatives = {parameters!r}: allowed is a list of names of parameters")
     names = list(parameters)

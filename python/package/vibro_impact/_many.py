@@ -244,7 +244,7 @@ def simulate_many(
         As in :meth:`PaperMachine.simulate` and :meth:`Machine.simulate`, with the motion's index; if the numbers of machines and starts differ;
         if described machines have different columns.
     KeyboardInterrupt
-        On Ctrl-C, with the final states so far as its attribute ``partial``: a list with an array for each finished motion and None for each
+        On Ctrl-C, with the final states found before it as its attribute ``partial``: a list with an array for each finished motion and None for each
         other. The array is the state, shape (6,), for :class:`PaperMachine`, and the values in the order of ``columns`` for described machines.
     """
     several, is_described = _listed(machines)
@@ -373,7 +373,7 @@ def measure_many(
         An object with ``submit``, such as an executor of ``concurrent.futures``, loky or mpi4py, or a Client of dask. It computes parts of the
         work in other processes, which need only this package. By default this process computes on all its cores.
     checkpoint
-        A folder in which finished parts are kept: the same call continues there after Ctrl-C or a crash, and returns at once if all parts
+        A folder for finished parts: the same call continues there after Ctrl-C or a crash, and returns at once if all parts
         exist. A folder serves one call only; delete it when you no longer need it.
 
     Raises
@@ -381,7 +381,7 @@ def measure_many(
     ValueError, TypeError, RuntimeError
         As in :meth:`PaperMachine.measure` and :meth:`Machine.measure`, with the motion's index; if the numbers of machines and starts differ.
     KeyboardInterrupt
-        On Ctrl-C, with the measures so far as its attribute ``partial``: a list with a dictionary for each finished motion and None for each
+        On Ctrl-C, with the measures found before it as its attribute ``partial``: a list with a dictionary for each finished motion and None for each
         other.
     """
     if measures is None:

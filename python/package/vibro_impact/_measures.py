@@ -77,7 +77,7 @@ def unsettled(names: list[str], row: Row) -> Optional[str]:
 
 @contextlib.contextmanager
 def keeping(made: Callable[[int, Any], Any]) -> Iterator[None]:
-    """Adds the results so far to a KeyboardInterrupt as `partial`: a list with an entry for each motion, None for an unfinished one."""
+    """Adds the results found before a KeyboardInterrupt to it as `partial`: a list with an entry for each motion, None for an unfinished one."""
     try:
         yield
     except KeyboardInterrupt as interrupt:

@@ -49,7 +49,7 @@ def rows_of(work: Work, executor: Any, checkpoint: Union[None, str, os.PathLike[
     Raises
     ------
     KeyboardInterrupt
-        With the rows computed so far as its attribute ``partial``, which has None for each missing row.
+        The rows computed before it are its attribute ``partial``, which has None for each missing row.
     """
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise TypeError(

@@ -8,7 +8,7 @@ pub struct Guide {
     text: String,
 }
 
-/// The folder in which a page's commands ran.
+/// The folder of a page's commands and their files.
 fn home(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }

@@ -85,7 +85,7 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
             machine.leave_event(&mut Silent).unwrap();
         }
     }
-    // The changes include those of an `ElastoGap`: pressed (4) and capped (6).
+    // The changes include an `ElastoGap`: pressed (4) and capped (6).
     assert!(changes.contains(&(true, 4, 6)) || changes.contains(&(true, 6, 4)), "{changes:?}");
     assert!(changes.len() > 12, "{changes:?}");
 }

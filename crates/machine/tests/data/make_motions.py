@@ -1,7 +1,7 @@
 """Motions of random machines in 50 digits: python make_motions.py > motions.txt
 
 A second, independent method that uses nothing from the crate: power series in time of each mode, roots by bisection with a bound on
-every interval, impacts by trying all sets of impulses. The mode after an event is found by trying all modes and keeping those in
+every interval, impacts by trying all sets of impulses. The mode after an event is found by trying all modes and keeping each in
 which every watched quantity begins with the right sign; if there are several, all must give the same motion. Machines without a
 unique motion are omitted. Bounces are followed down to 1e-20 m/s.
 """

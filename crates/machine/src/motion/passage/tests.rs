@@ -24,8 +24,8 @@ fn cubic(c: &[f64; 4], t: f64) -> [f64; 2] {
 
 #[test]
 fn invariant_every_interval_with_a_passage_is_near() {
-    // With the exact bound of the second derivative; and without a search if everything is so far
-    // below zero that no proof is required.
+    // Once with the exact bound of the second derivative, and once without a search if everything
+    // is so far below zero that no proof is required.
     let (mut random, mut far) = (Random(3), 0);
     for case in 0..20_000 {
         let order = case % 4;
