@@ -6,15 +6,15 @@
         --set stop.restitution=0.6 --scheduler tcp://node1:8786 --out plane.parquet
     python examples/dask_sweep.py --fmu target/VibroImpact3DOF.fmu --vary drive.frequency=0.9:1.2:200
 
-Every point is a motion whose last periods are measured. Workers need the Python package alone, which measures exactly. With --machine the
-machine is one of your own, from its file, started as that says, with parameters in SI and any of its measures (--measure): it is sent to the
-workers with the points. Without it the machine is the paper's, of which all below is said. With --fmu they
-need fmpy and numpy instead, and measure by samples: that is the way for an FMU that is part of a larger model. The FMU is then sent to
-them, also to those that join later. The table has the names of `vibro sweep`, which needs no Python and shares its work by --shard. A motion
-starts as there: all at rest in the middle but the block, which moves with the speed L ω10 of the point, unless --set or --vary gives
-another start. (A machine that starts at rest may never come to its first impact.) The start is in the table. A point that fails is a row
-with its reason and without measured values. The points of a worker that is lost are computed again by the others. The table is the same
-for any number of workers.
+Every point is a motion whose last periods are measured. Workers need only the Python package, which measures exactly. With --machine, the
+machine is one of your own, from its file with its own start, with parameters in SI and any of its measures (--measure); it is sent to the
+workers with the points. Without --machine, the machine is the paper's, and the following applies. With --fmu, workers need
+fmpy and numpy instead, and measure from samples; use it for an FMU that is part of a larger model. The FMU is sent to all workers,
+including those that join later. The table has the same names as `vibro sweep`, which needs no Python and splits its work with --shard. A motion
+starts as in `vibro sweep`: at rest in the middle, except that the block moves with the speed L ω10 of the point, unless --set or --vary
+gives another start. (A machine that starts at rest may never reach its first impact.) The table contains the start. A point that fails has
+a row with its reason and without measured values. If a worker is lost, the others compute its points again. The table is the same for any
+number of workers.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 PLUGIN = "vibro-impact-fmu"
-RETRIES = 10  # of a chunk whose workers are lost
+RETRIES = 10  # of a chunk after its worker is lost
 BODIES = ("box.s", "block.s", "secondary.s")
 START = (*BODIES, "box.v", "block.v", "secondary.v")
-AMPLITUDES = ("amplitude.x1", "amplitude.x2", "amplitude.x3")  # largest |x|, m, as `vibro paper sweep --list` has them
+AMPLITUDES = ("amplitude.x1", "amplitude.x2", "amplitude.x3")  # largest |x|, m, with the names of `vibro paper sweep --list`
 MEASURED = (*AMPLITUDES, "impacts.upper", "impacts.lower", "power.impact")
 
 Row = dict[str, Union[float, str, None]]
@@ -72,23 +72,23 @@ class FmuPlugin(WorkerPlugin):  # type: ignore[misc] # distributed comes without
 class Measure:
     """Simulation and measurement of a point by the Python package."""
 
-    discard: int = 400  # drive periods before what is measured
-    periods: int = 60  # measured
+    discard: int = 400  # drive periods before the measurement
+    periods: int = 60  # drive periods measured
 
     def row(self, point: Mapping[str, float]) -> Row:
-        """One point: given values, start, measures, and the reason where there are none."""
+        """Returns the row of a point: given values, start, measures, and the reason if there are none."""
         defaults = self.defaults()
         given = {**moving_block({**defaults, **point}), **point}
         start = {name: given.get(name, defaults.get(name, 0.0)) for name in START}
         row: Row = {**point, **start, **dict.fromkeys(MEASURED), "reason": None}
         try:
             row.update(self.run(given))
-        except Exception as error:  # whatever it is, the other points are still wanted
+        except Exception as error:  # any failure: the other points are still wanted
             row["reason"] = str(error) or type(error).__name__
         return row
 
     def defaults(self) -> dict[str, float]:
-        """Names and values of all settings."""
+        """Returns names and values of all settings."""
         import vibro_impact as vi
 
         machine = vi.PaperMachine()
@@ -96,7 +96,7 @@ class Measure:
         return {**parameters, **dict.fromkeys(START, 0.0)}
 
     def run(self, values: Mapping[str, float]) -> Mapping[str, Union[float, str, None]]:
-        """With these values set: amplitudes (m), impacts per period, and power lost at the stops (W) over the last periods."""
+        """Returns amplitudes (m), impacts per period, and power lost at the stops (W) over the last periods, for the given values."""
         import vibro_impact as vi
 
         parameters = {name.replace(".", "_"): value for name, value in values.items() if name not in START}
@@ -110,10 +110,10 @@ class FmuMeasure(Measure):
     """Simulation and measurement of a point by the packaged FMU, with fmpy."""
 
     per_period: int = 64  # samples
-    model: Any = None  # folder and description of the FMU; those that the worker has unpacked where there is none
+    model: Any = None  # folder and description of the FMU; if None, the FMU that the worker has unpacked
 
     def opened(self) -> tuple[str, Any]:
-        """Folder and description of the FMU."""
+        """Returns the folder and description of the FMU."""
         if self.model is not None:
             folder, description = self.model
             return folder, description
@@ -121,13 +121,13 @@ class FmuMeasure(Measure):
         return plugin.unzipped, plugin.description
 
     def defaults(self) -> dict[str, float]:
-        """Names and values of all settings."""
+        """Returns names and values of all settings."""
         variables = self.opened()[1].modelVariables
         settable = (v for v in variables if v.type == "Real" and v.start and v.causality != "input")
         return {v.name: float(v.start) for v in settable}
 
     def run(self, values: Mapping[str, float]) -> Mapping[str, Union[float, str, None]]:
-        """Measures as by the Python package, from samples."""
+        """Returns the same measures as the Python package, from samples."""
         import fmpy
         from fmpy.fmi1 import FMICallException
 
@@ -135,7 +135,7 @@ class FmuMeasure(Measure):
         period = 2.0 * math.pi / float(values.get("drive.frequency", self.defaults()["drive.frequency"]))
         names = [*BODIES, "impacts.upper", "impacts.lower", "energy.impact"]
         skipped = self.discard * period
-        said: list[str] = []  # the FMU's own words, which name what is wrong and what is allowed
+        said: list[str] = []  # messages of the FMU, which name the invalid value and the accepted ones
 
         def listen(_environment: Any, _instance: Any, status: int, _category: Any, message: bytes) -> None:
             if status > 0:
@@ -149,7 +149,7 @@ class FmuMeasure(Measure):
                 slave.setReal([references[name]], [value])
             slave.enterInitializationMode()
             slave.exitInitializationMode()
-            if skipped > 0.0:  # one step, whatever happens in it
+            if skipped > 0.0:  # a single step, whatever happens in it
                 slave.doStep(currentCommunicationPoint=0.0, communicationStepSize=skipped)
             count = self.periods * self.per_period
             size = period / self.per_period
@@ -176,7 +176,7 @@ class FmuMeasure(Measure):
 
 
 def by_file(client: Client, arguments: argparse.Namespace) -> Any:
-    """A table of a machine's file: its parts are computed by the workers, and again by others where one is lost."""
+    """Returns the table of a machine's file; if a worker is lost, others compute its parts again."""
     import vibro_impact as vi
 
     machine = vi.Machine(arguments.machine).replace(dict(arguments.set))
@@ -193,28 +193,28 @@ def by_file(client: Client, arguments: argparse.Namespace) -> Any:
 
 
 def moving_block(values: Mapping[str, float]) -> dict[str, float]:
-    """The start of the command line's studies: all at rest in the middle except the block, which has the speed L ω10."""
+    """Returns the start of the command line's studies: at rest in the middle, except that the block has the speed L ω10."""
     try:
         speed = values["stop.gap"] * math.sqrt(values["box.k"] / values["box.m"])
     except (ValueError, ZeroDivisionError):
-        return {}  # no box on a spring has these; the FMU says which value it does not allow
+        return {}  # the values are invalid for a box on a spring; the FMU reports which one
     return {"block.v": speed}
 
 
 def chunk(measure: Measure, points: list[tuple[int, dict[str, float]]]) -> list[Row]:
-    """Rows of some points on a worker: index, varied values, measures."""
+    """Returns the rows of some points on a worker: index, varied values, measures."""
     return [{"index": index, **measure.row(point)} for index, point in points]
 
 
 def grid(axes: Mapping[str, Iterable[float]], fixed: Mapping[str, float]) -> list[dict[str, float]]:
-    """All combinations of the axes, the last one fastest."""
+    """Returns all combinations of the axes; the last axis varies fastest."""
     return [{**fixed, **dict(zip(axes, map(float, values)))} for values in product(*axes.values())]
 
 
 def sweep(
     client: Client, points: list[dict[str, float]], measure: Measure, fmu: Union[Path, None] = None, size: int = 8
 ) -> Iterator[list[Row]]:
-    """Yields the rows of each chunk as it is done, in any order."""
+    """Yields the rows of each finished chunk, in any order."""
     if fmu is not None:
         client.register_plugin(FmuPlugin(fmu.read_bytes()))
     numbered = list(enumerate(points))
@@ -234,7 +234,7 @@ def write(path: Path, rows: list[Row], measure: Measure) -> None:
 
     ordered = sorted(rows, key=lambda row: float(row["index"] or 0))
     names = [name for name in ordered[0] if name != "index"]
-    # With types, since a column may be empty: all points may fail, or none.
+    # Explicit types, because a column may be empty: all points may fail, or none.
     columns = {
         name: pa.array([row[name] for row in ordered], pa.string() if name == "reason" else pa.float64()) for name in names
     }
@@ -248,7 +248,7 @@ def write(path: Path, rows: list[Row], measure: Measure) -> None:
 
 
 def axis(text: str) -> tuple[str, NDArray[np.float64]]:
-    """NAME=FROM:TO:COUNT."""
+    """Parses NAME=FROM:TO:COUNT."""
     name, _, values = text.partition("=")
     try:
         low, high, count = values.split(":")
@@ -258,7 +258,7 @@ def axis(text: str) -> tuple[str, NDArray[np.float64]]:
 
 
 def setting(text: str) -> tuple[str, float]:
-    """NAME=VALUE."""
+    """Parses NAME=VALUE."""
     name, _, value = text.partition("=")
     try:
         return name, float(value)
@@ -267,7 +267,7 @@ def setting(text: str) -> tuple[str, float]:
 
 
 def known(measure: Measure, names: Iterable[str]) -> None:
-    """Refuses names that are neither a parameter nor a start value."""
+    """Raises for names that are neither a parameter nor a start value."""
     allowed = measure.defaults()
     for name in names:
         if name not in allowed:
@@ -275,14 +275,14 @@ def known(measure: Measure, names: Iterable[str]) -> None:
 
 
 def by_fmu(fmu: Path, discard: int, periods: int) -> FmuMeasure:
-    """Measurement by an FMU, whose names are read here."""
+    """Returns the measurement by an FMU, whose names are read here."""
     import fmpy
 
     return FmuMeasure(discard, periods, model=("", fmpy.read_model_description(str(fmu))))
 
 
 def connected(arguments: argparse.Namespace) -> Client:
-    """A client of the scheduler that was named, or of a cluster of this machine's cores."""
+    """Returns a client of the given scheduler, or of a cluster of this machine's cores."""
     if arguments.scheduler:
         return Client(arguments.scheduler)
     workers = arguments.workers or os.cpu_count()

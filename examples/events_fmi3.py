@@ -1,8 +1,8 @@
 """A master that follows every event of the FMI 3.0 FMU, and checks the laws of impact on both sides of it.
 
-The master uses Event Mode and takes early returns. A step then ends before the first event in it: in Step Mode the variables
-show the limit before the event, in Event Mode the one after it. `fmi3UpdateDiscreteStates` carries the event out and tells
-when the next one will come if the loads stay as they are.
+The master uses Event Mode and accepts early returns. A step then ends before the first event in it: in Step Mode the variables
+show the limit before the event, in Event Mode the limit after it. `fmi3UpdateDiscreteStates` carries out the event and returns
+the time of the next event, which holds if the loads stay unchanged.
 
     python examples/events_fmi3.py --periods 10
 """
@@ -18,7 +18,7 @@ from typing import Iterator, Mapping
 
 from vibro import FMU3, EventSlave, PathLike, Value, start_values
 
-#: Rounding of the law of impact between both limits of an event, relative to the speeds.
+#: Rounding of the law of impact between both limits of an event, relative to the velocities.
 ROUNDING = 1e-12
 
 COUNTS = ("impacts.upper", "impacts.lower")
@@ -36,7 +36,7 @@ class Limit:
 
     @classmethod
     def of(cls, slave: EventSlave) -> Limit:
-        """Present state of an instance."""
+        """Returns the current state of an instance."""
         box, block = slave.reals(["box.v", "block.v"])
         return cls(float(box), float(block), tuple(slave.get(name) for name in COUNTS), slave.get("stop.state"))
 
@@ -53,8 +53,8 @@ class Event:
     time: float  # s
     before: Limit
     after: Limit
-    next_event: float  # when the next one is announced, s
-    announced: bool  # whether this one had been, for this time
+    next_event: float  # announced time of the next event, s
+    announced: bool  # whether this event had been announced, for this time
 
     @property
     def kind(self) -> str:
@@ -65,7 +65,7 @@ class Event:
         return "release" if self.after.state == FLIGHT else "rest"
 
     def errors(self, p: Mapping[str, float]) -> tuple[float, float]:
-        """Violation of Newton's restitution and of the balance of momentum, relative to the speeds there."""
+        """Residuals of Newton's restitution law and of the momentum balance, relative to the velocities at the event."""
         kappa = p["stop.restitution"] if self.kind.startswith("impact") and self.after.state == FLIGHT else 0.0
         if self.kind == "release":
             kappa = -1.0  # nothing jumps
@@ -76,7 +76,7 @@ class Event:
 
 
 def events(fmu: PathLike, start: Mapping[str, Value], stop: float, step: float) -> Iterator[Event]:
-    """Every event up to a time, in communication steps of a size (both in s) that end early at the events."""
+    """Yields every event up to a time, with communication steps of given size (both in s) that end early at the events."""
     with EventSlave(fmu, {"stopAtImpact": True, **start}) as slave:
         coming = slave.update_discrete_states()
         slave.enter_step_mode()
@@ -93,7 +93,7 @@ def events(fmu: PathLike, start: Mapping[str, Value], stop: float, step: float) 
 
 
 def main() -> int:
-    """Prints a list of events; returns 1 when a law is violated."""
+    """Prints a list of events; returns 1 if a law is violated."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU3, type=Path)
     parser.add_argument("--periods", default=10.0, type=float)

@@ -1,4 +1,4 @@
-"""A run with fmpy and its picture; parameters in dimensionless form, in any scales.
+"""A run with fmpy and its picture, with parameters in dimensionless form and arbitrary scales.
 
     python examples/run_and_plot.py --set f10=1.8 --mass 2 --stiffness 200 --length 0.01 --out run.png
 """
@@ -14,7 +14,7 @@ from vibro import FMU, Groups, Scales, plot, simulate
 
 
 def main() -> None:
-    """Simulates, prints the amplitudes over the last periods, draws."""
+    """Simulates, prints the amplitudes over the last periods, and draws the run."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
     names = ", ".join(field.name for field in fields(Groups))

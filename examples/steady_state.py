@@ -1,4 +1,4 @@
-"""The steady state in three ways: simulated until it has settled, and by the two closed forms the FMU knows.
+"""The steady state in three ways: simulated until it has settled, and by the FMU's two closed forms.
 
     python examples/steady_state.py --out steady.png
 """
@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 from vibro import COLOURS, FMU, Slave, start_values
 
-#: Items of the FMU's parameter `mode`, with the drive periods in which each settles.
+#: Items of the FMU's parameter `mode`, each with the number of drive periods until it settles.
 MODES = {"EventDriven": (1, 400), "MultipleScales": (2, 0), "ExactOrbit": (3, 0)}
 STYLES = {"EventDriven": "-", "MultipleScales": ":", "ExactOrbit": "--"}
 SAMPLES = 400  # in a period
 
 
 def main() -> None:
-    """Prints the FMU's closed forms of the steady state, and draws a period in each mode."""
+    """Prints the FMU's closed forms of the steady state, and draws a period of each mode."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
     parser.add_argument("--out", "--output", dest="output", default=Path("steady.png"), type=Path)

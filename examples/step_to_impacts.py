@@ -1,8 +1,8 @@
 """A master that steps from impact to impact: with `stopAtImpact` a step ends, discarded, at the first impact in it.
 
-FMI 2.0 (4.2.4) allows no step after a discarded one. So the master saves the state before each step; when the step is
-discarded it restores that state and steps again, to the time the FMU has come to (fmi2LastSuccessfulTime). It stands then
-just behind the impact and can tell others of it.
+FMI 2.0 (4.2.4) does not allow a step after a discarded one. So the master saves the state before each step. If the step is
+discarded, the master restores that state and steps again, to the time that the FMU reached (fmi2LastSuccessfulTime). The FMU is
+then just after the impact, and the master can pass the impact on to other models.
 
     python examples/step_to_impacts.py --periods 10
 """
@@ -18,16 +18,16 @@ from vibro import FMU, PathLike, Slave, Value, start_values
 
 
 class Impact(NamedTuple):
-    """An impact as the FMU reports it just afterwards."""
+    """An impact as the FMU reports it just after the impact."""
 
     time: float  # s
-    stop: str  # which: upper or lower
+    stop: str  # upper or lower
     speed: float  # relative speed of approach, m/s
     impulse: float  # N.s
 
 
 def impacts(fmu: PathLike, start: Mapping[str, Value], stop: float, step: float) -> Iterator[Impact]:
-    """Every impact up to a time, in communication steps of a size (both in s) that are cut at the impacts."""
+    """Yields every impact up to a time, with communication steps of given size (both in s) that are cut at the impacts."""
     with Slave(fmu, {**start, "stopAtImpact": True}) as slave:
         time, upper = 0.0, 0.0
         while time < stop:

@@ -12,7 +12,7 @@ pub fn main() -> Result<()> {
     for n in 1..=16 {
         let groups = Groups { f10: 0.25 * f64::from(n), ..Groups::basic() };
         let parameters = groups.to_parameters(Scales::default())?;
-        // Without energy accounts: motions that keep them advance one by one.
+        // Without energy accounts, because motions with them cannot advance side by side.
         motions.push(Simulator::new(&parameters, &start, 0.0)?.without_energy_accounts());
     }
     // The transient, then the counted periods.

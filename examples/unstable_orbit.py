@@ -1,8 +1,8 @@
-"""The FMU started on an unstable periodic orbit: how long it stays there, beside what the orbit's largest multiplier predicts.
+"""The FMU started on an unstable periodic orbit: how long it stays there, compared with the prediction of the orbit's largest multiplier.
 
-An orbit that no simulation finds is one all the same: started on it to the last digit, the motion stays until rounding, about 1e-16
-of the gap, has grown to something that can be seen. Each passage multiplies the deviation by the largest multiplier. `vibro orbit`
-writes the start values and the multipliers into the folder that this script reads:
+No simulation finds an unstable orbit, but the orbit exists: a motion that starts on it to the last digit stays on it until rounding, about
+1e-16 of the gap, has grown visibly. Each passage multiplies the deviation by the largest multiplier. `vibro orbit`
+writes the start values and the multipliers to the folder that this script reads:
 
     cargo run --release -p vibro -- paper orbit --word U- --set f10=2.3 --out orbit
     python examples/unstable_orbit.py --orbit orbit --out unstable_orbit.png
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-16  # of a state of the size of the gap
 LEFT = 1e-3  # a deviation, in gaps, that counts as having left the orbit
-MEASURED = (1e-12, 1e-4)  # between these the deviation is neither rounding nor too large to grow in proportion
+MEASURED = (1e-12, 1e-4)  # deviations in this range exceed rounding and still grow in proportion
 PER_PERIOD = 200  # reported points in a drive period
 
 
@@ -33,7 +33,7 @@ class Orbit(NamedTuple):
 
     start: dict[str, float]  # start values of the FMU, SI
     multiplier: float  # the largest modulus of its multipliers
-    passage: float  # drive periods over which they hold: half the period of a symmetric orbit
+    passage: float  # drive periods that the multipliers span: half the period for a symmetric orbit
     period: int  # drive periods
 
     @property
@@ -43,7 +43,7 @@ class Orbit(NamedTuple):
 
 
 def read(folder: PathLike) -> Orbit:
-    """The orbit of a folder into which `vibro orbit` has written."""
+    """Reads the orbit from a folder written by `vibro orbit`."""
     with open(Path(folder) / "orbit-start.csv", newline="") as file:
         start = {row["variable"]: float(row["start"]) for row in csv.DictReader(file)}
     with open(Path(folder) / "orbit-multipliers.csv", newline="") as file:
@@ -53,7 +53,7 @@ def read(folder: PathLike) -> Orbit:
 
 
 def deviations(orbit: Orbit, result: Any) -> NDArray[np.float64]:
-    """Largest deviation of a coordinate from the orbit after each of its periods, in units of L and L ω1."""
+    """Returns the largest deviation of a coordinate from the orbit after each of its periods, in units of L and L ω1."""
     length = orbit.start["stop.gap"]
     units = np.array([length] * 3 + [length * orbit.start["drive.frequency"]] * 3)
     states = np.column_stack([result[name] for name in STATES])[:: PER_PERIOD * orbit.period] / units
@@ -61,7 +61,7 @@ def deviations(orbit: Orbit, result: Any) -> NDArray[np.float64]:
 
 
 def measured_rate(orbit: Orbit, deviation: NDArray[np.float64]) -> float:
-    """Measured growth per drive period; NaN where the deviation grows too fast to be measured."""
+    """Returns the measured growth per drive period; NaN if the deviation grows too fast to be measured."""
     before = np.flatnonzero(deviation > MEASURED[1])
     grown = np.flatnonzero(deviation[: before[0] if before.size else None] > MEASURED[0])
     if grown.size < 2:
@@ -70,7 +70,7 @@ def measured_rate(orbit: Orbit, deviation: NDArray[np.float64]) -> float:
 
 
 def plot(orbit: Orbit, result: Any, deviation: NDArray[np.float64], path: PathLike) -> None:
-    """Draws the deviation over time, and the orbit beside the motion on which the run settles."""
+    """Draws the deviation over time, and the orbit next to the motion on which the run settles."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -98,7 +98,7 @@ def plot(orbit: Orbit, result: Any, deviation: NDArray[np.float64], path: PathLi
 
 
 def main() -> None:
-    """Prints how long the FMU stays on the orbit and how fast it leaves, and draws both."""
+    """Prints how long the FMU stays on the orbit and how fast it leaves the orbit, and draws both."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
     parser.add_argument("--orbit", default=Path("vibro-out"), type=Path, help="folder written by `vibro orbit`")

@@ -1,4 +1,4 @@
-"""Common parts of the example scripts: scaling of parameters, instances of an FMU by name, runs with fmpy, a picture."""
+"""Shared parts of the example scripts: scaling of parameters, FMU instances with access by name, runs with fmpy, a picture."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PathLike = Union[str, Path]
 
 
 def fmi3_beside(fmu: PathLike) -> Path:
-    """The archive of FMI 3.0 that is made beside one of FMI 2.0."""
+    """Returns the FMI 3.0 archive that is made next to an FMI 2.0 archive."""
     return Path(fmu).with_name("VibroImpact3DOF-FMI3.fmu")
 
 
@@ -57,7 +57,7 @@ class Scales:
 
 @dataclass(frozen=True)
 class Groups:
-    """The dimensionless groups of the paper, hats dropped; the defaults are those of the FMU (a reconstruction)."""
+    """The dimensionless groups of the paper, hats dropped; the defaults are the FMU's (a reconstruction)."""
 
     epsilon: float = 0.1  # m2/m1
     kappa: float = 0.75  # restitution coefficient
@@ -70,7 +70,7 @@ class Groups:
     mu13: float = 10.0  # m1/m3
 
     def parameters(self, scales: Scales = Scales()) -> dict[str, float]:
-        """Start values of the FMU (SI) with these groups."""
+        """Returns the start values of the FMU (SI) for these groups."""
         m1, k1, omega10 = scales.mass, scales.stiffness, scales.frequency
         m2, m3 = self.epsilon * m1, m1 / self.mu13
         return {
@@ -90,7 +90,7 @@ class Groups:
 
     @classmethod
     def of(cls, p: Mapping[str, float]) -> Groups:
-        """The groups of a set of SI parameters; box.k must not be 0."""
+        """Returns the groups of a set of SI parameters; box.k must not be 0."""
         omega10 = math.sqrt(p["box.k"] / p["box.m"])
         epsilon = p["block.m"] / p["box.m"]
         return cls(
@@ -110,7 +110,7 @@ class Groups:
 
 
 class Slave:
-    """A co-simulation instance of any FMI 2.0 FMU, with access by name; leaves nothing behind after `with`."""
+    """A co-simulation instance of any FMI 2.0 FMU, with access by name; use it in `with`, which removes all its files."""
 
     def __init__(
         self, fmu: PathLike, start: Mapping[str, Value] | None = None, time: float = 0.0, name: str = "instance"
@@ -157,13 +157,13 @@ class Slave:
             self._slave.setInteger(references, [int(value)])
 
     def set_derivatives(self, name: str, derivatives: Sequence[float]) -> None:
-        """Time derivatives of an input, of orders 1, 2, …, at the communication point."""
+        """Sets the time derivatives of an input, of orders 1, 2, …, at the communication point."""
         references = [self._reference(name)] * len(derivatives)
         orders = list(range(1, len(derivatives) + 1))
         self._slave.setRealInputDerivatives(references, orders, list(derivatives))
 
     def get(self, name: str) -> float:
-        """A variable's value."""
+        """Returns the value of a variable."""
         references = [self._reference(name)]
         kind = self._variables[name].type
         if kind == "Real":
@@ -173,18 +173,18 @@ class Slave:
         return float(self._slave.getInteger(references)[0])
 
     def reals(self, names: Sequence[str]) -> NDArray[np.float64]:
-        """Several Reals in one call."""
+        """Returns several Real variables in one call."""
         return np.array(self._slave.getReal([self._reference(name) for name in names]))
 
     def derivative(self, unknown: str, known: str) -> float:
-        """∂unknown/∂known at the communication point, by fmi2GetDirectionalDerivative."""
+        """Returns ∂unknown/∂known at the communication point, by fmi2GetDirectionalDerivative."""
         references = [self._reference(unknown)], [self._reference(known)]
         return float(self._slave.getDirectionalDerivative(*references, [1.0])[0])
 
     def step(self, time: float, size: float) -> float:
-        """One step; returns the time reached, which is before its end where the FMU discards the rest (`stopAtImpact`).
+        """Computes a step; returns the time reached, which is earlier than the end if the FMU discards the rest (`stopAtImpact`).
 
-        After a discarded step FMI 2.0 (4.2.4) allows no further one: restore a state saved before it. This FMU also goes on
+        FMI 2.0 (4.2.4) does not allow a step after a discarded one: restore a state saved before it. This FMU can also continue
         from the time reached.
         """
         self.steps += 1
@@ -197,7 +197,7 @@ class Slave:
         return time + size
 
     def save(self) -> Any:
-        """The complete state; `free` releases it."""
+        """Returns the complete state; `free` releases it."""
         return self._slave.getFMUstate()
 
     def restore(self, state: Any) -> None:
@@ -211,7 +211,7 @@ class Slave:
 
 class EventSlave:
     """A co-simulation instance of an FMI 3.0 FMU whose events the master handles: a step ends before an event, which is then
-    handled in Event Mode. Access by name; leaves nothing behind after `with`."""
+    handled in Event Mode. Access is by name; use it in `with`, which removes all its files."""
 
     def __init__(
         self,
@@ -221,11 +221,11 @@ class EventSlave:
         name: str = "instance",
         driven: Sequence[str] = (),
     ) -> None:
-        """It is then in Event Mode, as FMI 3.0 has it. `driven` inputs follow `courses` inside a step; others are held."""
+        """Enters Event Mode, as FMI 3.0 requires. `driven` inputs follow `courses` inside a step; other inputs are held."""
         description = fmpy.read_model_description(str(fmu))
         self._variables = {v.name: v for v in description.modelVariables}
         self._folder = fmpy.extract(str(fmu))
-        #: Course of each driven input in time.
+        #: Value of each driven input as a function of time.
         self.courses: dict[str, Callable[[float], float]] = {}
         #: Number of computed steps.
         self.steps = 0
@@ -276,7 +276,7 @@ class EventSlave:
             self._slave.setInt64(references, [int(value)])
 
     def get(self, name: str) -> float:
-        """A variable's value."""
+        """Returns the value of a variable."""
         references = [self._reference(name)]
         kind = self._variables[name].type
         if kind == "Float64":
@@ -288,11 +288,11 @@ class EventSlave:
         return float(self._slave.getInt64(references)[0])
 
     def reals(self, names: Sequence[str]) -> NDArray[np.float64]:
-        """Several Float64 variables in one call."""
+        """Returns several Float64 variables in one call."""
         return np.array(self._slave.getFloat64([self._reference(name) for name in names]))
 
     def step(self, time: float, size: float) -> tuple[float, bool]:
-        """One step; returns the time reached and whether an event is to be handled there before the next step."""
+        """Computes a step; returns the time reached and whether an event must be handled there before the next step."""
         self.steps += 1
         event, _, early, reached = self._slave.doStep(currentCommunicationPoint=time, communicationStepSize=size)
         return (float(reached) if early else time + size), bool(event)
@@ -302,7 +302,7 @@ class EventSlave:
         self._slave.enterEventMode()
 
     def update_discrete_states(self) -> float:
-        """Executes the event; returns the time of the next one if it is known now, else infinity."""
+        """Executes the event; returns the time of the next event if it is known now, else infinity."""
         *_, known, time = self._slave.updateDiscreteStates()
         return float(time) if known else math.inf
 
@@ -312,7 +312,7 @@ class EventSlave:
 
 
 def start_values(fmu: PathLike = FMU) -> dict[str, float]:
-    """Start values of the FMU's Real parameters, without the aliases that FMI 3.0 gives them."""
+    """Returns the start values of the FMU's Real parameters, without their aliases of FMI 3.0."""
     description = fmpy.read_model_description(str(fmu))
     named = {v.valueReference: v for v in reversed(description.modelVariables)}  # an alias follows its variable
     return {
@@ -329,7 +329,7 @@ def simulate(
     per_period: int = 100,
     output: Sequence[str] = (*STATES, "stop.s", "stop.v", "impacts.upper", "impacts.lower"),
 ) -> Any:
-    """A run of some drive periods with fmpy, as its structured array; times in s."""
+    """Runs some drive periods with fmpy; returns its structured array, with times in s."""
     period = 2.0 * math.pi / float(start.get("drive.frequency", start_values(fmu)["drive.frequency"]))
     return fmpy.simulate_fmu(
         str(fmu),
@@ -346,7 +346,7 @@ COLOURS = {"box": "#004696", "block": "#c84b00", "secondary": "#14a073"}
 
 
 def plot(result: Any, period: float, path: PathLike) -> None:
-    """Time histories and the block's motion between the stops."""
+    """Draws time histories and the block's motion between the stops."""
     import matplotlib
 
     matplotlib.use("Agg")

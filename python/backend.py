@@ -1,8 +1,8 @@
-"""maturin's build backend, which first puts the FMU archives, and the library of those of other machines, into the package.
+"""maturin's build backend, preceded by a step that copies the FMU archives and the library for other machines into the package.
 
-They are copied from `target/`, where `cargo run --bin fmu-build` makes them; a source distribution brings them along. A package is
-complete without them but for `fmu_path` and `fmu`, which then say how to get them: so those that are missing are left out. Where the
-environment variable `VIBRO_IMPACT_ARCHIVES` names the folder, as the build of a release does, it must have all of them.
+`cargo run --bin fmu-build` makes the files in `target/`; a source distribution contains them. Without them a package is complete except
+for `fmu_path` and `fmu`, which then explain how to get the files; so missing files are skipped. If the environment variable
+`VIBRO_IMPACT_ARCHIVES` names the folder, as in the build of a release, all files must exist.
 """
 
 import os
@@ -10,14 +10,14 @@ import shutil
 from pathlib import Path
 
 import maturin
-from maturin import *  # noqa: F403 - the hooks of PEP 517 that need nothing more
+from maturin import *  # noqa: F403 - the hooks of PEP 517 that need no change
 
 ARCHIVES = ("VibroImpact3DOF.fmu", "VibroImpact3DOF-FMI3.fmu", "machine-kit.zip")
 HERE = Path(__file__).resolve().parent
 
 
 def fetch_archives():
-    """Copies the archives into the package, and names those that are left out."""
+    """Copies the archives into the package, and lists missing ones."""
     named = os.environ.get("VIBRO_IMPACT_ARCHIVES")
     folder = Path(named or os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target"))
     inside = HERE / "package" / "vibro_impact" / "fmu"

@@ -1,5 +1,5 @@
-//! Motions side by side against motions one by one (second method), against the golden files, and
-//! bit by bit against themselves among other motions (invariant).
+//! Vectorised motions compared with single motions (second method), with the golden files, and bit
+//! by bit with the same motions among others (invariant).
 
 mod common;
 
@@ -67,7 +67,7 @@ fn growth(simulator: &Simulator, end: f64) -> f64 {
 /// Rounding of some hundred sub-steps with positions up to a few gaps, to be multiplied by the
 /// growth.
 const ROUNDING: f64 = 1e-12;
-/// Largest growth of small differences with which two computations of a motion are compared.
+/// Largest growth of small differences in comparisons of two computations of a motion.
 const MAX_GROWTH: f64 = 1e4;
 
 #[test]
@@ -75,7 +75,7 @@ fn second_method_together_as_one_by_one() {
     let (first, mut together, mut alone) = (motions(), motions(), motions());
     let mut compared = [0; 4];
     for (end, compared) in [1.0, 13.0, 60.0, 126.0].into_iter().zip(&mut compared) {
-        // Growth from the start and from the last end: a difference in between may have decayed.
+        // Growth from the start and the previous end: a difference in between may have decayed.
         let begun = alone.clone();
         let results = advance_together(&mut together, |_| end);
         for (i, ((alone, together), result)) in alone.iter_mut().zip(&together).zip(results).enumerate() {
@@ -105,7 +105,7 @@ fn second_method_together_as_one_by_one() {
 
 #[test]
 fn second_method_settled_orbits_and_their_impacts() {
-    /// Rounding of the last periods, as a stable motion forgets its start.
+    /// Rounding of the last periods, because a stable motion forgets its start.
     const END: f64 = 1e-11;
     let settle = [(0.75, 1.5), (0.6, 1.2), (0.5, 1.5), (0.2, 1.5), (0.0, 3.0), (0.3, 2.5)];
     let mut alone: Vec<Simulator> =
@@ -153,8 +153,8 @@ fn golden_standard_work_together() {
     assert!(worst < TARGET, "{worst:e}");
 }
 
-/// Name, motion and end of each row of a golden file; the end is so long after the row's event that
-/// the event is not in the last sub-steps.
+/// Name, motion and end of each row of a golden file; the end is so long after the row's event
+/// that the event is not in the last sub-steps.
 fn golden_rows(name: &str) -> Vec<(String, Simulator, f64)> {
     let rows = table(name);
     let start = |row: &common::golden::Row| {
@@ -225,7 +225,7 @@ fn invariant_a_motion_depends_on_nothing_but_itself() {
     let expected: Vec<Snapshot> = expected.iter().map(Simulator::snapshot).collect();
     let count = first.len();
     for (step, group) in [(1, 1), (5, 2), (11, 3), (17, 5), (23, 16), (29, 40), (count - 1, count)] {
-        // Steps that have no divisor in common with the number of motions lead through all of them.
+        // A step that is coprime to the number of motions visits all of them.
         let order: Vec<usize> = (0..count).map(|i| (i * step + 3) % count).collect();
         assert_eq!(order.iter().collect::<std::collections::HashSet<_>>().len(), count, "{step}");
         let mut shuffled: Vec<Simulator> = order.iter().map(|&i| first[i].clone()).collect();
@@ -248,7 +248,7 @@ fn invariant_a_motion_depends_on_nothing_but_itself() {
 #[test]
 fn second_method_impacts_without_end_are_reported() {
     // A constant force of a hundred gaps times the fastest rate squared presses the box against an
-    // elastic block, whose bounces are just too high to be closed.
+    // elastic block, whose bounces are just too high to count as closed.
     let p = Parameters {
         stop_restitution: 1.0,
         box_stiffness: 0.0,
@@ -316,8 +316,8 @@ fn second_method_another_of_the_same_system_is_a_new_one() {
     ));
 }
 
-/// A motion that enters the lanes while w still rounds to the stop that the block has just left has
-/// the impacts and losses that it has alone.
+/// A motion that enters the lanes while w still rounds to the stop that the block has just left
+/// has the same impacts and losses as alone.
 #[test]
 fn second_method_motions_handed_over_right_after_an_impact() {
     /// Relative difference of the losses, over twelve seconds with some impacts.

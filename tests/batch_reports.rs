@@ -1,5 +1,5 @@
-//! Reports of motions side by side: against motions one by one (second method), and against
-//! themselves among other motions (invariant).
+//! Reports of vectorised motions compared with single motions (second method), and with the same
+//! motions among others (invariant).
 
 mod common;
 
@@ -11,8 +11,8 @@ use vibro_impact::simulator::{
 };
 use vibro_impact::{Error, Parameters, Result, Simulator, State};
 
-/// Motions with impacts, chatter, rest and none of them, of several systems; each three have one
-/// system.
+/// Motions with impacts, chatter, rest and without any of these, for several systems; three
+/// motions share each system.
 fn motions() -> Vec<Simulator> {
     let systems =
         [(0.75, 1.5), (0.0, 3.0), (0.6, 0.1), (0.9, 4.0), (0.3, 2.0), (1.0, 1.0), (0.2, 3.0), (0.0, 1.5)];
@@ -38,11 +38,11 @@ struct Recorder {
     order: Vec<usize>,
     end: f64,
     reports: Reports,
-    /// Number of the sample that ends a motion.
+    /// Index of the sample that ends a motion.
     last: u32,
     /// Difference between the numbers of two samples.
     stride: u32,
-    /// Number of the event that asks for samples.
+    /// Index of the event that requests samples.
     asking: usize,
     under_way: [usize; vibro_impact::simulator::TOGETHER],
     records: Vec<Record>,
@@ -149,7 +149,7 @@ fn invariant_reports_switch_the_accounts_off_and_have_the_bits_without_them() {
     assert!(plain[0].impacts().upper > 10);
 }
 
-/// A motion by itself, with and without energy accounts.
+/// A single motion, with and without energy accounts.
 #[test]
 fn invariant_energy_accounts_leave_the_bits_of_the_motion_alone() {
     for (mut without, step) in motions().into_iter().zip([0.013, 0.37, 7.0].into_iter().cycle()) {
@@ -166,7 +166,7 @@ fn invariant_energy_accounts_leave_the_bits_of_the_motion_alone() {
     }
 }
 
-/// The first report of a motion that stands before an impact or a release is that event.
+/// If an impact or a release is pending, it is the first report of a motion.
 #[test]
 fn invariant_an_event_that_is_due_is_reported() {
     const END: f64 = 20.0;
@@ -223,7 +223,7 @@ fn second_method_samples_and_events_as_one_by_one() {
             let (a, b) = (numbers(expected), numbers(found));
             assert_eq!((a.0, a.2), (b.0, b.2));
             let d = (a.1 - b.1).abs().max((a.3 - b.3).abs()).max((a.4 - b.4).abs());
-            // The error of an impact's time is that of w over the speed.
+            // The error of an impact's time is the error of w over the speed.
             assert!(d < DIFFERENCE / a.3.clamp(1e-6, 1.0), "{expected:?} {found:?}");
         }
     }
@@ -268,7 +268,7 @@ fn invariant_samples_as_asked_for_are_some_of_all() {
             every.samples.iter().filter(|s| s.0 >= 5 && s.0 % 3 == 2 && s.0 <= 29).collect();
         assert_eq!(some.samples.iter().collect::<Vec<_>>(), expected);
         assert_eq!(some.ended, Some(Ok(())));
-        // No event is reported of the sub-step in which a sample ended the motion.
+        // No event is reported for the sub-step of the sample that ended the motion.
         let count = some.events.len();
         assert!(count < every.events.len() || count == 0);
         assert_eq!((&some.events[..], &some.after[..]), (&every.events[..count], &every.after[..count]));

@@ -35,8 +35,8 @@ fn resonant_box() -> Model {
 }
 
 /// Random machine of springs, masses and dampers that are equal, or differ by orders of magnitude,
-/// or are zero, mostly driven at its fastest rate. If one element alone makes the fastest rate, the
-/// bounds are nearly reached.
+/// or are zero, mostly driven at its fastest rate. If one element alone makes the fastest rate,
+/// the bounds are nearly reached.
 fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
     let mut one_of = |values: [f64; 4]| values[(4.0 * next()) as usize % 4];
     let mut p = Parameters::default();
@@ -59,7 +59,7 @@ fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
 /// Random state and loads of size one or zero each, in the units of [`size`].
 fn any_start(model: &Model, next: &mut impl FnMut() -> f64) -> (Model, Augmented, Forces) {
     let mut corner = || -> f64 { [-1.0, 0.0, 1.0, 1.0, -1.0][(5.0 * next()) as usize % 5] };
-    // Each part of the size is present or not, so that often there is only one.
+    // Each part of the size is present or absent, so that often there is only one.
     let (bodies, drive, loads) = (corner().abs(), corner().abs(), corner().min(0.0).abs());
     let r = model.rate;
     let gap = model.gap;
@@ -108,8 +108,8 @@ fn largest(model: &Model, state: &Augmented) -> f64 {
     state[3..6].iter().fold(displacements, |most, v| most.max(v.abs() / model.rate))
 }
 
-/// Derivatives x^(k) = ±(1 + k/2) for even k: at resonance the drive adds up from order to order,
-/// and r bounds the bodies alone.
+/// Derivatives x^(k) = ±(1 + k/2) for even k: at resonance the drive accumulates from order to
+/// order, and r bounds only the bodies.
 #[test]
 fn closed_form_coefficients_of_a_box_in_resonance() {
     let model = resonant_box();
@@ -128,9 +128,9 @@ fn closed_form_coefficients_of_a_box_in_resonance() {
     }
 }
 
-/// Remainder of series for a resonant box that only its drive moves: half of the bound, since the
-/// coefficients are (k-1)/2 or k/2 over k!. A bound without the drive's part would be smaller by a
-/// factor of n, and would not hold.
+/// Remainder of series for a resonant box that only its drive moves: half of the bound, because
+/// the coefficients are (k-1)/2 or k/2 over k!. A bound without the drive's part would be smaller
+/// by a factor of n, and would be wrong.
 #[test]
 fn closed_form_remainders_of_a_box_in_resonance() {
     fn left_out<const N: usize>(model: &Model, reach: f64) -> f64 {
@@ -150,8 +150,8 @@ fn closed_form_remainders_of_a_box_in_resonance() {
     assert!(parts.iter().all(|part| *part > 0.2 && *part <= 1.0), "{parts:?}");
 }
 
-/// Coefficients of order k ≥ 7 are at most (rT)ᵏ/(k-1)! S, those of the free acceleration in rest
-/// (3k+1) (rT)ᵏ/k! r² S.
+/// Coefficients of order k ≥ 7 are at most (rT)ᵏ/(k-1)! S; coefficients of the free acceleration
+/// at rest are at most (3k+1) (rT)ᵏ/k! r² S.
 #[test]
 fn invariant_coefficients_stay_under_their_bound() {
     let mut next = random(1);
@@ -175,8 +175,8 @@ fn invariant_coefficients_stay_under_their_bound() {
             most[1] = most[1].max(rest.free[k].abs() / bound);
         }
     }
-    // Coefficients reach more than half of their bound, so that it would not hold without the
-    // drive's part, as (rT)ᵏ/k! S.
+    // Coefficients exceed half of their bound, so that it would be wrong without the drive's part,
+    // as (rT)ᵏ/k! S.
     assert!(most[0] > 0.5, "{most:?}");
     assert!(most.iter().all(|part| *part <= 1.0 + ROUNDING), "{most:?}");
 }
@@ -184,8 +184,8 @@ fn invariant_coefficients_stay_under_their_bound() {
 /// δ of docs/numerics.md, section 2, in ε S.
 const SAMPLE_ROUNDING: f64 = 900.0;
 
-/// Sum of the roundings of a sample by the bounds of docs/numerics.md: those of the table's entries
-/// order by order, and those of twenty products and sums.
+/// Sum of a sample's roundings by the bounds of docs/numerics.md: roundings of the table's entries
+/// order by order, and roundings of twenty products and sums.
 #[test]
 fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
     /// r times the length of a sub-step.
@@ -202,8 +202,8 @@ fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
     assert!(entries + 10.5 * TERMS < SAMPLE_ROUNDING, "{entries}");
 }
 
-/// The sizes of a sample's terms add up to at most 20 S, of which 7 S are reached; its rounding is
-/// at most [`SAMPLE_ROUNDING`] ε S.
+/// The absolute values of a sample's terms add up to at most 20 S, of which 7 S are reached; its
+/// rounding is at most [`SAMPLE_ROUNDING`] ε S.
 #[test]
 fn second_method_rounding_of_samples() {
     const TERMS: f64 = 20.0;
@@ -233,13 +233,13 @@ fn second_method_rounding_of_samples() {
     assert!(error <= ERROR, "{}", error / f64::EPSILON);
 }
 
-/// Rounding at an end within a sub-step. It is about ε S, and several times that if a strong damper
-/// makes the terms of the series large and of changing sign, as in this machine and state, found by
-/// a search for large rounding.
+/// Rounding at an end within a sub-step. It is about ε S, and several times as much if a strong
+/// damper gives the series large terms of alternating sign, as for this machine and state, found
+/// by a search for large rounding.
 #[test]
 fn second_method_rounding_of_a_sub_step() {
-    /// Bounds in displacements and in rates over r: the values of docs/numerics.md, section 1, and
-    /// half as much again.
+    /// Bounds of displacements and of rates over r: the values of docs/numerics.md, section 1,
+    /// plus half.
     const MOST: [f64; 2] = [10.5, 13.5];
     let p = Parameters {
         box_mass: 1.0,
@@ -309,8 +309,8 @@ fn divided(x: DoubleDouble, n: f64) -> DoubleDouble {
     DoubleDouble::new(first).plus(rest / n)
 }
 
-/// The table's bound on |w''| holds throughout a sub-step, even between the interval centres, where
-/// it is extrapolated by the growth of a row.
+/// The table's bound on |w''| holds throughout a sub-step, even between the interval centres,
+/// where it is extrapolated by the growth of a row.
 #[test]
 fn invariant_the_bound_holds_between_the_samples() {
     /// Places in an interval on each side of its centre.
@@ -338,10 +338,10 @@ fn invariant_the_bound_holds_between_the_samples() {
     assert!(most > 0.9 && most <= 1.0, "{most}");
 }
 
-/// In a search for an event in flight the sizes of the coefficients add up to little more than two
-/// sizes of the motion at the centre of the series (docs/numerics.md, "Second stage"). The states
-/// are random fast blocks within `MAX_REACH`, at the centres of all intervals up to the first past
-/// a stop.
+/// In a search for an event in flight, the absolute values of the coefficients add up to little
+/// more than twice the size of the motion at the centre of the series (docs/numerics.md, "Second
+/// stage"). The states are random fast blocks within `MAX_REACH`, at the centres of all intervals
+/// up to the first one past a stop.
 #[test]
 fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
     const MOST: f64 = 2.3;

@@ -1,4 +1,4 @@
-//! Chatter under varying loads: a run is closed only if it comes to rest, and soon.
+//! Chatter under varying loads: chatter is closed only if it comes to rest, and soon.
 
 use vibro_impact::simulator::{Event, Loads};
 use vibro_impact::{Parameters, Simulator, State};
@@ -34,9 +34,9 @@ fn bounce((kappa, rate): (f64, f64), u: f64, derivatives: [f64; 4], span: f64) -
     (simulator, events)
 }
 
-/// A run is closed at the impact after which the bounces move the block by at most 2⁻⁵³ gaps. The
-/// bounces after a rebound u at constant acceleration a add up to u²/((1 - κ²) a), and (18) bounds
-/// half of that times 1 + κ.
+/// Chatter is closed at the impact after which the bounces move the block by at most 2⁻⁵³ gaps.
+/// The bounces after a rebound u at constant acceleration a add up to u²/((1 - κ²) a), and (18)
+/// bounds half of that times 1 + κ.
 #[test]
 fn closed_form_runs_are_closed_by_the_way_that_is_left() {
     let (kappa, a0) = (0.5, 1e-3);
@@ -49,8 +49,8 @@ fn closed_form_runs_are_closed_by_the_way_that_is_left() {
     }
 }
 
-/// With the load a0 - c t², whose jerk is zero at first, the acceleration turns before the block is
-/// back: it never comes back.
+/// Under the load a0 - c t², whose jerk is initially zero, the acceleration reverses before the
+/// block is back: it never comes back.
 #[test]
 fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
     /// Relative rounding of a sum of two speeds.
@@ -71,7 +71,7 @@ fn closed_form_a_block_that_its_load_lets_go_does_not_come_to_rest() {
     }
 }
 
-/// With the load a0 - c t³, whose jerk and snap are zero at first, the block never comes back.
+/// Under the load a0 - c t³, whose jerk and snap are initially zero, the block never comes back.
 #[test]
 fn closed_form_a_block_that_its_load_lets_go_late_does_not_come_to_rest() {
     let (kappa, a0) = (0.5, 1e-3);
@@ -86,12 +86,12 @@ fn closed_form_a_block_that_its_load_lets_go_late_does_not_come_to_rest() {
     }
 }
 
-/// A box that swings away on its spring: it moves as -X cos t, the load on the block follows it to
-/// the third order, and the relative acceleration is a0 - X t⁴/24. The block never comes back.
+/// A box that swings away on its spring moves as -X cos t. The load on the block follows it to
+/// third order, and the relative acceleration is a0 - X t⁴/24. The block never comes back.
 #[test]
 fn closed_form_a_block_that_a_swinging_box_leaves_does_not_come_to_rest() {
     let (kappa, rate) = (0.5, 1.0);
-    // So small that the run is half as long as the radius of the series.
+    // So small that the chatter takes half the radius of convergence of the series.
     let a0 = 2e-12;
     for part in [0.6, 0.99] {
         let u = part * (0.5 * (1.0 - kappa) * CLOSED * a0).sqrt();
@@ -113,9 +113,9 @@ fn closed_form_a_block_that_a_swinging_box_leaves_does_not_come_to_rest() {
     }
 }
 
-/// Speeds of departure and return of a flight of length τ that begins at t0, under the acceleration
-/// a(t) = 1 + b t + c t² + d t³ in the time unit of the run: ∫ (τ - t) a(t0 + t) dt / τ and
-/// ∫ t a(t0 + t) dt / τ over 0..τ.
+/// Speeds of departure and return of a flight of length τ that begins at t0, under the
+/// acceleration a(t) = 1 + b t + c t² + d t³ in the time unit of the run: ∫ (τ - t) a(t0 + t) dt /
+/// τ and ∫ t a(t0 + t) dt / τ over 0..τ.
 fn speeds(a: &[f64; 4], t0: f64, tau: f64) -> (f64, f64) {
     let [one, b, c, d] = *a;
     let shifted =
@@ -152,7 +152,7 @@ fn run_length(kappa: f64, a: &[f64; 4]) -> f64 {
     0.5 * t * (1.0 - kappa)
 }
 
-/// Under loads of any shape, a run that the simulator closes ends within twice its length at
+/// Under loads of any shape, chatter that the simulator closes ends within twice its length at
 /// constant acceleration, if its bounces are computed one by one.
 #[test]
 fn second_method_closed_runs_end_within_twice_their_length() {
@@ -187,7 +187,7 @@ fn second_method_closed_runs_end_within_twice_their_length() {
     assert!(longest <= 2.0, "{longest}");
 }
 
-/// With 1 - κ < 10⁻³ a run is closed as soon as its bounces are lower than 10⁻¹² gaps, even if it
+/// If 1 - κ < 10⁻³, a run is closed as soon as its bounces are lower than 10⁻¹² gaps, even if it
 /// would never end.
 #[test]
 fn closed_form_nearly_elastic_runs_are_closed_by_the_height_of_their_bounces() {

@@ -83,7 +83,7 @@ fn closed_form_of_polynomial_loads() {
 }
 
 /// Box and block without springs and loads: the block moves between the stops, in each flight κ
-/// times as fast as in the one before.
+/// times as fast as in the previous one.
 #[test]
 fn closed_form_of_a_free_block_between_the_stops() {
     let p = Parameters {
@@ -155,7 +155,7 @@ fn closed_form_of_a_bouncing_block_that_comes_to_rest() {
     }
 }
 
-/// In rest under a falling push the block lets go when the push changes sign.
+/// At rest under a decreasing push, the block is released when the push changes sign.
 #[test]
 fn closed_form_of_the_release() {
     let p = Parameters {
@@ -188,7 +188,7 @@ fn closed_form_of_the_release() {
         let time = released.expect("it lets go");
         assert!((time - 10.0).abs() < ROUNDING * 10.0, "{time}");
         // After the release w'' = -0.1 (t - 10): at 10 + τ the block is 0.1 τ³/6 off the stop,
-        // until it meets the other one.
+        // until it hits the other one.
         let tau: f64 = simulator.time() - 10.0;
         if tau.powi(3) * 0.1 / 6.0 < 2.0 {
             assert!((simulator.relative_motion().0 - (1.0 - 0.1 * tau.powi(3) / 6.0)).abs() < 1e-8);

@@ -1,5 +1,5 @@
-//! Constant loads: gravity and the off-centre gap against independent integrations, the mirror
-//! image, refusal by closed forms.
+//! Constant loads: gravity and the off-centre gap compared with independent integrations and the
+//! mirror image; closed forms refuse them.
 
 use vibro_impact::parameters::{FIELDS, LOADS};
 use vibro_impact::reference::{Reference, Tolerance};
@@ -27,7 +27,7 @@ fn damper() -> Parameters {
     }
 }
 
-/// [`damper`] with a coupling spring, which is relaxed 4 mm off the middle of the gap.
+/// [`damper`] with a coupling spring that is relaxed 4 mm off the middle of the gap.
 fn off_centre() -> Parameters {
     let (k, b) = (2000.0, 0.004);
     Parameters { coupling_stiffness: k, stop_gap: 0.015, constant_loads: [0.0, -k * b, k * b], ..damper() }

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Counts of the source by which its size and its words are watched.
+"""Counts of the source, which monitor its size and its words.
 
     python3 tests/counts.py [--packages] [--names] [--wide]
 
 `--packages` counts the lines of Rust by package: code, comments, tests (code and comments of tests). `--names` lists the types that share a name, `--wide` the comments wider than 100 columns. Tests are files named tests.rs or in a
-folder of tests, and what stands behind `#[cfg(test)]`.
+folder of tests, and the code after `#[cfg(test)]`.
 """
 
 import argparse
@@ -15,18 +15,18 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WIDTH = 100
-# A name that so many types share is counted.
+# A name shared by at least this many types is counted.
 ALIKE = 4
 
 
 def files(*patterns):
-    """Paths and texts of the files that git knows."""
+    """Paths and texts of the files that git tracks."""
     listed = subprocess.run(["git", "ls-files", *patterns], cwd=ROOT, check=True, capture_output=True, text=True).stdout
     return {name: (ROOT / name).read_text() for name in listed.split("\n") if name and (ROOT / name).exists()}
 
 
 def without_tests(texts):
-    """Files without those of tests, cut where their unit tests begin."""
+    """Files without test files, cut where their unit tests begin."""
     is_test = re.compile(r"(^|/)(tests?|benches|examples)(/|\.rs$)")
     return {f: t.split("#[cfg(test)]\nmod ")[0] for f, t in texts.items() if not is_test.search(f)}
 
@@ -36,13 +36,13 @@ def lines_of(texts):
 
 
 def package_of(path):
-    """Folder of the package that a file belongs to."""
+    """Folder of a file's package."""
     parts = path.split("/")
     return "/".join(parts[:2]) if parts[0] in ("crates", "web") else parts[0]
 
 
 def lines_by_kind(path, text):
-    """Lines of code, of comments and of tests of a Rust file; blank lines are left out."""
+    """Lines of code, of comments and of tests of a Rust file; blank lines do not count."""
     is_test = path not in without_tests({path: ""})
     own = text if is_test else text.split("#[cfg(test)]\nmod ")[0]
     filled = [line.strip() for line in own.split("\n") if line.strip()]
@@ -64,7 +64,7 @@ def packages(rust):
 
 
 def wide_comments(texts):
-    """Places of comment lines wider than WIDTH; tables and links of documentation cannot be broken."""
+    """Locations of comment lines wider than WIDTH; tables and links of documentation cannot be broken."""
     return [
         f"{f}:{number}"
         for f, text in texts.items()
@@ -79,7 +79,7 @@ def same(texts):
 
 
 def types_alike(texts):
-    """Names of types by how often they are declared, where more than one is."""
+    """Names of types with the number of their declarations, if there are several."""
     names = collections.defaultdict(list)
     for f, text in texts.items():
         for name in re.findall(r"^\s*(?:pub(?:\(\w+\))? )?(?:struct|enum|trait|type) (\w+)(?=[^=;]*[{;=(])", text, re.M):
@@ -95,7 +95,7 @@ def functions_of_trait(text, name):
 
 
 def required_of_trait(text, name):
-    """Functions of a trait in a file that have no default."""
+    """Functions of a trait in a file without a default implementation."""
     body = re.search(rf"^pub trait {name}\b[^{{]*\{{(.*?)^\}}", text, re.M | re.S).group(1)
     return len(re.findall(r"^    fn [^;{]*;", body, re.M))
 

@@ -1,5 +1,5 @@
-//! Ends of advances: every state reached can be saved and restored, and an end just after an event
-//! adds no further event.
+//! Ends of advances: every state reached can be saved and restored; an end just after an event
+//! adds no event.
 
 use vibro_impact::model::Model;
 use vibro_impact::simulator::{Contact, Event, Loads, Pause, Snapshot};
@@ -31,15 +31,14 @@ fn distances() -> Vec<f64> {
 fn is_restored(simulator: &mut Simulator, other: &mut Simulator, from: &Snapshot, end: DoubleDouble) -> bool {
     simulator.restore(from).unwrap();
     if simulator.advance_until(end, Pause::Never, None).is_err() {
-        return true; // an end before the present, which is refused
+        return true; // an end before the current time, which is refused
     }
     let reached = simulator.snapshot();
     let taken = simulator.restore(&reached).is_ok() && other.restore(&reached).is_ok();
     taken && other.snapshot() == reached
 }
 
-/// Scans ends around `events` events of a motion: the ends whose state was refused, and the number
-/// of ends.
+/// Scans ends around `events` events; returns the refused ends and the number of ends.
 fn scan(p: &Parameters, events: usize, load: impl Fn(f64) -> Loads) -> (Vec<f64>, usize) {
     let mut simulator = Simulator::new(p, &start(), 0.0).unwrap().without_energy_accounts();
     let mut other = simulator.clone();
@@ -95,8 +94,8 @@ fn advance_to_release(simulator: &mut Simulator) {
     }
 }
 
-/// A block that is released has no speed, and its acceleration is rounding, which must not bring it
-/// back however short the steps are.
+/// A released block has zero velocity, and its acceleration is rounding, which must not bring it
+/// back, however short the steps are.
 #[test]
 fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     let mut added = Vec::new();
@@ -130,14 +129,14 @@ fn invariant_steps_of_any_shortness_after_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of 1512: {:?}", added.len(), &added[..added.len().min(5)]);
 }
 
-/// Setting loads right after a release decides anew whether the block rests: not by the
-/// acceleration, which is rounding, but by the jerk, which leads away. No other release is
+/// Setting loads right after a release decides again whether the block rests: not by the
+/// acceleration, which is rounding, but by the jerk, which leads away. No second release is
 /// reported, and the motion does not change.
 #[test]
 fn invariant_loads_set_right_after_a_release_move_nothing() {
     /// Difference of the displacements in gaps, by the rounding of the acceleration.
     const ROUNDING: f64 = 1e-12;
-    /// Force on the block, N: negligible beside the drive's force of about 1 N, but not zero.
+    /// Force on the block, N: negligible next to the drive's force of about 1 N, but not zero.
     const NOTHING: f64 = 1e-25;
     for f10 in [2.0, 3.0, 4.0] {
         let p = machine(f10, 0.0);
@@ -171,8 +170,8 @@ fn invariant_loads_set_right_after_a_release_move_nothing() {
     }
 }
 
-/// A block without springs under a constant load rises to a stop. Only if its path turns within
-/// rounding of the stop may the impact depend on where steps end (docs/numerics.md, "Statement").
+/// A block without springs under a constant load rises to a stop. The impact may depend on the
+/// ends of steps only if the path reverses within rounding of it (docs/numerics.md, "Statement").
 #[test]
 fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
     /// η of docs/numerics.md, section 2, relative to the motion's size.
@@ -226,16 +225,15 @@ fn closed_form_only_grazes_within_rounding_depend_on_where_steps_end() {
     assert!(grazes > 0, "no graze depends on the step: docs/guarantees.md says that one may");
 }
 
-/// The last bounces of a chatter run are as low as the rounding of w, to which the state between
-/// two advances is rounded: their number may depend on where steps end. The motion and the rest at
-/// its end do not.
+/// The last bounces of chatter are as low as the rounding of w, to which the state between two
+/// advances is rounded. Their number may depend on the ends of steps; motion and rest do not.
 #[test]
 fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
     /// Difference of displacements in gaps, and of velocities.
     const ROUNDING: f64 = 1e-12;
     /// Speed of a bounce 10⁻¹² gaps high, under the largest acceleration of these motions, 1 m/s².
     const SLOW: f64 = 1.5e-6;
-    /// Time in which a run ends after a bounce of that speed, s.
+    /// Time until chatter ends after a bounce at that speed, s.
     const LATER: f64 = 1e-4;
     let (mut changed, mut runs) = (0, 0);
     for (load, kappa) in [(-0.05, 0.5), (-0.03, 0.75), (-0.1, 0.2)] {
@@ -267,15 +265,15 @@ fn invariant_only_the_number_of_the_last_bounces_depends_on_where_steps_end() {
             }
         }
     }
-    // The nearly elastic runs of another test show that the number may change.
+    // The nearly elastic runs of another test show that the number can change.
     println!("{changed} of {} ends change the number of bounces", 18 * runs);
     assert!(runs > 20, "{runs} runs");
 }
 
-/// Bounces, with the first speed `u`, of a block that its load presses to the upper stop of a box
-/// without spring and damper with the acceleration `a`. Advances by `span` in equal `steps`;
-/// returns the impacts, the time of rest, and the largest distance from the stop at the ends of
-/// steps, gaps.
+/// Bounces, with the first speed `u`, of a block that its load presses with the acceleration `a`
+/// against the upper stop of a box without spring and damper. Advances by `span` in equal `steps`;
+/// returns the impacts, the time of rest, and the largest distance from the stop after a step,
+/// gaps.
 fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64>, f64) {
     let p = Parameters {
         box_stiffness: 0.0,
@@ -306,8 +304,8 @@ fn bounce(kappa: f64, u: f64, a: f64, span: f64, steps: u32) -> (u64, Option<f64
     (simulator.impacts().upper, rest, height / p.stop_gap)
 }
 
-/// With κ near 1 thousands of bounces are within rounding of the stop. Where steps end decides
-/// their number and the time of rest, and with κ = 1 whether the block comes to rest. All the while
+/// For κ near 1, thousands of bounces are within rounding of the stop. The ends of steps decide
+/// their number and the time of rest, and with κ = 1 whether the block comes to rest. Throughout,
 /// the block is on the stop, up to the exception of docs/guarantees.md.
 #[test]
 fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
@@ -335,14 +333,15 @@ fn closed_form_nearly_elastic_runs_stay_on_the_stop_however_they_are_divided() {
     assert!(few.1.is_none() && many.1.is_some(), "{few:?} {many:?}: docs/guarantees.md says that it may");
 }
 
-/// The motion w = w0 + v t + a t²/2 in many short steps, with and without loads. The roundings have
-/// no preferred direction, even if a t²/2 of a step is less than half a unit in the last place.
+/// The motion w = w0 + v t + a t²/2 in many short steps, with and without loads. The roundings
+/// have no preferred direction, even if a t²/2 of a step is less than half a unit in the last
+/// place.
 #[test]
 fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
     const STEPS: u32 = 10_000;
     /// Rounding of all steps together, in units in the last place of the gap. Random roundings add
-    /// up to a third of a unit times the square root of their number, roundings in one direction to
-    /// thousands of units.
+    /// up to a third of a unit times the square root of their number, roundings in one direction
+    /// to thousands of units.
     const ROUNDING: f64 = 150.0;
     let still = Parameters {
         box_stiffness: 0.0,
@@ -372,9 +371,9 @@ fn closed_form_roundings_of_many_short_steps_do_not_add_up() {
     }
 }
 
-/// A block on a stop whose forces cancel except for a load that falls very slowly. Its speed is
-/// rounding for a whole sub-step and longer, and rounding may add impacts, rests and releases, but
-/// these do not move it.
+/// A block on a stop with forces that cancel except for a very slowly decreasing load. Its
+/// velocity is rounding for a whole sub-step and longer. Rounding may add impacts, rests and
+/// releases, but these do not move the block.
 #[test]
 fn closed_form_a_block_that_hardly_any_force_moves_stays_at_its_stop() {
     /// Speeds that are rounding, in gaps times the fastest rate, as in docs/guarantees.md.

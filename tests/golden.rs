@@ -1,4 +1,4 @@
-//! The simulator against golden files computed in 60 digits by the scripts in `tests/data`.
+//! The simulator compared with golden files computed in 60 digits by the scripts in `tests/data`.
 
 mod common;
 
@@ -15,7 +15,7 @@ fn golden_every_graze_is_found_at_its_time_and_none_invented() {
     find_every_graze(1, GAP_ROUNDING);
 }
 
-/// Short communication steps take other branches of the simulator than long ones.
+/// Short communication steps use other branches of the simulator than long ones.
 #[test]
 fn golden_every_graze_is_found_in_short_communication_steps() {
     for parts in [7, 60, 333] {
@@ -24,7 +24,7 @@ fn golden_every_graze_is_found_in_short_communication_steps() {
     }
 }
 
-/// Compares the grazing set with the simulator, in `parts` communication steps, to a rounding of w.
+/// Compares the grazing set with the simulator in `parts` communication steps, within rounding.
 fn find_every_graze(parts: u32, gap_rounding: f64) {
     let rows = table("grazing.csv");
     assert!(rows.len() > 300);
@@ -58,7 +58,7 @@ fn find_every_graze(parts: u32, gap_rounding: f64) {
             contacts += 1;
             let exact = row.get("speed");
             assert_eq!(side, row.get("side"), "{id}");
-            // Rounding of the time as a double, and that of w over the approach speed.
+            // Rounding of the time as a double, and rounding of w over the approach speed.
             let late = (time - start) - row.get("delay");
             let bound = 4.0 * f64::EPSILON * time.abs() + gap_rounding / exact;
             assert!(late.abs() < bound, "{id}: {late:e}, allowed {bound:e}");
@@ -135,12 +135,12 @@ fn golden_standard_work_after_two_thousand_periods() {
 
 #[test]
 fn golden_every_chatter_ends_in_rest_and_lets_go_at_its_time() {
-    /// Error of an instant relative to the time scale √(L/a), about 1. A run is closed at speeds of
-    /// 1e-8, so that its end is accurate to the square of that over 1 - κ; a root of the contact
-    /// force is accurate to its own rounding.
+    /// Error of an instant relative to the time scale √(L/a), about 1. Chatter is closed at speeds
+    /// of 1e-8, so that its end is accurate to the square of that over 1 - κ; a root of the
+    /// contact force is accurate to its own rounding.
     const INSTANT: f64 = 1e-12;
-    /// Error of displacements over the gap and of speeds: the chatter that is left out is under
-    /// half a unit in the last place, and up to 150 impacts add their rounding.
+    /// Error of displacements over the gap and of velocities: the omitted chatter is under half a
+    /// unit in the last place, and up to 150 impacts add their rounding.
     const STATE: f64 = 1e-12;
     let rows = table("chatter.csv");
     assert!(rows.len() > 100);

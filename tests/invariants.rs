@@ -88,7 +88,7 @@ fn invariant_momentum_and_restitution_at_each_impact() {
 
 #[test]
 fn invariant_energy_balance_over_ten_thousand_periods() {
-    /// Of the energy that passed through (docs/guarantees.md).
+    /// Bound, relative to the energy turnover (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
     for (f10, kappa) in [(1.5, 0.75), (0.6, 0.75), (3.6, 0.75), (1.5, 0.0), (1.5, 1.0)] {
         let p = basic(f10, kappa);
@@ -102,11 +102,11 @@ fn invariant_energy_balance_over_ten_thousand_periods() {
     }
 }
 
-/// In steps shorter than an interval the damping in flight is found by another rule, over at most
-/// half an interval or over all of it.
+/// In steps shorter than an interval the damping in flight is computed by another rule, over at
+/// most half an interval or over all of it.
 #[test]
 fn invariant_energy_balance_in_short_steps() {
-    /// Of the energy that passed through (docs/guarantees.md).
+    /// Bound, relative to the energy turnover (docs/guarantees.md).
     const BOUND: f64 = 1e-12;
     let basic = basic(1.5, 0.75);
     // The drive is the fastest rate, with which the errors of the rules are largest.
@@ -119,13 +119,13 @@ fn invariant_energy_balance_in_short_steps() {
     }
 }
 
-/// Impacts that recur at one phase of the drive give the rule's error one sign, so that it adds up.
-/// With a damper whose rate is a fifth of the fastest the sum exceeds rounding, in steps over which
-/// that rule alone finds the damping, but not in other steps.
+/// Impacts that recur at one phase of the drive give the rule's error one sign, so that it
+/// accumulates. Given a damper whose rate is a fifth of the fastest, the sum exceeds rounding in
+/// steps over which that rule alone computes the damping, but not in other steps.
 #[test]
 fn invariant_energy_balance_in_steps_of_half_an_interval_beside_a_damper() {
     /// Bounds relative to the energy that passed through (docs/guarantees.md), in steps in which
-    /// the rule's error adds up and in others.
+    /// the rule's error accumulates and in others.
     const BOUNDS: [f64; 2] = [1e-11, 1e-12];
     let p = Parameters {
         box_stiffness: 0.823,
@@ -145,8 +145,8 @@ fn invariant_energy_balance_in_steps_of_half_an_interval_beside_a_damper() {
     assert!(other < BOUNDS[1], "{other:e}");
 }
 
-/// Imbalance of the accounts after so many `steps`, each a `part` of an interval, relative to the
-/// energy that passed through.
+/// Imbalance of the accounts after a number of `steps`, each a `part` of an interval, relative to
+/// the energy that passed through.
 fn imbalance_in_steps(p: &Parameters, part: f64, steps: u32) -> f64 {
     let interval = 0.15 / Model::new(p).unwrap().rate;
     let mut simulator = Simulator::new(p, &start(), 0.0).unwrap();
@@ -159,8 +159,8 @@ fn imbalance_in_steps(p: &Parameters, part: f64, steps: u32) -> f64 {
     error.abs() / first.max(l.mechanical).max(l.damped).max(l.input)
 }
 
-/// A box that moves by its gap in a small part of a drive period: its forced vibration is a million
-/// gaps wide.
+/// A box that moves by its gap in a small part of a drive period: its forced vibration is a
+/// million gaps wide.
 #[test]
 fn invariant_energy_balance_under_a_strong_and_slow_drive() {
     /// Bound relative to the energy that passed through, or to the drive's work over the gap if
@@ -186,7 +186,7 @@ fn invariant_energy_balance_under_a_strong_and_slow_drive() {
 
 #[test]
 fn second_method_drive_work_in_closed_form_and_by_quadrature() {
-    /// Rounding over 300 periods. Under a load, however small, all work is found by quadrature.
+    /// Rounding over 300 periods. Under any nonzero load, all work is computed by quadrature.
     const ROUNDING: f64 = 1e-12;
     let undamped = |p: Parameters, detuning: f64| {
         let resonance = (p.box_stiffness / p.box_mass).sqrt();
@@ -268,9 +268,9 @@ fn invariant_reflection_turns_the_motion_by_half_a_period() {
     assert_eq!(one.impacts().upper, two.impacts().lower);
 }
 
-/// A load throws the block past one stop and, if that were not there, past the other within one
-/// interval: both stops are searched, and the root at the first must not depend on which of them is
-/// the upper one.
+/// A load throws the block past one stop and, if that stop did not exist, past the other within
+/// one interval. Both stops are searched, and the root at the first must not depend on which of
+/// them is the upper one.
 #[test]
 fn invariant_the_mirror_image_has_the_same_bits_where_both_stops_are_in_reach() {
     const STARTS: u32 = 6000;
@@ -285,7 +285,7 @@ fn invariant_the_mirror_image_has_the_same_bits_where_both_stops_are_in_reach() 
     };
     let mut hits = 0;
     for _ in 0..STARTS {
-        // In an interval the path leads over the upper stop, turns and comes to the lower one.
+        // In an interval the path rises above the upper stop, reverses and reaches the lower one.
         let (x1, x3, v1, v3) = (next() - 0.5, next() - 0.5, 0.3, next());
         let w = p.stop_gap * (0.85 + 0.149 * next());
         let rate = (0.5 + 0.7 * next()) * p.stop_gap / interval;

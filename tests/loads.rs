@@ -91,7 +91,7 @@ fn invariant_the_cubic_keeps_to_its_samples_and_is_smooth() {
             before = f;
         }
         assert!((before - f1).abs() < 1e-4);
-        // Slopes from both sides of a sample, by the polynomial before it.
+        // Slopes from both sides of a sample, by the polynomial before the sample.
         let [_, d1, d2, d3] = cubic.derivatives(t0);
         let h = t1 - t0;
         if t1 < 8.0 {
@@ -196,7 +196,7 @@ fn what_is_no_record_is_refused_by_index() {
     assert!(text.starts_with("sample 1 ") && text.contains("allowed is a time later"), "{text}");
 }
 
-/// Loads that stand for a gap whose middle lies `b` above the block's place, docs/theory.md (97).
+/// Loads that represent a gap whose middle lies `b` above the block's place, docs/theory.md (97).
 fn off_centre(p: &Parameters, b: f64) -> Loads {
     let mut loads = Loads::default();
     (loads.derivatives[1][0], loads.derivatives[2][0]) =
@@ -206,8 +206,8 @@ fn off_centre(p: &Parameters, b: f64) -> Loads {
 
 #[test]
 fn closed_form_of_a_block_at_its_place_off_centre() {
-    // Nothing moves with the block where the coupling spring is relaxed, b below the middle of the
-    // gap.
+    // Nothing moves if the block is where the coupling spring is relaxed, b below the middle of
+    // the gap.
     let p = Parameters { drive_amplitude: 0.0, ..Parameters::default() };
     let b = 0.25 * p.stop_gap;
     let start = State { x: [0.0, -b, 0.0], v: [0.0; 3] };
@@ -236,12 +236,12 @@ fn invariant_mirror_image_of_an_off_centre_gap() {
 }
 
 /// A block that its load holds at a stop by the force (t - t0)² - d, which falls and rises again:
-/// it is released where the force is zero, however short the dip and wherever it lies between two
+/// it is released when the force is zero, however short the dip and wherever it lies between two
 /// samples, and not released if the force stays above zero.
 #[test]
 fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
-    /// Error of the time at which the force falls through zero, times the square root of the depth:
-    /// rounding of the force over its slope.
+    /// Error of the time at which the force falls through zero, times the square root of the
+    /// depth: rounding of the force over its slope.
     const TIME: f64 = 1e-14;
     let p =
         Parameters { drive_frequency: 1.0, stop_gap: 1.0, block_mass: 1.0, stop_restitution: 0.0, ..free() };
@@ -273,9 +273,9 @@ fn closed_form_a_dip_of_the_contact_force_is_found_between_two_samples() {
     }
 }
 
-/// A block that its load holds at its stop up to rounding, in steps of which one finds an impact
-/// before the present: it takes place at the present, with the state there. Otherwise the time, and
-/// with it the loads, would be ahead of the bodies, and the block would gain a speed from nothing.
+/// A block that its load holds at its stop up to rounding, in steps one of which finds an impact
+/// in the past: it takes place at the current time, with the state there. Otherwise time and loads
+/// would be ahead of the bodies, and the block would gain a velocity from nothing.
 #[test]
 fn second_method_an_event_found_in_the_past_moves_no_clock() {
     /// Rounding of w relative to the size of the motion: docs/numerics.md, section 3, allows 18 ε

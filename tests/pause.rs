@@ -1,13 +1,13 @@
-//! Pauses before events, the laws of due events, and the next event ahead.
+//! Pauses before events, the laws of pending events, and the next event.
 
 use vibro_impact::simulator::{AdvanceOutcome, Contact, DueEvent, Event, Loads, Pause, advance_together};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 
-/// Rounding of a few hundred additions: the input energy of a motion with pauses is summed in
-/// another order.
+/// Rounding of a few hundred additions: the input energy of a motion with pauses is summed in a
+/// different order.
 const SUM_ROUNDING: f64 = 1e-12;
-/// Rounding of the drive's phase, which a pause computes anew, amplified by some tens of impacts of
-/// a stable motion.
+/// Rounding of the drive's phase, which a pause computes again, amplified by some tens of impacts
+/// of a stable motion.
 const PHASE_ROUNDING: f64 = 1e-11;
 
 fn start() -> State {
@@ -22,7 +22,7 @@ fn simulator(p: &Parameters) -> Simulator {
     Simulator::new(p, &start(), 0.0).unwrap()
 }
 
-/// Bits of state, record and accounts except that of input energy.
+/// Bits of state, record and accounts except the input energy.
 fn bits(s: &Simulator) -> Vec<u64> {
     let (state, (w, rate), record) = (s.state(), s.relative_motion(), s.impacts());
     let energy = s.energy_accounts();
@@ -47,7 +47,7 @@ fn invariant_pause_and_law_give_the_bits_of_a_stop_after_the_impact() {
             if let Some(DueEvent::Release { side }) = before.due_event() {
                 assert_eq!(before.contact().side(), f64::from(side));
                 releases = true;
-                break; // from here on the phase is computed anew at other times
+                break; // from here on the phase is computed again at other times
             }
             assert_eq!(reason == AdvanceOutcome::EventDue, seen == AdvanceOutcome::Impact, "{kappa}");
             if reason == AdvanceOutcome::End {
@@ -157,7 +157,7 @@ fn invariant_a_pause_in_an_advance_counts_as_its_first_impact() {
     assert!(s.advance_to(time - 0.1).is_err() && s.due_event().is_some(), "an error applies nothing");
     assert_eq!(s.advance_to_impact(100.0).unwrap(), AdvanceOutcome::Impact);
     assert_eq!((s.time(), s.due_event()), (time, None));
-    // An advance of no length applies it as well.
+    // An advance of zero length applies it as well.
     s.advance_until(100.0, Pause::BeforeEvent, None).unwrap();
     let count = s.impacts().upper + s.impacts().lower;
     s.advance_to(s.time()).unwrap();
@@ -170,7 +170,7 @@ fn closed_form_changes_while_an_event_is_due() {
     let mut s = simulator(&p);
     s.advance_until(100.0, Pause::BeforeEvent, None).unwrap();
     let (due, rate) = (s.due_event(), s.relative_motion().1);
-    // The law takes the new restitution.
+    // The law uses the new restitution.
     s.set_parameters(&Parameters { stop_restitution: 0.25, ..p }).unwrap();
     s.set_loads(&Loads { derivatives: [[0.1, 0.0, 0.0, 0.0]; 3] }).unwrap();
     assert_eq!(s.due_event(), due);
@@ -198,7 +198,7 @@ fn closed_form_changes_while_an_event_is_due() {
 fn invariant_energies_balance_and_each_pause_has_its_event_over_a_thousand_pauses() {
     /// Rounding of a thousand sums, relative to the largest energy.
     const BALANCE: f64 = 1e-11;
-    /// Most pauses at one instant: impact, capture into rest and release.
+    /// Largest number of pauses at one instant: impact, capture into rest and release.
     const AT_ONE_TIME: u32 = 3;
     for (f10, kappa) in [(3.0, 0.0), (3.0, 0.1), (1.5, 0.75), (1.5, 1.0)] {
         for force in [[0.0; 4], [-0.02, 1e-5, 0.0, 0.0]] {
@@ -231,8 +231,8 @@ fn invariant_energies_balance_and_each_pause_has_its_event_over_a_thousand_pause
 
 #[test]
 fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
-    // An advance to that very time may end just before the event; a pause on the way to a later end
-    // reaches it.
+    // An advance to that time may end just before the event; a pause during an advance to a later
+    // end reaches it.
     for kappa in [0.0, 0.3, 0.75] {
         let mut s = simulator(&system(1.5, kappa));
         for _ in 0..100 {
@@ -251,8 +251,8 @@ fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
 
 #[test]
 fn second_method_the_lanes_take_the_ends_that_one_by_one_takes() {
-    // The present as a double differs from the present by rounding, to either side; the next double
-    // below is accepted, too.
+    // The current time as a double differs from the current time by rounding, in either direction;
+    // the next double below is accepted too.
     let mut s = simulator(&system(1.5, 0.75)).without_energy_accounts();
     for _ in 0..50 {
         s.advance_until(1e4, Pause::BeforeEvent, None).unwrap();

@@ -1,5 +1,5 @@
-//! Properties over wide random parameters, loads and steps. proptest shrinks cases that fail;
-//! `properties.proptest-regressions` keeps them.
+//! Properties over wide random parameters, loads and steps. proptest shrinks failing cases and
+//! keeps them in `properties.proptest-regressions`.
 
 use proptest::prelude::*;
 use vibro_impact::reference::{Reference, Tolerance};
@@ -12,7 +12,7 @@ fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low.ln()..high.ln()).prop_map(f64::exp)
 }
 
-/// Zero now and then, otherwise a number over several decades.
+/// Sometimes zero, otherwise a number over several decades.
 fn zero_or(low: f64, high: f64) -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 5 => decades(low, high)]
 }
@@ -51,7 +51,7 @@ fn state(gap: f64) -> impl Strategy<Value = State> {
     (-2.0..2.0f64, relative, -2.0..2.0f64, prop::array::uniform3(-2.0..2.0f64), any::<bool>()).prop_map(
         move |(x1, w, x3, v, still)| {
             let v = if still { [v[0], v[0], v[2]] } else { v };
-            // With the box at zero, w is exactly at a stop where it is meant to be.
+            // If the box is at zero, w is exactly at a stop if it is meant to be.
             let x1 = if w.abs() == 1.0 { 0.0 } else { x1 };
             State { x: [x1, x1 + w * gap, x3], v }
         },
@@ -68,21 +68,21 @@ fn system() -> impl Strategy<Value = (Parameters, State)> {
     parameters().prop_flat_map(|p| (Just(p), state(p.stop_gap)))
 }
 
-/// Whether an error is the only allowed one of a valid step: the limit of work in a nearly elastic
+/// Whether an error is the only one allowed for a valid step: the work limit, in a nearly elastic
 /// motion.
 fn allowed(error: &Error) -> bool {
     matches!(error, Error::WorkLimit { restitution, .. } if *restitution > 0.99)
 }
 
 /// Number of cases of a test run; `PROPTEST_CASES=100000 cargo test --release --test properties`
-/// makes more.
+/// runs more.
 fn cases() -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(200);
     ProptestConfig { cases, max_global_rejects: 10 * cases, ..ProptestConfig::default() }
 }
 
-/// Largest growth until `end` of a small change of one of the start's velocities. Changes of
-/// several at once may cancel: in a case of thirteen elastic impacts they grew by less than 1e4
+/// Largest growth until `end` of a small change of one of the initial velocities. Simultaneous
+/// changes of several may cancel: in a case of thirteen elastic impacts they grew by less than 1e4
 /// together and by 3e6 each.
 fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
     const CHANGE: f64 = 1e-9;
@@ -102,7 +102,7 @@ fn growth(p: &Parameters, start: &State, load: &Loads, end: f64) -> f64 {
     (0..3).map(of_velocity).fold(0.0, f64::max)
 }
 
-/// Largest growth of small differences with which two computations of a motion are compared.
+/// Largest growth of small differences in comparisons of two computations of a motion.
 const MAX_GROWTH: f64 = 1e4;
 
 proptest! {
@@ -182,8 +182,8 @@ proptest! {
             let t = if n == parts { end } else { end * f64::from(n) / f64::from(parts) };
             split.advance_to(t).unwrap();
         }
-        // A slow impact or a long run of them multiplies round-off: there the two may part in
-        // earnest.
+        // A slow impact or a long run of impacts amplifies rounding: then the two may differ
+        // considerably.
         prop_assume!(least > 1e-2 && impacts < 30 && growth(&p, &start, &load, end) < MAX_GROWTH);
         /// Rounding of some hundred sub-steps, amplified by up to 30 impacts no slower than 0.01
         /// m/s.
@@ -208,8 +208,8 @@ proptest! {
         const TOLERANCE: f64 = 1e-12;
         let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
         prop_assume!(simulator.set_loads(&load).is_ok()); // else out of all proportion to this system
-        // From a start in rest the reference method counts a touch of some 1e-11 m/s; the simulator
-        // counts none.
+        // From a start at rest, the reference method counts a touch of some 1e-11 m/s; the
+        // simulator counts none.
         let mut flies = simulator.contact() == Contact::Flight;
         let (mut least, mut events) = (f64::INFINITY, 0);
         let outcome = simulator.advance_observed(end, &mut |e| {
@@ -219,7 +219,7 @@ proptest! {
                 least = least.min(*speed);
             }
         });
-        // Slow impacts, chatter and long runs of impacts multiply the reference method's error
+        // Slow impacts, chatter and long runs of impacts amplify the reference method's error
         // without bound.
         prop_assume!(outcome.is_ok() && least > 2e-2 * p.stop_gap && events < 15);
         prop_assume!(growth(&p, &start, &load, end) < MAX_GROWTH);
@@ -263,16 +263,16 @@ proptest! {
                 impacts += 1;
             });
             let together = &together[i];
-            // The limit of work counts sub-steps, whose number differs a little between the two
-            // ways.
+            // The work limit counts sub-steps, whose number differs slightly between the two
+            // methods.
             prop_assert!(outcome.is_ok() == results[i].is_ok() || impacts > MANY);
             if let Err(error) = &results[i] {
                 prop_assert!(allowed(error), "{error}");
             }
             let (w, _) = together.relative_motion();
             prop_assert!(w.abs() <= p.stop_gap * (1.0 + 1e-12));
-            // A slow impact or a long run of them multiplies round-off: there the two may part in
-            // earnest.
+            // A slow impact or a long run of impacts amplifies rounding: then the two may differ
+            // considerably.
             if outcome.is_err() || results[i].is_err() || least < 1e-2 || impacts > 100
                 || growth(p, start, &Loads::default(), end) >= MAX_GROWTH {
                 continue;

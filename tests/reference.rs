@@ -1,4 +1,4 @@
-//! The reference method against closed forms and the golden files of `tests/data`.
+//! The reference method compared with closed forms and the golden files of `tests/data`.
 #![allow(missing_docs)]
 
 mod common;
@@ -113,7 +113,7 @@ fn closed_form_of_rest_and_release_under_loads() {
     let p = free(0.5);
     let start = State { x: [0.0, -1.0, 0.0], v: [0.0; 3] };
     let mut reference = Reference::new(&p, &start, 0.0, TIGHT).unwrap();
-    // Force on the box 1 - t: pressed on the lower stop until t = 1, then left behind.
+    // Force on the box 1 - t: pressed against the lower stop until t = 1, then released.
     reference.set_loads(&Loads { derivatives: [[1.0, -1.0, 0.0, 0.0], [0.0; 4], [0.0; 4]] }).unwrap();
     reference.advance_to(0.5).unwrap();
     assert_eq!(reference.contact(), Contact::RestLower);
@@ -130,7 +130,7 @@ fn closed_form_of_rest_and_release_under_loads() {
 
 #[test]
 fn golden_standard_work_over_20_periods() {
-    // The method reaches 1e-8 with the tolerance 1e-12; the block between impacts is less accurate.
+    // The error is 1e-8 at the tolerance 1e-12; the block is less accurate between impacts.
     const AFTER_20: f64 = 1e-7;
     let (p, start) = standard();
     let mut reference = Reference::new(&p, &start, 0.0, TIGHT).unwrap();
@@ -174,8 +174,8 @@ fn golden_standard_work_settles_on_the_certified_orbit_or_its_mirror() {
 
 #[test]
 fn golden_grazing_set() {
-    // Error of w relative to L, from 1e-12 a step over up to 1.6 periods. It moves the instant of
-    // an impact by the error over the speed, and the velocities after the impact likewise.
+    // Error of w relative to L, from 1e-12 per step over up to 1.6 periods. It shifts an impact by
+    // the error over the speed, and changes the velocities after it accordingly.
     const GAP_ERROR: f64 = 1e-10;
     let rows = table("grazing.csv");
     assert!(rows.len() > 400);
@@ -261,8 +261,8 @@ fn invariant_of_splitting_the_advance() {
 fn limits_of_restitution() {
     let loads = Loads { derivatives: [[0.0; 4], [0.1, 0.0, 0.0, 0.0], [0.0; 4]] };
     for (restitution, count) in [(0.0, 1), (1.0, 8)] {
-        // An immovable box: the block falls with 1 m/s² from 0.5 m below the upper stop, contacts
-        // at t = 1, 3, 5, ...
+        // An immovable box: the block falls with 1 m/s² from 0.5 m below the upper stop, with
+        // contacts at t = 1, 3, 5, ...
         let p = Parameters { box_mass: 1e15, ..free(restitution) };
         let start = State { x: [0.0, 0.5, 0.0], v: [0.0; 3] };
         let mut reference = Reference::new(&p, &start, 0.0, TIGHT).unwrap();

@@ -1,13 +1,13 @@
-//! Releases and departures without speed, in steps that end at the release or are too short for w
-//! to change.
+//! Releases and departures with zero velocity, in steps that end at the release or are too short
+//! for w to change.
 
 use vibro_impact::flow::Series;
 use vibro_impact::model::{Model, RELATIVE, SmoothMode};
 use vibro_impact::simulator::{AdvanceOutcome, Contact, DoubleDouble, Event, Loads, Pause};
 use vibro_impact::{Parameters, Simulator, State};
 
-/// A step that ends at the announced time of a release, or a unit in the last place beside it, adds
-/// no impact.
+/// A step that ends at the announced time of a release, or a unit in the last place before or
+/// after it, adds no impact.
 #[test]
 fn invariant_steps_that_end_at_a_release_add_no_impact() {
     let start = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
@@ -43,8 +43,8 @@ fn invariant_steps_that_end_at_a_release_add_no_impact() {
     assert!(added.is_empty(), "{} of {releases} releases", added.len());
 }
 
-/// A block that a force of the size of rounding moves off its stop, or that is released very
-/// slowly, leaves in short steps as in one advance: changes too small for w in one step add up.
+/// A block that rounding-sized forces move off its stop, or that is released very slowly, leaves
+/// in short steps as in a single advance: changes too small for w in one step accumulate.
 #[test]
 fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
     const STEP: f64 = 0.1;
@@ -89,8 +89,8 @@ fn second_method_a_block_that_leaves_slowly_does_so_in_steps_of_any_length() {
     }
 }
 
-/// A force that releases the block slightly and turns before w changes: the turn causes no impact,
-/// and the block keeps the speed that it has gained.
+/// A force that releases the block slightly and reverses before w changes: the reversal causes no
+/// impact, and the block keeps its velocity.
 #[test]
 fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
     const STEP: f64 = 1e-3;
@@ -117,7 +117,7 @@ fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
     let load = [0.18 * bend * TIME * TIME - LET_GO, -0.6 * bend * TIME, bend, 0.0];
     simulator.set_loads(&Loads { derivatives: [[0.0; 4], load, [0.0; 4]] }).unwrap();
     let speed = -2.0 / 3.0 * LET_GO * TIME;
-    // The jerk turns anywhere in a step.
+    // The jerk reverses at an arbitrary point of a step.
     for phase in 0..8 {
         let mut simulator = simulator.clone();
         for n in 0..=11_000 {
@@ -129,9 +129,9 @@ fn closed_form_a_release_whose_jerk_turns_adds_no_impact() {
     }
 }
 
-/// Loads on the block with which, at the start, the derivatives of w from the second on are zero up
-/// to the one of order k = `order`, which leads away from the stop with the size `away` m/sᵏ.
-/// `None` if rounding allows no such loads.
+/// Loads on the block for which, at the start, the derivatives of w of orders 2 to `order` - 1 are
+/// zero, and the derivative of order `order` leads away from the stop with the size `away` m/sᵏ, k
+/// = `order`. `None` if rounding allows no such loads.
 fn loads_of_order(simulator: &Simulator, order: usize, away: f64) -> Option<Loads> {
     let (model, side) = (Model::new(simulator.parameters()).unwrap(), simulator.relative_motion().0.signum());
     let mut derivatives = [[0.0; 4]; 3];

@@ -1,4 +1,4 @@
-//! Invariants of the repository's texts: links lead somewhere, comments are narrow, pages are
+//! Invariants of the repository's texts: links have targets, comments are narrow, pages are
 //! listed.
 
 #[path = "repository/circles.rs"]
@@ -28,7 +28,7 @@ fn invariant_comments_are_not_wider_than_a_screen() {
         }
         for (number, line) in text.lines().enumerate() {
             let line = line.trim_start();
-            // Tables and diagrams count, too, and in a Cargo.toml comments behind an entry.
+            // Tables and diagrams count too, and in a Cargo.toml comments after an entry.
             let comment = ["//", "# ", "* "].iter().any(|mark| line.starts_with(mark));
             let behind = ending == "toml" && line.contains(" # ");
             if (comment || behind) && line.chars().count() > WIDEST {
@@ -39,7 +39,7 @@ fn invariant_comments_are_not_wider_than_a_screen() {
     assert!(found.is_empty(), "comments wider than {WIDEST} characters: {found:#?}");
 }
 
-/// Every row of a table has a head, since a row after a blank line would be shown as text.
+/// Every row of a table has a head, because a row after a blank line would be rendered as text.
 #[test]
 fn invariant_every_row_of_a_table_stands_under_its_head() {
     let is_rule = |line: &str| line.starts_with('|') && line.chars().all(|c| "|-: ".contains(c));
@@ -66,7 +66,7 @@ fn invariant_every_row_of_a_table_stands_under_its_head() {
     assert!(found.is_empty(), "rows without a head, or with other columns: {found:#?}");
 }
 
-/// Whether a text has these words, not as parts of longer words.
+/// Whether a text contains these words, not as parts of longer words.
 fn has_words(text: &str, words: &str) -> bool {
     let inside = |c: Option<char>| c.is_some_and(char::is_alphabetic);
     let mut places = text.match_indices(words);
@@ -82,7 +82,7 @@ fn invariant_motions_progress_and_results_are_reported_and_passed_on() {
     let mut found = Vec::new();
     for (path, text) in all() {
         if path.ends_with("CHANGELOG.md") {
-            continue; // history, in the words of its time
+            continue; // history keeps its own words
         }
         let page = path.extension().is_some_and(|e| e == "md");
         let avoided = ANYWHERE.iter().chain(IN_PAGES.iter().filter(|_| page));
@@ -97,8 +97,8 @@ fn invariant_motions_progress_and_results_are_reported_and_passed_on() {
 /// Relative paths of a text that go up, e.g. `../README.md`.
 fn climbing(text: &str) -> impl Iterator<Item = &str> {
     let paths = text.split(|c: char| !(c.is_alphanumeric() || "/._-".contains(c)));
-    // A path behind `env!("CARGO_MANIFEST_DIR")` begins with the separator, and one at the end of a
-    // sentence ends with its stop.
+    // A path after `env!("CARGO_MANIFEST_DIR")` begins with the separator, and one at the end of a
+    // sentence ends with a full stop.
     let paths = paths.map(|path| path.strip_prefix("/").unwrap_or(path));
     let paths = paths.map(|path| if path.ends_with("..") { path } else { path.trim_end_matches('.') });
     paths.filter(|path| path.contains('/') && path.split('/').any(|name| name == ".."))
@@ -117,9 +117,9 @@ fn followed(folder: &Path, path: &str) -> Option<PathBuf> {
     Some(place)
 }
 
-/// Whether a path in a file leads to a file or folder of the repository, or to one that is made
-/// there. The path starts in the file's folder or in that of its package, as paths behind
-/// `env!("CARGO_MANIFEST_DIR")` do.
+/// Whether a path in a file leads to a file or folder of the repository, or to a generated one.
+/// The path starts in the file's folder or in its package's, like paths after
+/// `env!("CARGO_MANIFEST_DIR")`.
 fn leads_into_the_repository(file: &Path, path: &str) -> bool {
     let beside = file.parent().expect("a file is in a folder");
     let package = beside.ancestors().find(|folder| folder.join("Cargo.toml").exists()).expect("a package");
@@ -130,15 +130,15 @@ fn leads_into_the_repository(file: &Path, path: &str) -> bool {
 
 #[test]
 fn invariant_every_relative_path_that_goes_up_stays_in_the_repository() {
-    // Entries of an archive, from the archive's folder in which they are named; and paths that a
-    // machine's file must not reach.
+    // Entries of an archive, relative to the archive's folder; and paths that a machine's file
+    // must not reach.
     const ELSEWHERE: [&str; 4] =
         ["../../documentation/fmi-ls-ref.txt", "../resources/", "../../../etc/passwd", "../../secret.csv"];
     let mut files = Vec::new();
     walk(root(), &mut files);
     let (mut found, mut followed) = (Vec::new(), 0);
     for file in files.iter().filter(|file| !is_own(file)) {
-        // Pictures and fonts are no text.
+        // Pictures and fonts are not text.
         let Ok(text) = fs::read_to_string(file) else { continue };
         for path in climbing(&text).filter(|path| !ELSEWHERE.contains(path)) {
             followed += 1;
@@ -192,8 +192,8 @@ fn links(page: &str) -> Vec<String> {
     ends.map(|(link, _)| link.to_owned()).collect()
 }
 
-/// Anchors of a page's headings, as GitHub makes them: in lower case, with a hyphen for each space
-/// and no other signs.
+/// Anchors of a page's headings, as generated by GitHub: in lower case, with a hyphen for each
+/// space and no other signs.
 fn anchors(page: &str) -> BTreeSet<String> {
     let mut fenced = false;
     let mut found = BTreeSet::new();
@@ -208,7 +208,7 @@ fn anchors(page: &str) -> BTreeSet<String> {
     found
 }
 
-/// Reason why a link of a page leads nowhere; `None` for a valid link.
+/// Reason why a link of a page has no target; `None` for a valid link.
 fn broken(page: &Path, link: &str) -> Option<String> {
     if link.contains("://") {
         return None;
@@ -250,7 +250,7 @@ fn invariant_every_link_of_a_page_leads_somewhere() {
 
 #[test]
 fn invariant_the_readme_is_short_and_the_index_has_every_page() {
-    // Words that are read in a few minutes; longer texts belong to a page of docs/.
+    // Words that can be read in a few minutes; longer texts belong on a page of docs/.
     const MOST_WORDS: usize = 1000;
     let readme = fs::read_to_string(root().join("README.md")).expect("README.md");
     let words = readme.split_whitespace().count();
@@ -277,8 +277,8 @@ fn named_paths(page: &str) -> Vec<&str> {
         .collect()
 }
 
-/// A reader who follows a page arrives. Paths begin at the root, in a package's page also at the
-/// package.
+/// A reader can follow every path on a page. Paths begin at the root, on a package's page also at
+/// the package.
 #[test]
 fn invariant_every_path_that_a_page_names_is_there() {
     let (mut missing, mut of_map, mut pages) = (Vec::new(), 0, 0);

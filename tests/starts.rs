@@ -35,7 +35,8 @@ impl Push for Parameters {
 fn closed_form_contact_at_the_start() {
     for side in [1.0, -1.0] {
         let rest = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-        // The box pushed towards the block presses it; pulled away it leaves it behind.
+        // The box pushed towards the block presses it; pulled away, the box leaves the block
+        // behind.
         let pressed = Simulator::new(&pushed(-0.1 * side), &at_stop(side, 0.0), 0.0).unwrap();
         assert_eq!(pressed.contact(), rest);
         let free = Simulator::new(&pushed(0.1 * side), &at_stop(side, 0.0), 0.0).unwrap();
@@ -126,7 +127,7 @@ fn second_method_a_drive_phase_of_any_size_is_its_rest_of_a_turn() {
         let (mut one, mut two) = (at_end(&far), at_end(&near));
         for back in [None, Some(base), Some(far), Some(Parameters { drive_phase: -phase, ..base })] {
             if let Some(p) = back {
-                // A change from one phase to another, however far, and a snapshot after it.
+                // A change from one phase to another, however far apart, followed by a snapshot.
                 one.set_parameters(&p).unwrap();
                 let reduced = p.drive_phase.sin().atan2(p.drive_phase.cos());
                 two.set_parameters(&Parameters { drive_phase: reduced, ..p }).unwrap();
@@ -145,7 +146,7 @@ fn second_method_a_drive_phase_of_any_size_is_its_rest_of_a_turn() {
 
 #[test]
 fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
-    /// Bound relative to the energy that passed; stiff springs store much more than passes.
+    /// Bound relative to the energy that passed through; stiff springs store much more.
     const BOUND: f64 = 1e-9;
     let p = Parameters::default();
     let cases = [
@@ -176,7 +177,7 @@ fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
             let mut simulator = Simulator::new(&p, &start, 0.0).unwrap();
             let first = simulator.energy_accounts().mechanical;
             let mut passed = first;
-            // In the tiny gap the block meets a stop a million times as often.
+            // In the tiny gap the block hits a stop a million times as often.
             let count = if p.stop_gap < 1e-3 { 50 } else { 500 };
             for n in 1..=count {
                 simulator
@@ -199,8 +200,7 @@ fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
 fn invariant_a_step_of_nothing_from_the_present_is_none() {
     let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
     for n in 0..200 {
-        // The step ends at a time in extended precision, which the present as a double may round
-        // down.
+        // The step ends at a time in extended precision, which rounding to a double may decrease.
         simulator.advance_until(DoubleDouble::sum(simulator.time(), 0.0317), Pause::Never, None).unwrap();
         let before = simulator.time();
         simulator.advance_observed(before, &mut |_| {}).unwrap_or_else(|e| panic!("step {n}: {e}"));
@@ -208,7 +208,7 @@ fn invariant_a_step_of_nothing_from_the_present_is_none() {
     }
 }
 
-/// Motions with absurd speeds end soon and keep within the stops. The bound on the acceleration of
+/// Motions with absurd speeds end soon and stay within the stops. The bound on the acceleration of
 /// a sub-step, far above the acceleration just after a release or between two fast impacts, must
 /// not limit the step. (Found by the fuzzer.)
 #[test]
@@ -228,8 +228,8 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     assert!(refused(&p, 6e66));
     assert!(refused(&Parameters { stop_gap: 1e-300, ..p }, 0.5));
     assert!(refused(&Parameters { drive_amplitude: 1e30, ..p }, 0.0));
-    // Squares of speeds, by which chatter runs are closed, must not underflow: a motion scaled by a
-    // power of two has equal bits, or is refused.
+    // Squares of speeds, the criterion for closing chatter, must not underflow: a motion scaled by
+    // a power of two is bit-identical, or is refused.
     let scaled = |gap: f64| {
         let p = Parameters {
             drive_amplitude: 0.3 * gap,
@@ -247,7 +247,7 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for power in [-340, -600, -1070] {
         assert!(matches!(scaled(2f64.powi(power)), Err(Error::PrecisionLost { .. })), "{power}");
     }
-    // Nor may the squares of speeds overflow: every state that is reached can be restored.
+    // Squares of speeds must not overflow either: every state that is reached can be restored.
     assert!(refused(&Parameters { stop_gap: 1e101, ..p }, 0.0));
     assert!(refused(&Parameters { stop_gap: 1e99, drive_frequency: 1e3, ..p }, 0.0));
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();

@@ -1,9 +1,8 @@
-//! Bits of the states of many motions against digests in `tests/data/state_bits.<instruction
+//! Bits of the states of many motions compared with digests in `tests/data/state_bits.<instruction
 //! set>.txt`.
 //!
-//! A change of code without a change of arithmetic leaves every digest as it is. After an intended
-//! change of arithmetic, `UPDATE=1 cargo test --test state_bits` writes the file anew, and the
-//! commit says why.
+//! A change of code without a change of arithmetic keeps every digest. After an intended change of
+//! arithmetic, `UPDATE=1 cargo test --test state_bits` rewrites the file, and the commit says why.
 
 mod common;
 

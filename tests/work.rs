@@ -49,8 +49,8 @@ fn invariant_the_sweep_of_the_paper_ends_everywhere() {
     }
 }
 
-/// Most sub-steps of an advance over `span` s in lanes: 10⁶, 64 for each sub-step length (2.4 over
-/// the fastest rate, here more than 0.1 s), and the 64 between two checks of the limit.
+/// Largest number of sub-steps of an advance over `span` s in lanes: 10⁶, 64 per sub-step length
+/// (2.4 over the fastest rate, here over 0.1 s), and the 64 between two checks of the limit.
 fn most_substeps(span: f64) -> f64 {
     1e6 + 64.0 * span / 0.1 + 64.0
 }
@@ -59,8 +59,8 @@ fn substeps(simulator: &Simulator) -> f64 {
     simulator.work_counters().substeps as f64
 }
 
-/// Motions that hardly progress: a block pressed to an elastic stop, and one that is far too fast,
-/// without and with loads.
+/// Motions that hardly progress: a block pressed against an elastic stop, and a block that is much
+/// too fast, without and with loads.
 fn busy_motions() -> Vec<Simulator> {
     let elastic = Parameters { stop_restitution: 1.0, ..Parameters::default() };
     let pressed = Parameters {
@@ -96,7 +96,7 @@ fn invariant_one_advance_ends_soon_and_another_goes_on() {
             assert!(time == simulator.time() && time > begin && time < END && events > 1000, "{error}");
             assert!((span - (time - begin)).abs() <= 4.0 * f64::EPSILON * time, "{error}");
             let spent = substeps(&simulator) - before;
-            // Alone the count is checked after each sub-step.
+            // A single motion checks the count after each sub-step.
             let more = 64.0 * span * Model::new(simulator.parameters()).unwrap().rate / 2.4;
             assert!(spent > 1e6 && spent <= 1e6 + 1.0 + more, "{spent} sub-steps: {error}");
             assert!(simulator.relative_motion().0.abs() <= 1.0);

@@ -6,7 +6,7 @@ ELEMENTS = 10
 
 
 def element():
-    """Stiffness and mass of one element (Euler-Bernoulli): deflection and slope at either end."""
+    """Returns stiffness and mass of one element (Euler-Bernoulli): deflection and slope at either end."""
     h = LENGTH / ELEMENTS
     bending, line_mass = MODULUS * WIDTH * HEIGHT**3 / 12, DENSITY * WIDTH * HEIGHT
     k = [[12, 6 * h, -12, 6 * h], [6 * h, 4 * h * h, -6 * h, 2 * h * h],
@@ -18,7 +18,7 @@ def element():
 
 
 def write(path, part):
-    """Adds up the elements and writes the lower triangle without the clamped end."""
+    """Assembles the elements and writes the lower triangle without the clamped end."""
     size = 2 * ELEMENTS + 2
     whole = [[0.0] * size for _ in range(size)]
     for first in range(0, 2 * ELEMENTS, 2):

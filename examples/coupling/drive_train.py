@@ -5,22 +5,22 @@ the box's motion acts back on it (the Sommerfeld effect). With the rotor angle �
 
     J φ'' = T (1 - φ'/ω0) - m r a cos φ          force on the box: m r (φ'² sin φ - φ'' cos φ)
 
-An acceleration alone cannot be coupled through impacts: at one the box's velocity jumps, in no time, by ΔP/m1 with the impulse
-ΔP on the box, and no value of a says so, however short the step. The rotor turns by -m r cos φ ΔP/(m1 J) in that moment, which
-is no little: without it a motor near the machine's resonance runs at another speed. So the box's impulse since the start is an
-input too. Its difference over the last step, spread over the present one, makes a the mean acceleration of docs/theory.md (114):
+The acceleration alone is not enough to couple the two through impacts. At an impact, the box's velocity jumps by ΔP/m1, where ΔP is the
+impulse on the box, and no value of a contains that jump, however short the step. The rotor jumps by -m r cos φ ΔP/(m1 J) at that moment.
+This is not small: without it, a motor near the machine's resonance runs at another speed. So the box's impulse since the start is a second
+input. Its increment over the last step, divided by the current step h, makes a the mean acceleration of docs/theory.md (114):
 
     a = acceleration + ΔP/(m1 h)
 
-and the rotor's answer to the jump goes back to the box as part of the force. (Where the box's velocity can be connected, its
-difference over h is that mean by itself.) Heun's method with its own small steps carries φ on.
+and the rotor's response to the jump acts on the box as part of the force. (If the box's velocity can be connected, its
+increment divided by h is already that mean.) Heun's method integrates φ with its own small steps.
 """
 
 import math
 
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
-LONGEST_STEP = 0.01  # s, of Heun's method: below a hundredth of a turn at 1 rad/s
+LONGEST_STEP = 0.01  # s, of Heun's method: less than a hundredth of a turn at 1 rad/s
 
 
 class DriveTrain(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without types
@@ -66,7 +66,7 @@ class DriveTrain(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Heun's method, second order."""
-        count = max(1, math.ceil(step_size / LONGEST_STEP - 1e-9))  # a master's rounding must not change it
+        count = max(1, math.ceil(step_size / LONGEST_STEP - 1e-9))  # the margin absorbs a master's rounding
         h = step_size / count
         self.mean = self.acceleration + (self.impulse - self.before) / (self.mass * step_size)
         self.before = self.impulse

@@ -1,8 +1,8 @@
 """A damped oscillator hung on a moving flange by a spring, made into an FMU by pythonfmu: `pythonfmu build -f oscillator.py`.
 
-m x'' + c x' + k x = f,  f = kc (s - x). The flange's motion is the input, held as s + v t + a t²/2 through a step (the
-position–velocity–acceleration–force flange of the Modelica Standard Library's FMU adaptors). For that input the solution
-is known in closed form, so that the coupling alone makes errors. What the flange feels is -f.
+m x'' + c x' + k x = f,  f = kc (s - x). The input is the flange's motion, held as s + v t + a t²/2 during a step (the
+position–velocity–acceleration–force flange of the Modelica Standard Library's FMU adaptors). The solution for this input
+is known in closed form, so all errors come from the coupling. The force on the flange is -f.
 """
 
 import cmath
@@ -47,11 +47,11 @@ class Oscillator(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
             self.register_variable(Real(name, causality=Fmi2Causality.output, description=text, getter=getter))
 
     def acceleration(self) -> float:
-        """x'' by the equation of motion, m/s2."""
+        """x'' from the equation of motion, m/s2."""
         return (self.kc * (self.s - self.x) - self.k * self.x - self.c * self.dx) / self.m
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """The exact motion under the flange's polynomial: its particular polynomial, and free vibration about it."""
+        """Computes the exact motion for the flange's polynomial: a particular polynomial plus free vibration."""
         h, stiffness = step_size, self.k + self.kc
         p2 = self.kc * self.a / 2.0 / stiffness
         p1 = (self.kc * self.v - 2.0 * self.c * p2) / stiffness
@@ -65,6 +65,6 @@ class Oscillator(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
         rate = damped * (dz * cosine - (decay * dz + stiffness / self.m * z) * sine)
         self.x = free.real + p0 + p1 * h + p2 * h * h
         self.dx = rate.real + p1 + 2.0 * p2 * h
-        # Position of the flange at the end.
+        # Position and velocity of the flange at the end of the step.
         self.s, self.v = self.s + self.v * h + self.a * h * h / 2.0, self.v + self.a * h
         return True

@@ -1,9 +1,9 @@
 """One machine as one FMU, and cut in two: the secondary oscillator becomes an FMU of its own.
 
-Whole: VibroImpact3DOF as it is. Cut: VibroImpact3DOF with coupling.k = 0 takes the spring's force as load `block.f`; the
-oscillator (oscillator.py, an FMU made by pythonfmu) takes the block's displacement and gives that force. Four masters
+Whole: VibroImpact3DOF, unchanged. Cut: VibroImpact3DOF with coupling.k = 0 receives the spring's force as load `block.f`; the
+oscillator (oscillator.py, an FMU made by pythonfmu) receives the block's displacement and returns that force. Four masters
 couple them by FMI 2.0, and one by FMI 3.0, which steps to the announced events and never goes back. The script draws their
-error against the communication step, and against the work:
+error over the communication step, and over the work:
 
     python examples/coupling/partitioned.py --out coupling.png
 """
@@ -35,12 +35,12 @@ BODIES = ("box.s", "block.s", "secondary.s")
 TOLERANCE = 1e-14
 MOST_ITERATIONS = 50
 
-#: A step (s) so short that neglecting the block's own acceleration is less than the rounding of its displacement.
+#: A step (s) so short that the effect of the block's own acceleration is below the rounding of its displacement.
 SHORT = 1e-5
 
 
 def build_oscillator(folder: PathLike) -> Path:
-    """The oscillator as an FMU, by pythonfmu."""
+    """Builds the oscillator as an FMU with pythonfmu."""
     from pythonfmu.builder import FmuBuilder
 
     script = Path(__file__).with_name("oscillator.py")
@@ -50,25 +50,25 @@ def build_oscillator(folder: PathLike) -> Path:
 
 @dataclass
 class Run:
-    """Displacements at the communication points that all runs share, and the work done."""
+    """Displacements at the communication points common to all runs, and the work done."""
 
     states: list[NDArray[np.float64]] = field(default_factory=list)
     steps: int = 0
     iterations: int = 0
-    #: Steps that the machine's FMU computed, with those taken back.
+    #: Steps that the machine's FMU computed, including discarded ones.
     computed: int = 0
 
 
 @dataclass
 class Machine:
-    """The cut machine: the two instances and the quantities exchanged at the present communication point."""
+    """The cut machine: two instances, and the quantities they exchange at the current communication point."""
 
     box: Slave
     oscillator: Slave
     stiffness: float  # of the cut spring
 
     def flange(self) -> tuple[float, float, float, float]:
-        """Displacement and velocity of the block, force on it and rate of that force; afterwards both sides agree on them."""
+        """Makes both sides agree; returns displacement and velocity of the block, force on it and the rate of that force."""
         s, v = self.box.reals(["block.s", "block.v"])
         for name, value in (("s", s), ("v", v), ("a", 0.0)):
             self.oscillator.set(name, value)
@@ -80,12 +80,12 @@ class Machine:
         return np.append(self.box.reals(["box.s", "block.s"]), self.oscillator.get("x"))
 
 
-#: A master carries the machine from a time over at most a step size, and returns the time reached and its iterations.
+#: A master advances the machine from a time by at most a step size, and returns the time reached and its iterations.
 Master = Callable[[Machine, float, float], "tuple[float, int]"]
 
 
 def held(machine: Machine, time: float, size: float) -> tuple[float, int]:
-    """Gauss–Seidel with held values, which every host can do. First order."""
+    """Gauss–Seidel with held values, which every host supports. First order."""
     _, _, f, _ = machine.flange()
     machine.box.set("block.f", f)
     reached = machine.box.step(time, size)
@@ -107,12 +107,12 @@ def extrapolated(machine: Machine, time: float, size: float) -> tuple[float, int
 
 
 def iterated(machine: Machine, time: float, size: float) -> tuple[float, int]:
-    """Both sides step again and again from the saved states until they agree on the force f + f' t + q t² and the motion
-    s + v t + a t²/2. Third order between impacts; one inside a step costs an order, and with `stopAtImpact` a step ends
-    at the impact instead.
+    """Both sides repeat the step from the saved states until they agree on the force f + f' t + q t² and the motion
+    s + v t + a t²/2. Third order between impacts; an impact inside a step lowers the order by one. If `stopAtImpact` is set, a step
+    ends at the impact instead.
 
-    The next force follows by Newton's method. What the force at the end changes the block's displacement there comes from
-    fmi2GetDirectionalDerivative: an acceleration ∂a/∂f (t/h)² moves it by ∂a/∂f h²/12.
+    Newton's method gives the next force. fmi2GetDirectionalDerivative gives the effect of the end force on the block's
+    displacement at the end: an acceleration ∂a/∂f (t/h)² displaces the block by ∂a/∂f h²/12.
     """
     box, oscillator = machine.box, machine.oscillator
     s, v, f, rate = machine.flange()
@@ -126,7 +126,7 @@ def iterated(machine: Machine, time: float, size: float) -> tuple[float, int]:
             box.set_derivatives("block.f", [rate, 2.0 * bend / end**2])
             reached = box.step(time, size)
             h = reached - time
-            if h < size:  # discarded at an impact: no further step is allowed from there, so once more, up to it
+            if h < size:  # discarded at an impact, from where no further step is allowed: repeat it, up to the impact
                 box.restore(states[0])
                 box.set("block.f", f)
                 box.set_derivatives("block.f", [rate, 2.0 * bend / end**2])
@@ -156,7 +156,7 @@ class EventMachine:
     next_event: float  # as announced, s
 
     def flange(self) -> tuple[float, float, float, float, float]:
-        """Displacement and velocity of the block, force on it and that force's first two derivatives, right of the present."""
+        """Displacement and velocity of the block, force on it and that force's first two derivatives, just after the current time."""
         s, v, a = self.box.reals(["block.s", "block.v", "block.a"])
         for name, value in (("s", s), ("v", v), ("a", a)):
             self.oscillator.set(name, value)
@@ -169,15 +169,15 @@ class EventMachine:
 
 
 def to_events(machine: EventMachine, time: float, size: float) -> float:
-    """Gauss–Seidel by FMI 3.0, the force extrapolated by two derivatives, the motion interpolated: third order, without
-    iteration and without a saved state. A step goes to the announced next event at most. The force changes it a little: when
-    it comes before, the FMU returns early, and the oscillator steps that far; when it comes after, a short step follows.
+    """Gauss–Seidel by FMI 3.0, with the force extrapolated by two derivatives and the motion interpolated: third order, without
+    iteration or saved states. A step ends at the announced next event at the latest. The force shifts the event slightly. If it
+    comes early, the FMU returns early and the oscillator steps to the same time; if it comes late, a short step follows.
     """
     box, oscillator = machine.box, machine.oscillator
     s, v, f, rate, curvature = machine.flange()
     box.set("block.f", f)
-    # Inputs inside the step (intermediate update): the FMU reproduces a parabola exactly as
-    # a cubic.
+    # Inputs inside the step (intermediate update): the FMU reproduces a parabola exactly, because
+    # it interpolates by a cubic.
     box.courses["block.f"] = lambda t: f + (t - time) * (rate + (t - time) * curvature / 2.0)
     if time < machine.next_event < time + size:
         size = machine.next_event - time
@@ -189,7 +189,7 @@ def to_events(machine: EventMachine, time: float, size: float) -> float:
         oscillator.step(time, h)
     box.enter_event_mode()
     if not event:
-        box.set("block.f", oscillator.get("f"))  # with which the next event is looked for
+        box.set("block.f", oscillator.get("f"))  # the FMU predicts the next event with this force
     machine.next_event = box.update_discrete_states()
     box.enter_step_mode()
     return reached
@@ -200,11 +200,11 @@ def parameters(fmu: PathLike) -> dict[str, float]:
     return {**start_values(fmu), "coupling.k": COUPLING}
 
 
-START = {"block.s": 0.9, "block.v": 0.5}  # it meets both stops at once
+START = {"block.s": 0.9, "block.v": 0.5}  # the block soon hits both stops
 
 
 def whole(fmu: PathLike, points: int, periods: int = PERIODS) -> Run:
-    """The machine as one FMU, recorded at `points` points a period."""
+    """Runs the machine as one FMU, recorded at `points` points per period."""
     p, run = parameters(fmu), Run()
     size = 2.0 * math.pi / p["drive.frequency"] / points
     with Slave(fmu, {**p, **START}) as box:
@@ -224,7 +224,7 @@ def cut(
     periods: int = PERIODS,
     to_impacts: bool = False,
 ) -> Run:
-    """The machine cut in two, with a number of communication steps a period, of which `points` are recorded."""
+    """Runs the machine cut in two, with a number of communication steps per period, of which `points` are recorded."""
     p, run = parameters(fmu), Run()
     size = 2.0 * math.pi / p["drive.frequency"] / per_period
     box_start = {**p, "coupling.k": 0.0, "stopAtImpact": to_impacts, **START}
@@ -248,7 +248,7 @@ def cut(
 def cut_by_events(
     fmu: PathLike, oscillator: PathLike, per_period: int, points: int, periods: int = PERIODS
 ) -> Run:
-    """The machine cut in two, with the FMI 3.0 FMU and the master that steps to the announced events."""
+    """Runs the machine cut in two with the FMI 3.0 FMU and the master that steps to the announced events."""
     p, run = parameters(fmu), Run()
     size = 2.0 * math.pi / p["drive.frequency"] / per_period
     box_start: dict[str, Value] = {**p, "coupling.k": 0.0, "stopAtImpact": True, **START}
@@ -282,22 +282,22 @@ MASTERS: list[tuple[str, Master, bool]] = [
 #: The master of FMI 3.0.
 EVENTS = "extrapolated, steps to the events (FMI 3.0)"
 
-#: Communication steps a period.
+#: Numbers of communication steps per period.
 STEPS = (10, 20, 40, 80, 160, 320, 640)
 
 
 @dataclass
 class Curve:
-    """Error and cost of a master for each number of steps a period."""
+    """Error and cost of a master for each number of steps per period."""
 
     #: Largest difference of any displacement from the whole machine, m.
     errors: list[float] = field(default_factory=list)
-    #: Steps a period that the machine's FMU computed, with those taken back.
+    #: Steps per period that the machine's FMU computed, including discarded ones.
     computed: list[float] = field(default_factory=list)
 
 
 def curves(fmu: PathLike, oscillator: PathLike, steps: tuple[int, ...] = STEPS) -> dict[str, Curve]:
-    """Results of every master, by its name; the FMU of FMI 3.0 lies beside that of FMI 2.0."""
+    """Results of every master, by its name; the FMI 3.0 archive must be next to the FMI 2.0 archive."""
     points = min(steps)
     expected = np.array(whole(fmu, points).states)
     table: dict[str, Curve] = {}
@@ -320,7 +320,7 @@ def curves(fmu: PathLike, oscillator: PathLike, steps: tuple[int, ...] = STEPS) 
 
 
 def draw(table: dict[str, Curve], motion: dict[str, NDArray[np.float64]], path: PathLike) -> None:
-    """Draws the errors against the step and against the work, and motions at ten steps a period."""
+    """Draws the errors over the step and over the work, and motions at ten steps per period."""
     import matplotlib
 
     matplotlib.use("Agg")

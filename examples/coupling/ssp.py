@@ -3,9 +3,9 @@
     python examples/coupling/ssp.py --out motor.ssp          # writes the archive and runs it in fmpy
     python examples/coupling/ssp.py --out motor.ssp --host libcosimpy
 
-The archive holds both FMUs and the structure with its units and a parameter set for each (SystemStructure.ssd). Two signals go
-from the machine to the motor: the box's acceleration, which has no impacts in it, and the impulse of the stops on the box since
-the start, which has nothing else. One without the other is another machine (drive_train.py).
+The archive contains both FMUs, the structure with its units, and a parameter set for each FMU (SystemStructure.ssd). Two signals go
+from the machine to the motor: the box's acceleration, which excludes impacts, and the impulse of the stops on the box since
+the start, which contains only impacts. Both are required; one alone describes another machine (drive_train.py).
 """
 
 from __future__ import annotations
@@ -79,12 +79,12 @@ NAMESPACE = "http://ssp-standard.org/SSP1/"
 
 
 def attributes(**values: object) -> str:
-    """XML attributes."""
+    """Formats XML attributes."""
     return "".join(f" {name}={quoteattr(str(value))}" for name, value in values.items())
 
 
 def units(prefix: str) -> str:
-    """The unit list of a file; `prefix` is the namespace of the list itself."""
+    """Returns the unit list of a file; `prefix` is the namespace of the list."""
     lines = [
         f"<ssc:Unit{attributes(name=name)}><ssc:BaseUnit{attributes(**base)}/></ssc:Unit>" for name, base in UNITS.items()
     ]
@@ -92,7 +92,7 @@ def units(prefix: str) -> str:
 
 
 def structure() -> str:
-    """SystemStructure.ssd."""
+    """Returns the text of SystemStructure.ssd."""
     elements = []
     for component, source in SOURCES.items():
         connectors = "".join(
@@ -127,7 +127,7 @@ def structure() -> str:
 
 
 def binding(component: str) -> str:
-    """The parameters of one component."""
+    """Returns the parameters of a component as XML."""
     values = "".join(
         f"<ssv:Parameter{attributes(name=name)}><ssv:Real{attributes(value=value, unit=unit)}/></ssv:Parameter>"
         for name, (value, unit) in PARAMETERS[component].items()
@@ -154,7 +154,7 @@ def build(fmu: PathLike, path: PathLike) -> Path:
 
 
 def run_fmpy(path: PathLike, stop: float, step: float) -> dict[str, Any]:
-    """Time histories by connector, from fmpy. It hands parameters over by itself only as one set for the whole system."""
+    """Returns time histories by connector, from fmpy. Without help, fmpy passes only one parameter set for the whole system."""
     from fmpy.ssp.simulation import simulate_ssp
     from fmpy.ssp.ssd import Parameter, ParameterSet, find_components, read_ssd
 
@@ -166,13 +166,13 @@ def run_fmpy(path: PathLike, stop: float, step: float) -> dict[str, Any]:
                     Parameter(name=f"{component.name}.{p.name}", type=p.type, value=p.value) for p in values.parameters
                 ]
     result = simulate_ssp(str(path), stop_time=stop, step_size=step, parameter_set=given)
-    result = result[: round(stop / step)]  # fmpy adds steps up, and rounding may give one more
+    result = result[: round(stop / step)]  # fmpy adds up steps, and rounding may give one too many
     # A row holds the outputs at the end of the step that begins at its time.
     return {"time": result["time"] + step, **{name: result[name] for name in result.dtype.names if name != "time"}}
 
 
 def run_libcosimpy(path: PathLike, stop: float, step: float) -> dict[str, Any]:
-    """The same from libcosimpy, which wants the archive as a folder and time in whole nanoseconds."""
+    """Returns the same from libcosimpy, which requires the archive as a folder and time in whole nanoseconds."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimObserver import CosimObserver
@@ -205,7 +205,7 @@ HOSTS = {"fmpy": run_fmpy, "libcosimpy": run_libcosimpy}
 
 
 def main() -> None:
-    """Writes the archive, runs it, prints what it has come to."""
+    """Writes the archive, runs it, and prints the result."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fmu", default=FMU, type=Path)
     parser.add_argument("--out", "--output", dest="output", default=Path("motor.ssp"), type=Path)

@@ -1,4 +1,4 @@
-//! The archive: same content, same bytes; read back as written.
+//! The archive: the same content gives the same bytes, and reads back as written.
 
 use fmu_build::archive::{self, Content};
 use fmu_build::package;
@@ -34,7 +34,7 @@ fn no_archive_is_an_error_that_names_it() {
     assert!(matches!(archive::read(&path, "x"), Err(Error::Archive { .. })));
 }
 
-/// Times, permissions and order are what could differ between two builds.
+/// Times, permissions and order could differ between two builds.
 #[test]
 fn entries_carry_nothing_of_the_moment() {
     let bytes = archive::to_bytes(&content()).unwrap();
@@ -52,7 +52,7 @@ fn entries_carry_nothing_of_the_moment() {
     assert!(names.is_sorted(), "{names:?}");
 }
 
-/// Everything but the binary, whose sameness has its own test.
+/// Everything except the binary, which has a separate test.
 #[test]
 fn packing_twice_gives_the_same_bytes() {
     let binaries = || Binaries::own(vec![7; 10_000]);

@@ -1,5 +1,5 @@
-//! Archives of described machines: what is in them, and runs of them in FMPy against the engine's
-//! own motion.
+//! Archives of described machines: their content, and runs of them in FMPy compared with the
+//! engine's motion.
 
 mod common;
 
@@ -19,7 +19,7 @@ use vibro_machine::{Assembly, Motion, file};
 use vibro_machine_component::Plan;
 
 /// Machines that are run in every way: with a closed form, with every kind of element, with
-/// rotation, with friction of a changing level. All others are stepped.
+/// rotation, with friction of changing level. All others are run in steps.
 const EXAMPLES: [&str; 5] =
     ["bouncing_ball", "paper_machine", "damper_with_buffer", "gear_backlash", "msl_coupled_clutches"];
 
@@ -27,20 +27,20 @@ fn example(name: &str) -> PathBuf {
     root().join("examples/assembly").join(name).with_extension("toml")
 }
 
-/// The library that cargo compiled for this test, without the optimisations of a release, on which
-/// no bit depends.
+/// The library that cargo compiled for this test, without release optimisations, which do not
+/// affect any bit.
 fn kit() -> Kit {
     let name = format!("{}vibro_machine_fmu{SHARED_LIBRARY}", std::env::consts::DLL_PREFIX);
     let library = std::env::current_exe().expect("a test has a file").with_file_name(name);
     Kit { binaries: Binaries::own(fs::read(library).expect("it lies beside the test")), ..Kit::default() }
 }
 
-/// The engine's motion at the communication points of a machine's description, as the FMU's outputs
-/// have it.
+/// Writes the engine's motion at the communication points of a machine's description, in the form
+/// of the FMU's outputs.
 fn native(path: &Path, to: &Path) {
     let assembly = Arc::new(Assembly::new(file::read(path).expect("an example")).expect("it has matrices"));
     let experiment = Plan::of(&assembly.description).expect("an example").description().experiment;
-    // A power of two, in which sums of steps are exact whoever makes them.
+    // A power of two, so that sums of steps are exact in every host.
     let step = experiment.step_size.log2().round().exp2();
     let mut motion = Motion::new(assembly.clone()).expect("it has a start");
     let names: Vec<_> = assembly.description.bodies.iter().map(|body| body.name.as_str()).collect();
@@ -58,7 +58,7 @@ fn native(path: &Path, to: &Path) {
     fs::write(to, csv).expect("target can be written");
 }
 
-/// Packs machines and runs them in FMPy: the first in every way, the others by steps.
+/// Packs machines and runs them in FMPy: the first list in every way, the second in steps.
 fn run_in_fmpy(folder: &str, names: &[&str], stepped: &[&str]) {
     let (kit, folder) = (kit(), fmu_build::compile::target().join(folder));
     fs::create_dir_all(&folder).expect("target can be written");
@@ -107,14 +107,14 @@ fn invariant_an_archive_holds_the_machine_under_its_name() {
         assert!(
             text("documentation/index.html").contains("<code>stop.buffer.stiffness</code></td><td>N/m</td>")
         );
-        // On a narrow page the sketch keeps a width at which its names can be read: seven tenths of
-        // its own.
+        // On a narrow page the sketch keeps a width at which its names are readable: seven tenths
+        // of its full width.
         let sketch = text("documentation/index.html").split("<svg style=\"min-width:").nth(1).unwrap();
         let number =
             |text: &str| text.split(|c: char| !c.is_ascii_digit()).next().unwrap().parse::<f64>().unwrap();
         let width = number(sketch.split(" width=\"").nth(1).unwrap());
         assert!((number(sketch) - 0.7 * width).abs() < 1.0, "{}", &sketch[..200]);
-        // A picture is a PNG; terminals name variables that there are.
+        // The picture is a PNG; terminals name existing variables.
         let icon = if version == Version::Fmi2 { "model.png" } else { "terminalsAndIcons/icon.png" };
         assert!(content[icon].starts_with(b"\x89PNG"));
         if version == Version::Fmi3 {
@@ -130,7 +130,7 @@ fn invariant_an_archive_holds_the_machine_under_its_name() {
     }
 }
 
-/// What our checks ask of the 3-DOF machine alone: that no state is the derivative of another.
+/// Whether a problem concerns only the 3-DOF machine: no state may be the derivative of another.
 fn is_of_the_3_dof_machine(problem: &str) -> bool {
     problem.ends_with("is no state")
 }
@@ -163,7 +163,7 @@ fn closed_form_reference_results_are_those_of_the_file() {
     assert_eq!(lines.next().unwrap(), "time,ball.s,ball.v,floor.impacts");
     let rows: Vec<_> = lines.map(numbers).collect();
     assert_eq!((rows.len(), rows[0].as_slice()), (257, &[0.0; 4][..]));
-    // The fall, and rest on the floor from 8.58 s on.
+    // The fall, and rest on the floor after 8.58 s.
     for row in rows.iter().filter(|row| row[0] * row[0] < 2.0 / 9.81) {
         assert!((row[1] - 0.5 * 9.81 * row[0] * row[0]).abs() < 1e-9, "{row:?}");
     }
@@ -180,7 +180,7 @@ fn closed_form_reference_results_are_those_of_the_file() {
         assert!(text("fmi-ls-manifest.xml").contains(&format!("source=\"{name}\"")), "{name}");
     }
     assert!(content.contains_key("documentation/fmi-ls-ref.txt"));
-    // What roundings decide is not told: this machine's motion is chaotic.
+    // Values that rounding decides are not given: this machine's motion is chaotic.
     let blocks = file::read(&example("two_blocks")).unwrap();
     let plan = Plan::of(&blocks).unwrap();
     let rows = vibro_pack::reference::files(&plan)["default.csv"].clone();

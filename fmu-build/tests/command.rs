@@ -1,4 +1,4 @@
-//! The command itself: builds, runs and draws; and says what is wrong.
+//! The command itself: it builds, runs and draws, and reports errors.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -17,14 +17,14 @@ fn builds_runs_and_draws() {
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{errors}");
     assert!(printed.contains("bit for bit, at all 40000 communication points"), "{printed}");
-    // BASIC settles on one impact per side and period; amplitudes of its exact orbit by the
-    // independent prototype.
+    // BASIC settles on one impact per side and period; the amplitudes of its exact orbit are from
+    // an independent prototype.
     assert!(printed.contains("1.00 upper + 1.00 lower"), "{printed}");
     let simulated = printed.lines().find(|line| line.contains("simulated")).unwrap();
     let amplitudes: Vec<f64> =
         simulated.split_whitespace().rev().take(3).map(|word| word.parse().unwrap()).collect();
     for (amplitude, expected) in amplitudes.iter().rev().zip([0.3574008, 1.2801013, 0.9555490]) {
-        // Sampling 200 times a period misses a smooth maximum by up to 1.2e-4 of it.
+        // Sampling 200 times per period misses a smooth maximum by up to 1.2e-4 of it.
         assert!((amplitude / expected - 1.0).abs() < 2e-4, "{simulated}");
     }
     for name in ["exact orbit", "multiple scales"] {
@@ -57,7 +57,7 @@ fn senseless_options_are_refused() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("--periods"));
 }
 
-/// What a command writes into a folder that it is called in.
+/// Names of the files that a command writes to its working folder.
 fn written_in(folder: &Path, arguments: &[&str]) -> Vec<String> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
     let output = command.args(arguments).current_dir(folder).output().unwrap();
@@ -76,7 +76,7 @@ fn archives_go_where_the_caller_stands_or_into_the_folder_that_is_named() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("fmus")).unwrap();
     assert_eq!(written_in(folder.path(), &["--no-run", "--out", "fmus"]), ["fmus"]);
-    // The older word, and a folder that is not there yet.
+    // The older option, and a folder that does not exist yet.
     assert_eq!(written_in(folder.path(), &["--no-run", "--output", "more/"]), ["fmus", "more"]);
     for name in ["fmus", "more"] {
         assert!(both.iter().all(|fmu| folder.path().join(name).join(fmu).is_file()), "{name}");

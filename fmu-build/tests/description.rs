@@ -1,5 +1,5 @@
-//! The model descriptions: committed files up to date, valid, and every own check notices what it
-//! is there for.
+//! The model descriptions: committed files are up to date and valid, and each of our own checks
+//! detects its error.
 
 use fmi_doors::Version::{self, Fmi2, Fmi3};
 use fmu_build::check::{problems, problems_of};
@@ -20,7 +20,7 @@ fn committed_files_are_what_is_generated() {
     }
 }
 
-/// The description of an archive, of which no check complains.
+/// The description of an archive, after all checks have passed.
 fn model(archive: Archive) -> Element {
     Element::parse(&archive.description(None).unwrap()).unwrap()
 }
@@ -48,7 +48,7 @@ fn text_that_is_no_description_is_an_error() {
     }
 }
 
-/// The elements in the first of that name.
+/// The children of the first element of that name.
 fn within<'a>(of: &'a mut Element, name: &str) -> &'a mut Vec<Element> {
     &mut of.children.iter_mut().find(|child| child.name == name).unwrap().children
 }
@@ -61,7 +61,7 @@ fn variable<'a>(model: &'a mut Element, name: &str) -> &'a mut Element {
     named(within(model, "ModelVariables"), name)
 }
 
-/// Attributes of a variable; in FMI 2.0 its child has those of its type.
+/// Sets an attribute of a variable; in FMI 2.0 a child element has the attributes of its type.
 fn set(model: &mut Element, name: &str, attribute: &str, value: &str) {
     let variable = variable(model, name);
     let place = match variable.children.first_mut() {
@@ -71,7 +71,7 @@ fn set(model: &mut Element, name: &str, attribute: &str, value: &str) {
     place.attributes.insert(attribute.into(), value.into());
 }
 
-/// The value reference of a variable in this description: it may change with every row of the
+/// The value reference of a variable in this description, which may change with every row of the
 /// table.
 fn reference(model: &mut Element, name: &str) -> String {
     variable(model, name).attribute("valueReference").unwrap().to_owned()
@@ -81,7 +81,7 @@ fn put(element: &mut Element, attribute: &str, value: &str) {
     element.attributes.insert(attribute.into(), value.into());
 }
 
-/// The first element of a list, or of those in a list, that has an attribute with a value.
+/// The first element of a list, or of its elements' children, that has an attribute with a value.
 fn with<'a>(list: &'a mut [Element], attribute: &str, is: impl Fn(&str) -> bool) -> &'a mut Element {
     list.iter_mut().find(|element| element.attribute(attribute).is_some_and(&is)).unwrap()
 }
@@ -90,14 +90,14 @@ fn structure<'a>(model: &'a mut Element, list: &str) -> &'a mut Vec<Element> {
     within(model.children.iter_mut().find(|child| child.name == "ModelStructure").unwrap(), list)
 }
 
-/// The rows of one list in the structure of FMI 3.0.
+/// A row of a list in the structure of FMI 3.0.
 fn row<'a>(model: &'a mut Element, list: &str, place: usize) -> &'a mut Element {
     within(model, "ModelStructure").iter_mut().filter(|row| row.name == list).nth(place).unwrap()
 }
 
 type Damage = fn(&mut Element);
 
-/// What each check must notice, and a word of its message.
+/// Damages that each check must detect, each with a word of its message.
 const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi2, "fmiVersion", |m| put(m, "fmiVersion", "3.0")),
     (Fmi2, "guid is empty", |m| put(m, "guid", "")),
@@ -238,7 +238,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     }),
     (Fmi3, "dependencies of", |m| drop(row(m, "Output", 2).attributes.remove("dependencies"))),
     (Fmi3, "InitialUnknown: dependencies of", |m| {
-        // A factor that is fixed is known only after initialization.
+        // A fixed factor is known only after initialization.
         let ratio = reference(m, "groups.epsilon");
         let mut rows = within(m, "ModelStructure").iter_mut().filter(|row| row.name == "InitialUnknown");
         let row = rows.find(|row| row.attribute("valueReference") == Some(&*ratio)).unwrap();
@@ -260,8 +260,8 @@ fn every_check_notices_its_damage() {
     }
 }
 
-/// The order of ContinuousStateDerivative (FMI 3.0.2, 2.4.8) is that of the states in
-/// `fmi3GetContinuousStates`, and the indicators' that of `fmi3GetEventIndicators`.
+/// The order of ContinuousStateDerivative (FMI 3.0.2, 2.4.8) is the order of the states in
+/// `fmi3GetContinuousStates`; indicators have the order of `fmi3GetEventIndicators`.
 #[test]
 fn states_and_indicators_are_listed_in_the_order_of_their_functions() {
     let model = model(Archive::Fmi3);
@@ -278,8 +278,8 @@ fn states_and_indicators_are_listed_in_the_order_of_their_functions() {
     assert_eq!(indicators, INDICATORS);
 }
 
-/// What the main description has not, and another one has: several importers take every local
-/// variable for a scalar, and break on clocks.
+/// Features that only other descriptions have, not the main one: several importers treat every
+/// local variable as a scalar, and fail on clocks.
 #[test]
 fn arrays_and_the_clock_are_in_descriptions_of_their_own() {
     let models = [Archive::Fmi3, Archive::Arrays, Archive::Clocked].map(model);
@@ -304,8 +304,8 @@ fn arrays_and_the_clock_are_in_descriptions_of_their_own() {
     assert!(!has_side(&models[0]) && has_side(&models[2]));
 }
 
-/// Three bodies with displacement, velocity, acceleration and force, all of them variables that can
-/// be connected.
+/// Three bodies with displacement, velocity, acceleration and force, all of which can be
+/// connected.
 #[test]
 fn every_member_of_a_terminal_exists() {
     let xml = terminals::xml();
@@ -316,10 +316,10 @@ fn every_member_of_a_terminal_exists() {
     assert_eq!(xml.matches("<TerminalMemberVariable").count(), 12);
 }
 
-/// Against what cargo itself says of the library's dependencies, and no crate without its text.
+/// Compared with cargo's list of the library's dependencies; no crate without its text.
 #[test]
 fn licences_of_what_is_linked_are_packed() {
-    // Its package holds no text; it is pulp's, by the same author under the same licence.
+    // Its package contains no text; the text is pulp's, by the same author under the same licence.
     const WITHOUT_TEXT: [&str; 1] = ["pulp-wasm-simd-flag"];
     let content = licences::texts(false).unwrap();
     let list = String::from_utf8(content[licences::LIST].clone()).unwrap();
@@ -336,11 +336,11 @@ fn licences_of_what_is_linked_are_packed() {
         let has_text = content.keys().any(|path| path.starts_with(&folder));
         assert_eq!(has_text, !WITHOUT_TEXT.contains(&name), "{name}");
     }
-    // Runs while compiling only.
+    // Used only at compile time.
     assert!(!content.keys().any(|name| name.contains("syn-")));
     assert!(list.contains("The Rust standard library"));
-    // No text of the GPL without the exception that makes it the licence of linked code, in the
-    // same file and before it.
+    // No text of the GPL without the exception that applies to linked code, in the same file and
+    // before the text.
     for (name, text) in &content {
         let text = String::from_utf8_lossy(text);
         if let Some(gpl) = text.find("GNU GENERAL PUBLIC LICENSE") {

@@ -1,5 +1,5 @@
-//! Runs `tests/examples/`: the scripts of `examples/`, with what they draw, distribute and are
-//! checked with.
+//! Runs `tests/examples/`: the scripts of `examples/`, with their requirements for drawing, for
+//! distributing and for type checks.
 
 mod common;
 
@@ -9,8 +9,8 @@ use std::sync::OnceLock;
 use vibro_orbits::paper::{Orbit, OrbitWord, System};
 use vibro_studies::paper::ParameterSet;
 
-/// A folder with what `vibro paper orbit --word U- --set f10=2.3` writes: the symmetric motion past
-/// its loss of stability.
+/// A folder with the output of `vibro paper orbit --word U- --set f10=2.3`: the symmetric motion
+/// beyond its loss of stability.
 fn orbit() -> PathBuf {
     let mut set = ParameterSet::basic();
     set.apply(&["f10=2.3"]).expect("an allowed value");
@@ -42,7 +42,7 @@ fn the_scripts_do_what_they_say() {
     println!("{}", common::python::run("pytest tests/examples", &mut pytest));
 }
 
-/// Of the package in the work tree and of its native part.
+/// For the package in the work tree and its native part.
 #[test]
 #[ignore = "builds and installs the wheel, dask, pyarrow and mypy: cargo test --test examples -- --ignored"]
 fn types_are_strict_and_those_of_the_native_part_true() {

@@ -1,4 +1,4 @@
-//! Drives the packaged FMU from Python: builds it, writes native trajectories to compare with, runs
+//! Drives the packaged FMU from Python: builds it, writes native trajectories for comparison, runs
 //! `tests/fmpy/`.
 
 mod common;
@@ -12,17 +12,17 @@ use vibro_impact::{Groups, Parameters, Simulator, State};
 /// Drive periods of the comparison.
 const PERIODS: f64 = 200.0;
 
-/// Communication steps in drive periods, as file names have them.
+/// Communication steps in drive periods, with their names in file names.
 const STEPS: [(&str, f64); 3] = [("tenth", 1.0 / 10.0), ("odd", 1.0 / 7.3), ("long", 13.0)];
 
 /// Communication step (s) and end (s) of the run in libcosim, which counts in whole nanoseconds.
 const LIBCOSIM: (f64, f64) = (0.5, 600.0);
 
-/// Writes the native states at the communication points of one step size as CSV, numbers with all
-/// their digits.
+/// Writes the native states at the communication points of one step size as CSV, with full
+/// precision.
 fn native_trajectory(file: &Path, step: f64, end: f64) {
     let parameters = Parameters::default();
-    // Steps before the last; the end may be a whole number of steps but for rounding.
+    // Number of steps; the end may be a whole number of steps up to rounding.
     let count = (end / step - 1e-9).ceil() as u32;
     let mut simulator =
         Simulator::new(&parameters, &State::default(), 0.0).expect("the default set is valid");
@@ -37,7 +37,7 @@ fn native_trajectory(file: &Path, step: f64, end: f64) {
     fs::write(file, csv).expect("target can be written");
 }
 
-/// Writes a period of the library's closed forms in SI units, from the drive phase zero at time
+/// Writes a period of a closed form of the library in SI units, from drive phase zero at time
 /// zero.
 fn closed_form(file: &Path, state: impl Fn(f64) -> State) {
     let parameters = Parameters::default();

@@ -1,5 +1,5 @@
-//! The Python blocks of docs/paper-machine.md and docs/design-a-damper.md run beside the packaged
-//! FMU, and find what the library and closed forms say.
+//! The Python blocks of docs/paper-machine.md and docs/design-a-damper.md run with the packaged
+//! FMU, and agree with the library and closed forms.
 
 mod common;
 
@@ -9,10 +9,10 @@ use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::Pause;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// Rounding, m: FMU and library compute by one code; only the ends of steps differ by rounding.
+/// Rounding, m: FMU and library use the same code; only the ends of steps differ by rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Runs the blocks of a page one after the other in one interpreter, each with names of its own.
+/// Runs the blocks of a page in order in one interpreter, each with separate names.
 const DRIVER: &str = "import sys
 for name in sys.argv[1:]:
     with open(name, encoding='utf-8') as file:
@@ -20,8 +20,8 @@ for name in sys.argv[1:]:
     print('---')
 ";
 
-/// What the Python blocks of a page print, block by block, in a folder with the page's files and
-/// the FMU.
+/// The output of a page's Python blocks, block by block, in a folder with the page's files and the
+/// FMU.
 fn printed(page: &str) -> Vec<String> {
     let folder: PathBuf = Path::new(env!("CARGO_TARGET_TMPDIR")).join(page);
     fs::create_dir_all(folder.join("target")).expect("target can be written");
@@ -60,7 +60,7 @@ fn closed_form_of_the_recipes() {
     };
     // The amplitude in mm and the largest difference from the formula in m.
     assert!(numbers(alone)[1] < ROUNDING && alone.contains("amplitude 37.761 mm"), "{alone}");
-    // The record: exactly what the library finds for the same interpolant.
+    // The record: equal to the library's result for the same interpolant.
     let p = Parameters {
         box_mass: 12.0,
         box_stiffness: 48e3,
@@ -79,7 +79,7 @@ fn closed_form_of_the_recipes() {
     let [_, x1, x2] = numbers(record)[..] else { panic!("{record}") };
     let State { x, .. } = simulator.state();
     assert!((x1 - x[0]).abs() < ROUNDING && (x2 - x[1]).abs() < ROUNDING, "{record} {x:?}");
-    // Each line tells a number twice: by the FMU and by hand.
+    // Each line gives a number twice: by the FMU and by hand.
     for line in tilted.lines() {
         let [found, by_hand] = numbers(line)[..] else { panic!("{line}") };
         assert_eq!(found, by_hand, "{line}");
@@ -107,6 +107,6 @@ fn second_method_the_tutorials_fmu_is_the_exact_orbit() {
         ..Parameters::default()
     };
     let orbit = vibro_impact::steady::exact_orbit::solve(&p).unwrap().upper.expect("an orbit");
-    // Told to a tenth of a millimetre, from samples a hundredth of a period apart.
+    // Stated to a tenth of a millimetre, from samples a hundredth of a period apart.
     assert!(orbit.is_stable() && (1e3 * orbit.amplitudes()[0] - with).abs() < 0.06, "{said}");
 }

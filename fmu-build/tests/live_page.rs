@@ -1,6 +1,6 @@
-//! `fmu-build --explorer` from end to end: the archives, unpacked, and the live page in them as
-//! Chromium plays it. Asked for, since it compiles the core for wasm32-unknown-unknown and needs
-//! node with npm, and Chromium; what is missing is said.
+//! `fmu-build --explorer` from end to end: the archives, unpacked, and the live page in them in
+//! Chromium. Runs only on request, because it compiles the core for wasm32-unknown-unknown and
+//! requires node with npm, and Chromium; missing tools are named.
 
 use fmu_build::version::Version;
 use fmu_build::{compile, explorer};
@@ -34,7 +34,7 @@ fn chromium_plays_the_live_page_of_an_unpacked_archive() {
         let index = fs::read_to_string(unpacked.join("documentation/index.html")).unwrap();
         assert_eq!(index.matches("<a href=\"explorer.html\">").count(), 1);
         assert!(!index.contains("<script"));
-        // Opened as a file: it loads nothing, says what its motion is, moves, and has no error.
+        // Opened as a file: it loads nothing, describes its motion, moves, and has no error.
         let mut node = Command::new("node");
         node.arg(compile::workspace().join("web/explorer/page/test/page.mjs"));
         node.arg(compile::target().join("explorer/npm")).arg(unpacked.join(explorer::PATH));
@@ -45,8 +45,8 @@ fn chromium_plays_the_live_page_of_an_unpacked_archive() {
     }
 }
 
-/// Where node does not run, the archives are complete without the page, and the message says what
-/// to install.
+/// If node does not run, the archives are complete except for the page, and the message names the
+/// tool to install.
 #[cfg(unix)]
 #[test]
 #[ignore = "compiles the tool that makes the page"]

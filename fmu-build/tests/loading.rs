@@ -1,5 +1,5 @@
-//! Hosts load and unload the library many times: its memory comes back, and it is not pinned by
-//! what it leaves behind.
+//! Hosts load and unload the library many times: its memory is released, and nothing that it
+//! leaves behind keeps it loaded.
 #![cfg(target_os = "linux")] // looks into /proc
 #![allow(unsafe_code)] // calls one function by name
 
@@ -12,18 +12,18 @@ use std::process::Command;
 use vibro_paper_component::component::variables::reference;
 use vibro_paper_component::fmi2::description;
 
-/// Measured cycles, after warm-up cycles in which the allocator grows.
+/// Measured cycles, after warm-up cycles for the allocator's growth.
 const CYCLES: u32 = 200;
 const WARM_UP: u32 = 20;
 
-/// Pages that a long-lived process may still take on its own; std's hook with backtraces takes tens
-/// of MB, a leaked instance 200 times 2 KiB.
+/// Memory that a long-lived process may still take for itself, bytes; std's hook with backtraces
+/// takes tens of MB, a leaked instance 200 times 2 KiB.
 const GROWTH: u64 = 256 << 10;
 
-/// Names the library to the process that loads it, and what to do with it.
+/// Variable that gives the child process the library to load and the action.
 const LIBRARY: &str = "VIBRO_IMPACT_LOADING";
 const PANIC: &str = "VIBRO_IMPACT_PANIC";
-/// Its token and the reference of the time, parted by a blank.
+/// Variable with the component's token and the reference of its time, separated by a blank.
 const COMPONENT: &str = "VIBRO_IMPACT_COMPONENT";
 
 /// Resident memory of this process in bytes.
@@ -38,7 +38,7 @@ fn is_mapped(library: &Path) -> bool {
     std::fs::read_to_string("/proc/self/maps").unwrap().contains(name)
 }
 
-/// Loads, instantiates, steps, makes an error, frees, unloads.
+/// Loads, instantiates, steps, causes an error, frees, unloads.
 fn simulate(library: &Path) {
     let component = std::env::var(COMPONENT).unwrap();
     let (token, time) = component.split_once(' ').unwrap();
@@ -61,7 +61,7 @@ fn panic(library: &Path) {
     }
 }
 
-/// Runs in a process of its own, started by the two tests below.
+/// Runs in a separate process, started by the two tests below.
 #[test]
 fn cycles() {
     let Some(library) = std::env::var_os(LIBRARY).map(PathBuf::from) else { return };
@@ -79,8 +79,8 @@ fn cycles() {
     println!("{growth} bytes more after {CYCLES} cycles");
 }
 
-/// Loads it over and over with a component's token and the reference of its time; without one, it
-/// panics.
+/// Loads the library repeatedly with a component's token and the reference of its time; without a
+/// component, it panics.
 fn in_its_own_process(library: &Path, component: Option<(&str, u32)>) {
     let mut child = Command::new(std::env::current_exe().unwrap());
     child.args(["--exact", "cycles", "--nocapture"]).env(LIBRARY, library).env("RUST_BACKTRACE", "1");
@@ -91,7 +91,7 @@ fn in_its_own_process(library: &Path, component: Option<(&str, u32)>) {
     let output = child.output().unwrap();
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success() && out.contains("cycles"), "{out}{err}");
-    // FMUs print nothing, not even when they panic and the host wants backtraces.
+    // FMUs print nothing, even if they panic and the host wants backtraces.
     assert_eq!(err, "");
 }
 
@@ -114,7 +114,7 @@ fn nor_do_two_hundred_with_a_panic() {
     in_its_own_process(&panicking(), None);
 }
 
-/// The library of `tests/panicking/`, which cargo compiled for this test and which lies beside it.
+/// The library of `tests/panicking/`, which cargo compiled for this test, next to the test.
 fn panicking() -> PathBuf {
     std::env::current_exe().unwrap().with_file_name("libpanicking.so")
 }

@@ -1,5 +1,5 @@
-//! Who takes `vibro-impact` alone gets the machine and nothing of FMI: its dependencies are those
-//! of the plan, and a program linked against it has no symbol of a door.
+//! `vibro-impact` alone contains the machine and nothing of FMI: it has only the planned
+//! dependencies, and a program linked against it has no symbol of a door.
 
 use fmu_build::compile::workspace;
 use object::{Object, ObjectSymbol};
@@ -9,8 +9,8 @@ use std::process::Command;
 
 /// All dependencies that `vibro-impact` may have.
 const DEPENDENCIES: [&str; 5] = ["nalgebra", "pulp", "serde", "thiserror", "vibro-numerics"];
-/// What it must never need: C types, threads, command lines, pictures, and the packages that stand
-/// on it.
+/// Forbidden dependencies: C types, threads, command lines, pictures, and packages that depend on
+/// `vibro-impact`.
 const NEVER: [&str; 7] =
     ["libc", "rayon", "clap", "tiny-skia", "postcard", "vibro-studies", "vibro-paper-component"];
 
@@ -39,7 +39,7 @@ fn the_papers_model_has_four_dependencies_and_the_numerics() {
     }
 }
 
-/// The compiled example, by the messages of the cargo that compiles it.
+/// The compiled example, found through the messages of cargo.
 fn example(name: &str) -> PathBuf {
     let target = fmu_build::compile::target().join("machine-alone");
     let folder = target.to_string_lossy();
@@ -55,7 +55,7 @@ fn a_program_with_the_machine_has_no_symbol_of_fmi() {
     let binary = object::File::parse(&*bytes).unwrap();
     let names: Vec<&str> =
         binary.symbols().chain(binary.dynamic_symbols()).filter_map(|s| s.name().ok()).collect();
-    // The test can fail: symbols of the machine are in the program.
+    // Proof that the test can fail: symbols of the machine are in the program.
     assert!(names.iter().any(|name| name.contains("vibro_impact")), "{} symbols", names.len());
     let foreign: Vec<_> =
         names.iter().filter(|name| name.contains("fmi2") || name.contains("vibro_paper_component")).collect();

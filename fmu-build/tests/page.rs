@@ -1,5 +1,5 @@
-//! The documentation page: complete, self-contained, well-formed; and, where asked for, as Chromium
-//! shows it.
+//! The documentation page: complete, self-contained, well-formed; and, on request, as displayed by
+//! Chromium.
 
 use fmu_build::page;
 use quick_xml::events::Event;
@@ -36,7 +36,7 @@ fn every_variable_has_name_unit_range_and_meaning() {
     }
 }
 
-/// A new variable stands at the end of the table and yet under its own heading.
+/// A new variable is at the end of the table and still under its own heading.
 #[test]
 fn every_variable_stands_under_its_heading() {
     let page = page();
@@ -67,8 +67,8 @@ fn the_recipes_are_those_of_the_documentation() {
     }
 }
 
-/// Element by element: every tag closed, no address to load anything from, no script, every inner
-/// link leading somewhere.
+/// Element by element: every tag is closed, no address loads anything, there is no script, and
+/// every internal link has a target.
 #[test]
 fn the_page_needs_nothing_from_outside() {
     let page = page();
@@ -90,7 +90,7 @@ fn the_page_needs_nothing_from_outside() {
             let value = attribute.value.as_ref();
             match key {
                 "id" => assert!(ids.insert(value.to_owned()), "{value} twice"),
-                // The one file beside it, which is packed with it.
+                // The only file next to it, which is packed with it.
                 "href" if value == "fmi-ls-ref.txt" => {}
                 "href" => drop(links.insert(value.strip_prefix('#').expect("within the page").to_owned())),
                 "src" | "xlink:href" | "data" | "srcset" => panic!("{key}={value}"),
@@ -98,7 +98,7 @@ fn the_page_needs_nothing_from_outside() {
             }
         }
     }
-    // What is named by an address is in the page.
+    // Anything referred to by an address is in the page.
     let addresses = page.split("url(").skip(1).map(|rest| rest.split(')').next().unwrap_or_default());
     links.extend(addresses.map(|a| a.strip_prefix('#').expect("within the page").to_owned()));
     assert!(!page.contains("@import"));
@@ -117,7 +117,7 @@ fn the_live_page_is_linked_where_it_is_packed_and_nothing_else_changes() {
     assert!(!with.contains("<script"));
 }
 
-/// Where Chromium is, by `CHROMIUM` or on the path.
+/// Path of Chromium, from `CHROMIUM` or the path.
 fn chromium() -> PathBuf {
     let named = std::env::var_os("CHROMIUM").map(PathBuf::from);
     let usual = ["chromium", "chromium-browser", "google-chrome"].map(PathBuf::from);
@@ -148,7 +148,7 @@ fn browse(arguments: &[&str], page: &Path, profile: &Path) -> (String, String) {
     (text(&output.stdout), text(&output.stderr))
 }
 
-/// Looks at the page from inside and leaves what it finds in an attribute of the document.
+/// Inspects the page from inside and stores the findings in an attribute of the document.
 const PROBE: &str = r#"<script>
 const errors = [];
 addEventListener("error", (e) => errors.push(e.message || ("cannot load " + e.target.outerHTML)), true);
@@ -189,7 +189,7 @@ addEventListener("load", () => {
 fn chromium_shows_the_page_without_errors_or_missing_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let (file, profile) = (folder.path().join("index.html"), folder.path().join("profile"));
-    // Headless Chromium's narrowest window is of 500 pixels.
+    // Headless Chromium's narrowest window is 500 pixels wide.
     for (width, scheme) in [(1280, "light"), (1280, "dark"), (700, "light"), (500, "light"), (500, "dark")] {
         std::fs::write(&file, page().replacen("</title>", &format!("</title>{PROBE}"), 1)).unwrap();
         let size = format!("--window-size={width},900");
@@ -201,7 +201,7 @@ fn chromium_shows_the_page_without_errors_or_missing_pictures() {
         let complaints: Vec<&str> = log.lines().filter(|line| line.contains(":CONSOLE")).collect();
         assert!(complaints.is_empty(), "{complaints:?}");
     }
-    // To be looked at.
+    // Kept for inspection by a person.
     std::fs::write(&file, page()).unwrap();
     let picture = fmu_build::compile::target().join("documentation.png");
     let target = format!("--screenshot={}", picture.display());
@@ -210,7 +210,7 @@ fn chromium_shows_the_page_without_errors_or_missing_pictures() {
     assert!(std::fs::metadata(&picture).unwrap().len() > 100_000);
 }
 
-/// The probe itself: it tells of a picture that is not there.
+/// A test of the probe: it reports a missing picture.
 #[test]
 #[ignore = "needs Chromium (Debian: apt install chromium)"]
 fn chromium_tells_of_a_missing_picture() {
@@ -263,14 +263,14 @@ addEventListener("load", async () => {
 });
 </script>"#;
 
-/// Every datum of two diagrams of the gallery is drawn at widths from a phone's on: one with bars
-/// of one pixel at the native width, one with thousands of cells.
+/// Every datum of two diagrams of the gallery is drawn at widths from a phone's up: one diagram
+/// has bars of one pixel at the native width, the other thousands of cells.
 #[test]
 #[ignore = "needs Chromium (Debian: apt install chromium)"]
 fn chromium_draws_every_datum_of_a_diagram_at_any_width() {
     /// Widths in pixels: of a phone, of a text column, and the pictures' own.
     const WIDTHS: [u32; 5] = [300, 500, 700, 830, 988];
-    /// Numbers of rectangles in the two pictures, at least.
+    /// Minimum numbers of rectangles in the two pictures.
     const LEAST: [usize; 2] = [60, 200];
     let gallery = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/gallery");
     let read = |name: &str| std::fs::read_to_string(gallery.join(name)).unwrap();

@@ -1,6 +1,6 @@
-//! The archive of all platforms. Building it takes minutes and tools that not everybody has, so
-//! this is asked for: `cargo test -p fmu-build --test platforms -- --ignored --nocapture`. What
-//! cannot be done here is printed.
+//! The archive of all platforms. Building it takes minutes and uncommon tools, so it runs only on
+//! request: `cargo test -p fmu-build --test platforms -- --ignored --nocapture`. Checks that
+//! cannot be done here are printed.
 
 mod common;
 
@@ -17,8 +17,8 @@ use vibro_paper_component::fmi3::description as fmi3;
 
 const NAMES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
-/// The default motion is stable: other roundings (another libm's sine, fused operations) are not
-/// amplified.
+/// The default motion is stable: different roundings (another libm's sine, fused operations) are
+/// not amplified.
 const SAME: f64 = 1e-10;
 
 const PERIODS: u32 = 50;
@@ -71,7 +71,7 @@ fn check_binary(platform: &Platform, bytes: &[u8]) {
         assert_eq!(inspect::kind(slice), Ok(inspect::kind_of_target(target)), "{folder}");
         let mut exported = inspect::exports(slice).unwrap();
         if platform.place.ending == ".dylib" {
-            // zig's linker takes no list of exports: two names of Rust's run time stay.
+            // zig's linker ignores the list of exports: two names of Rust's runtime remain.
             exported.retain(|name| !RUN_TIME.iter().any(|part| name.contains(part)));
         }
         assert_eq!(exported, common::functions(), "{folder}");
@@ -82,7 +82,7 @@ fn check_binary(platform: &Platform, bytes: &[u8]) {
     }
 }
 
-/// Of Rust, and of every Mach-O library.
+/// Symbols of Rust, and of every Mach-O library.
 const RUN_TIME: [&str; 4] = ["rust_eh_personality", "std9panicking", "dso_handle", "mh_dylib_header"];
 
 type Path6 = Vec<[f64; 6]>;
@@ -106,8 +106,8 @@ fn difference(a: &Path6, b: &Path6) -> f64 {
     a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Compiles tests/host.c for the platform, runs it with the library and reads what it prints. By
-/// FMI 3.0 it stops at every event.
+/// Compiles tests/host.c for the platform, runs it with the library and reads its output. With FMI
+/// 3.0 it stops at every event.
 fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, String> {
     let (runner, target): (&[&str], &str) = match platform.place.folder {
         folder if folder == PLATFORM && cfg!(target_arch = "x86_64") => (&[], platform.targets[0]),
@@ -157,11 +157,11 @@ fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, S
     let (printed, errors) =
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     if !output.status.success() && errors.contains("No such file or directory") {
-        // An emulator without that processor's C library.
+        // An emulator without the C library of that processor.
         return Err(format!("{} (Debian: apt install libc6-arm64-cross libc6-i386-cross)", errors.trim()));
     }
     if platform.place.folder == "win32" && printed.is_empty() && output.status.success() {
-        // Wine without its 32-bit part starts nothing and says nothing.
+        // Wine without its 32-bit part starts nothing and prints nothing.
         return Err(
             "Wine runs no 32-bit programs (Debian: dpkg --add-architecture i386, apt install wine32)".into(),
         );
@@ -174,7 +174,7 @@ fn run(platform: &Platform, library: &Path, version: Version) -> Result<Path6, S
     Ok(printed.lines().map(row).collect())
 }
 
-/// Where Debian's packages put another processor's C library.
+/// Debian's folder for another processor's C library.
 fn libraries(platform: &Platform) -> Option<&'static str> {
     let folder = match platform.place.folder {
         "aarch64-linux" => "/usr/aarch64-linux-gnu",

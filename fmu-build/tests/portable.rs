@@ -1,5 +1,5 @@
-//! The library that is handed on: two builds in two folders give the same bytes, which name neither
-//! and need the C library alone.
+//! The portable library: two builds in two folders give the same bytes, which contain neither
+//! path, and require only the C library.
 
 mod common;
 
@@ -11,12 +11,12 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// What stands in a work tree and is no source of it.
+/// Generated folders in a work tree, which are not source.
 const MADE: [&str; 4] = ["target", "dist", "vibro-out", "__pycache__"];
 
-/// Copies what differs, so that a second run of this test finds everything compiled. Cargo wants to
-/// see every package of the workspace, so all of it is copied, but for what was made there and for
-/// hidden folders.
+/// Copies changed files, so that a second run of this test finds everything compiled. Cargo
+/// requires every package of the workspace, so everything is copied except generated and hidden
+/// folders.
 fn copy(from: &Path, to: &Path) {
     if from.is_dir() {
         fs::create_dir_all(to).unwrap();
@@ -36,8 +36,8 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The second folder is elsewhere and its path has another length; everything in it is compiled
-/// anew, dependencies too.
+/// The second folder has a path of different length; everything in it is compiled again, including
+/// dependencies.
 #[test]
 #[ignore = "compiles the library twice: cargo test -p fmu-build --test portable -- --ignored"]
 fn another_folder_gives_the_same_bytes() {
@@ -51,7 +51,7 @@ fn another_folder_gives_the_same_bytes() {
     assert!(here == there, "{} and {} bytes, first difference at {differ:?}", here.len(), there.len());
 
     assert_eq!(inspect::exports(&here).unwrap(), common::functions());
-    // No libgcc_s, say, which a host's machine may lack.
+    // For example, no libgcc_s, which a host's computer may lack.
     let needs = inspect::needs(&here).unwrap();
     assert!(!needs.is_empty(), "even sin() comes from somewhere");
     let foreign: Vec<&String> = needs.iter().filter(|name| !inspect::is_system(name)).collect();
@@ -63,7 +63,7 @@ fn another_folder_gives_the_same_bytes() {
     }
 }
 
-/// The archive of the option that the packager has for it, which is also run.
+/// The archive of the corresponding option of the packager, which is also run.
 #[test]
 #[ignore = "compiles the library: cargo test -p fmu-build --test portable -- --ignored"]
 fn the_portable_library_is_what_is_packed() {

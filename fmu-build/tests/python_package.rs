@@ -1,5 +1,5 @@
-//! The Python package: puts it into a virtual environment, writes what the library finds to compare
-//! with, runs `tests/python/`.
+//! The Python package: installs it into a virtual environment, writes results of the library for
+//! comparison, runs `tests/python/`.
 
 mod common;
 
@@ -37,7 +37,7 @@ fn set(values: &[(&str, f64)]) -> ParameterSet {
     set
 }
 
-/// A motion at `per_period` instants a period, with its events and energy accounts.
+/// A motion at `per_period` times per period, with its events and energy accounts.
 fn motion(p: &Parameters, loads: &[Load], periods: u32, per_period: u32) -> Value {
     let mut simulator = Simulator::new(p, &moving_block(p), 0.0).expect("valid");
     let (mut t, mut states, mut energy) = (Vec::new(), Vec::new(), Vec::new());
@@ -62,7 +62,7 @@ fn motion(p: &Parameters, loads: &[Load], periods: u32, per_period: u32) -> Valu
     json!({"t": t, "states": states, "energy": energy, "impacts": impacts, "rests": rests, "releases": releases})
 }
 
-/// Loads on box and block that overlap, one of each interpolation.
+/// Overlapping loads on box and block, one with each interpolation.
 fn loads() -> [Load; 2] {
     let push = [(1.0, 0.0), (2.0, 0.5), (4.5, -0.25), (9.0, 0.0)];
     let pull = [(3.0, 0.1), (5.0, -0.2), (6.0, 0.05)];
@@ -114,18 +114,18 @@ fn exponents() -> Value {
     json!(spectrum(&mut simulator, &options).expect("it runs").exponents)
 }
 
-/// Machines of files of which motion, sketch and archives are compared, and how long each is
-/// followed, s.
+/// Machine files whose motions, sketches and archives are compared, and the duration of each
+/// motion, s.
 const ASSEMBLIES: [(&str, f64); 4] = [
     ("damper_with_buffer", 0.5),
     ("gear_backlash", 0.1),
     ("msl_coupled_clutches", 1.5),
     ("valve_train", 0.045),
 ];
-/// Samples of their motions.
+/// Number of samples of the motions.
 const SAMPLES: usize = 50;
 
-/// What `vibro run FILE` and `vibro draw FILE` and `fmu-build assembly` write of a machine.
+/// The output of `vibro run FILE`, `vibro draw FILE` and `fmu-build assembly` for a machine.
 fn assembly(name: &str, until: f64) -> Value {
     let file = common::python::root().join("examples/assembly").join(name).with_extension("toml");
     let machine = vibro_machine::file::read(&file).expect("an example");
@@ -145,7 +145,7 @@ fn assemblies() -> Value {
     ASSEMBLIES.into_iter().map(|(name, until)| (name.to_owned(), assembly(name, until))).collect()
 }
 
-/// What the library finds, for the tests in Python to compare with bit for bit.
+/// Results of the library, with which the Python tests compare bit for bit.
 fn native() -> Value {
     let standard = set(&[("f10", 1.5), ("kappa", 0.75)]);
     let resting = set(&[("kappa", 0.1), ("f10", 4.5)]);

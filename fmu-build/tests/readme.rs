@@ -1,5 +1,5 @@
-//! Every code block of README.md and of the pages in docs/ works: Python blocks are run, shell
-//! commands are known to be tested.
+//! Every code block of README.md and of the pages in docs/ works: Python blocks are run, and each
+//! shell command is known to be tested.
 
 mod common;
 
@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Pages of docs/ of which another test runs the blocks and the commands of an installed `vibro`,
-/// and that test.
+/// Pages of docs/ whose blocks and commands of an installed `vibro` another test runs, and that
+/// test.
 const RUN_ELSEWHERE: [(&str, &str); 8] = [
     ("paper-machine.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
@@ -24,10 +24,10 @@ const RUN_ELSEWHERE: [(&str, &str); 8] = [
 /// Pages outside docs/ that show commands.
 const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "web/explorer/README.md"];
 
-/// What stands below this heading of tests/README.md is run by hand, with what it found.
+/// The commands below this heading of tests/README.md are run by hand, and their results recorded.
 const BY_HAND: &str = "\n## Memory and random input, by hand";
 
-/// Shell commands and what runs them.
+/// Shell commands and the tests that run them.
 const COVERED: [(&str, &str); 13] = [
     ("python3 docs/site/build.py", "fmu-build/tests/site.rs, run by .ci/run"),
     ("pip install ./python", "fmu-build/tests/examples.rs does the same by way of a wheel"),
@@ -61,7 +61,7 @@ const TARGETS: &str = "rustup target add x86_64-pc-windows-gnu i686-pc-windows-g
 #[test]
 fn the_targets_named_are_those_of_the_platforms() {
     let named: BTreeSet<&str> = TARGETS.split_whitespace().skip(3).collect();
-    // That of the computer the page is written for comes with the toolchain.
+    // The target of the computer for which the page is written comes with the toolchain.
     let needed = fmu_build::platforms::PLATFORMS.iter().flat_map(|p| p.targets).copied();
     assert_eq!(named, needed.filter(|target| *target != "x86_64-unknown-linux-gnu").collect());
 }
@@ -107,7 +107,7 @@ fn packages() -> Vec<(String, PathBuf)> {
     children.chain([root.to_owned()]).filter_map(named).collect()
 }
 
-/// The file of a test: as the package's manifest has it, else by its name.
+/// The file of a test: from the package's manifest, or else by its name.
 fn file_of(test: &str, folder: &Path) -> PathBuf {
     let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap_or_default();
     let named = manifest.split_once(&format!("[[test]]\nname = \"{test}\"\npath = \""));
@@ -116,8 +116,8 @@ fn file_of(test: &str, folder: &Path) -> PathBuf {
     folder.join(path.unwrap_or_else(|| format!("{usual}/{test}.rs")))
 }
 
-/// What is wrong with a call of `cargo test`: a package or a test that is not there, or `--ignored`
-/// for a test without such cases.
+/// Errors in a call of `cargo test`: a missing package or test, or `--ignored` for a test without
+/// such cases.
 fn wrong_in(call: &str) -> Option<String> {
     let words: Vec<&str> = call.split_whitespace().collect();
     let after =
@@ -163,14 +163,14 @@ fn check_commands(page: &str, block: &str) {
     let example_tests = read("tests/examples/test_scripts.py") + &read("tests/examples/test_dask_sweep.py");
     let block = block.replace("\\\n", " ");
     for line in block.lines().map(|line| line.split('#').next().unwrap_or("").trim()) {
-        // What is installed is what the tests have installed.
+        // The tests install the same requirements.
         let installed = line.strip_prefix("pip install ").is_some_and(|list| {
             list.split_whitespace().all(|name| requirements.contains(&format!("\n{name}==")))
         });
-        // Run by crates/command-line/tests/readme.rs, whose program it is.
+        // Run by crates/command-line/tests/readme.rs, which has the program.
         let of_vibro = (page == "README.md" || page.starts_with("docs/"))
             && line.starts_with("cargo run --release -p vibro -- ");
-        // Run by tests/examples, which has what they need.
+        // Run by tests/examples, which has the requirements.
         let script = line.strip_prefix("python examples/").and_then(|rest| rest.split(' ').next());
         let script = script.is_some_and(|script| example_tests.contains(&format!("\"{script}\"")));
         if line.starts_with("vibro ") && is_run_elsewhere(page) {

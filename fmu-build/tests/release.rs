@@ -1,5 +1,5 @@
-//! The release command: what disagrees is refused, in the sources and in what was built; the notes;
-//! and, asked for, the whole (`cargo test -p fmu-build --test release -- --ignored --nocapture`).
+//! The release command: it refuses disagreements in sources and build results; the notes; and, on
+//! request, the whole (`cargo test -p fmu-build --test release -- --ignored --nocapture`).
 
 mod common;
 
@@ -27,7 +27,7 @@ use vibro_paper_component::component::identity::VERSION;
 use vibro_paper_component::fmi2::description::guid;
 use vibro_paper_component::fmi3::description::{MAIN, instantiation_token};
 
-/// Files of the workspace in which something must agree.
+/// Files of the workspace that must agree in some fact.
 fn files_that_agree() -> Vec<String> {
     let named = ["Cargo.toml", "CHANGELOG.md", "CITATION.cff", "python/pyproject.toml"].map(str::to_owned);
     let descriptions = ["modelDescription", "fmi3"].map(|name| format!("modelDescription/{name}.xml"));
@@ -37,7 +37,7 @@ fn files_that_agree() -> Vec<String> {
     named.into_iter().chain(descriptions).chain(members).collect()
 }
 
-/// A copy of them in which the changes are those of the version.
+/// A copy of these files whose changes belong to the version.
 fn copy_to_be_released() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for name in files_that_agree() {
@@ -63,7 +63,7 @@ fn sources_that_agree_are_released() {
     assert_eq!(found.version, VERSION);
     assert_eq!(found.changes.text, "### Added\n- Everything.");
     assert_eq!(found.changes.date.as_deref(), Some("2026-01-31"));
-    // The workspace itself, whatever state its changelog and work tree are in.
+    // The workspace itself, whatever the state of its changelog and work tree.
     agreed(workspace(), &Intent { tag: None, preview: true }).unwrap();
 }
 
@@ -135,7 +135,7 @@ const CHANGELOG: &str = "# Changelog\n\n## [Unreleased]\n- Next.\n\n## [0.2.0] -
 
 #[test]
 fn the_notes_have_the_section_of_the_version_and_a_preview_says_so() {
-    // Of the version alone: neither what is next nor what was before.
+    // Only the version's changes: neither the next version's nor the previous version's.
     let released = changelog::of(&CHANGELOG.replace("- Next.\n", ""), "0.2.0", false).unwrap();
     assert_eq!(released.text, "### Fixed\n- That.");
     let part = Part { file: "x.fmu".into(), size: 1_234_567, what: "FMU".into(), tried: "ran".into() };
@@ -157,7 +157,7 @@ fn the_notes_have_the_section_of_the_version_and_a_preview_says_so() {
     assert!(changelog::of(CHANGELOG, "0.3.0", false).unwrap_err().contains("--preview"));
 }
 
-/// A library with one function that needs nothing.
+/// A library with a single function and no dependencies.
 fn module(folder: &Path, function: &str) -> Vec<u8> {
     let (source, library) = (folder.join("module.c"), folder.join("module.so"));
     fs::write(&source, format!("int {function}(void) {{ return 0; }}\n")).unwrap();
@@ -166,11 +166,11 @@ fn module(folder: &Path, function: &str) -> Vec<u8> {
     fs::read(library).unwrap()
 }
 
-/// 1980-01-01 in seconds since 1970, as the source distribution has it.
+/// 1980-01-01 in seconds since 1970, as in the source distribution.
 const DATE: u64 = 315_532_800;
 
-/// A folder of both archives, a wheel for this machine and a source distribution, each with what is
-/// compared.
+/// A folder of both archives, a wheel for this machine and a source distribution, each with the
+/// compared content.
 struct Dist {
     folder: tempfile::TempDir,
     platform: WheelPlatform,
@@ -227,7 +227,7 @@ impl Dist {
         disagreements(self.folder.path(), VERSION).unwrap()
     }
 
-    /// Writes an archive anew with one file altered.
+    /// Rewrites an archive with one file altered.
     fn alter_archive(&self, version: Version, alter: impl Fn(&mut Content)) {
         let path = archive_of(self.folder.path(), version);
         let mut content = archive::read_all(&path).unwrap();
@@ -241,11 +241,11 @@ fn files_that_agree_are_released() {
     assert_eq!(Dist::new().disagreements(), [""; 0]);
 }
 
-/// Cargo compares modification times: with those stored in the source distribution it would reuse a
-/// build of other sources.
+/// Cargo compares modification times: with the times stored in the source distribution it would
+/// reuse a build of other sources.
 #[test]
 fn unpacked_sources_are_newer_than_what_was_built_before() {
-    let before = SystemTime::now() - Duration::from_secs(60); // disks have coarser clocks
+    let before = SystemTime::now() - Duration::from_secs(60); // disks have coarse clocks
     let dist = Dist::new();
     assert_eq!(dist.disagreements(), [""; 0]);
     let sdist = dist.folder.path().join(sdist_file(VERSION));
@@ -253,7 +253,7 @@ fn unpacked_sources_are_newer_than_what_was_built_before() {
     assert!(fs::metadata(unpacked.join("PKG-INFO")).unwrap().modified().unwrap() > before);
 }
 
-/// The file of a kit with a library for another platform.
+/// A kit file with a library for another platform.
 fn other_kit() -> Vec<u8> {
     let other =
         PACKED_PLATFORMS.into_iter().find(|place| place.folder != PackedPlatform::OWN.folder).unwrap();
@@ -346,12 +346,12 @@ fn each_altered_archive_is_refused_by_name() {
         dist.alter_archive(version, alter);
         let found = dist.disagreements();
         assert!(found.iter().any(|text| text.contains(expected)), "{expected}: {found:?}");
-        // What is in the packages is no longer what lies beside them.
+        // The packages no longer contain the files next to them.
         assert!(found.iter().any(|text| text.contains("is not the archive beside it")), "{found:?}");
     }
 }
 
-/// A kit of two platforms, the libraries of which are texts.
+/// A kit of two platforms whose libraries are texts.
 fn kit() -> Kit {
     let folders = ["x86_64-linux", "x86-linux"].map(|tuple| (tuple.to_owned(), tuple.as_bytes().to_vec()));
     Kit { binaries: Binaries::from_folders(folders.into()).unwrap(), ..Kit::default() }
@@ -370,7 +370,7 @@ fn every_example_machine_is_shipped_with_one_library_that_packs_it() {
     assert_eq!(kit.binaries.folders().count(), 2);
     let machines: Vec<&String> = shipped.keys().filter(|name| name.ends_with(".toml")).collect();
     assert!(machines.len() > 25, "{machines:?}");
-    // Records and matrices lie beside the machines that read them.
+    // Records and matrices are next to the machines that read them.
     for name in machines {
         let machine = vibro_machine::file::read(&folder.path().join(name)).unwrap();
         let packed = folder.path().join("machine.fmu");
@@ -420,8 +420,8 @@ fn a_folder_with_anything_else_in_it_is_not_replaced() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("--platform = vax: allowed is x86_64-linux"));
 }
 
-/// The whole for this machine, without the optimisations of a release; then what users do: sums,
-/// and the source distribution built and imported in a clean environment.
+/// The whole release for this machine, without release optimisations; then the user's steps:
+/// checksums, and the source distribution built and imported in a clean environment.
 #[test]
 #[ignore = "builds archives, wheels and pages: needs minutes, fmu-build/requirements.txt on the PATH and a package index"]
 fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_its_sources() {
@@ -441,8 +441,7 @@ fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_
         release
     };
     println!("{}", common::python::run("the release", &mut release(&dist)));
-    // Everything is compiled again in another folder, and the wheel from sources that are unpacked
-    // there.
+    // Everything is compiled again in another folder, and the wheel from unpacked sources there.
     let (again, elsewhere) = (folder.path().join("again"), folder.path().join("elsewhere"));
     common::python::run("the release again", release(&again).env("CARGO_TARGET_DIR", &elsewhere));
     let [first, second] = [&dist, &again].map(|dist| fs::read_to_string(dist.join(SUMS)).unwrap());

@@ -1,4 +1,4 @@
-//! The site of the documentation, built with its notebooks run.
+//! The documentation site, built with its notebooks run.
 
 mod common;
 
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Every page of a folder, and of its folders.
+/// All pages of a folder and its subfolders.
 fn pages(folder: &Path) -> Vec<PathBuf> {
     let entries =
         fs::read_dir(folder).expect("a folder of the site").map(|entry| entry.expect("an entry").path());
@@ -18,8 +18,8 @@ fn pages(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(of).collect()
 }
 
-/// Builds the site, in which a warning is an error and so is a notebook that fails, and requires
-/// that it loads nothing from elsewhere and that its search has the words of the notebooks.
+/// Builds the site, where a warning or a failing notebook is an error. The site must load nothing
+/// from elsewhere, and its search must have the words of the notebooks.
 #[test]
 #[ignore = "installs Sphinx, runs six notebooks: cargo test -p fmu-build --test site -- --ignored"]
 fn the_site_is_built_with_its_notebooks_and_loads_nothing_from_elsewhere() {

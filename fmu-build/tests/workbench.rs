@@ -1,6 +1,6 @@
-//! FMUs that the workbench packs in a browser: they have the packager's bytes in every entry but
-//! the reference results, and run in FMPy. Asked for, since it compiles the page's core for
-//! wasm32-unknown-unknown and needs node with npm, Chromium and Python.
+//! FMUs packed by the workbench in a browser: they equal the packager's in every entry except the
+//! reference results, and run in FMPy. Runs only on request, because it compiles the page's core
+//! for wasm32-unknown-unknown and requires node with npm, Chromium and Python.
 
 mod common;
 
@@ -14,9 +14,9 @@ use vibro_pack::{Kit, archive, content, reference};
 
 const EXAMPLES: [&str; 3] = ["bouncing_ball", "damper_with_buffer", "gear_backlash"];
 
-/// Runs an FMU over its default experiment in Co-Simulation and, where it is asked for, in Model
-/// Exchange, and compares with the native rows of its reference results, whose own agreement is
-/// 1e-8 of each column's largest value. A solver's own error in Model Exchange is larger.
+/// Runs an FMU over its default experiment in Co-Simulation and, on request, in Model Exchange,
+/// and compares with the native rows of its reference results, which agree within 1e-8 of each
+/// column's largest value. A solver's own error in Model Exchange is larger.
 const SCRIPT: &str = "
 import csv, sys, zipfile, numpy as np, fmpy
 for path in sys.argv[1:]:
@@ -75,7 +75,7 @@ fn second_method_fmus_packed_in_the_page_are_the_packagers_and_run_in_fmpy() {
     assert_eq!(told.matches("ok ").count(), 2 * EXAMPLES.len(), "{told}");
 }
 
-/// Asserts that two archives have the same entries, and the same bytes but in reference results.
+/// Asserts that two archives have the same entries, with the same bytes except reference results.
 fn same(found: &archive::Content, own: &archive::Content, fmu: &Path) {
     let names: Vec<_> = found.keys().collect();
     assert_eq!(names, own.keys().collect::<Vec<_>>(), "{}", fmu.display());

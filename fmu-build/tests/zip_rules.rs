@@ -18,7 +18,7 @@ impl Bytes<'_> {
     }
 }
 
-/// What the central directory says of an entry (APPNOTE.TXT, 4.3.12).
+/// Data of an entry in the central directory (APPNOTE.TXT, 4.3.12).
 struct Entry {
     name: String,
     made_by: u16,
@@ -97,7 +97,7 @@ fn archives_keep_the_rules_of_the_standard() {
     }
 }
 
-/// The live page comes with the licences of what is in it.
+/// The live page comes with the licences of its parts.
 #[test]
 fn archives_with_the_live_page_hold_it_and_its_licences() {
     for version in Version::USUAL {
@@ -115,7 +115,7 @@ fn archives_with_the_live_page_hold_it_and_its_licences() {
     }
 }
 
-/// FMI 3.0.2, 2.5.1: the folders and files of these names, and none beside them at the top.
+/// FMI 3.0.2, 2.5.1: the folders and files of these names, and no others at the top.
 #[test]
 fn archives_of_fmi3_have_its_structure() {
     for version in [Version::Fmi3, Version::Arrays, Version::Clocked] {

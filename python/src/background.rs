@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 /// Interval between checks for signals: a longer delay after Ctrl-C would be noticed.
 const POLL: Duration = Duration::from_millis(30);
 
-/// Longest wait for the best result so far after a signal: a search ends after the simulations that
-/// run, which take a second for long records.
+/// Longest wait for the best result so far after a signal: a search ends after its running
+/// simulations, which take a second for long records.
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// State shared by the computing and the waiting thread.
@@ -24,7 +24,7 @@ pub struct Control {
     done: AtomicUsize,
     /// Number of parts; 0 if the caller knows the number.
     total: AtomicUsize,
-    /// Words for the present part; empty where parts are only counted.
+    /// Words for the current part; empty if parts are only counted.
     words: Mutex<String>,
 }
 
@@ -42,13 +42,13 @@ impl Control {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Sets the number of parts, where the caller cannot know it.
+    /// Sets the number of parts if the caller cannot know it.
     pub fn expect(&self, parts: usize) {
         self.total.store(parts, Ordering::Relaxed);
     }
 
-    /// Sets the number of parts that are done, the number of all parts, and words for the present
-    /// one; returns whether the caller still waits.
+    /// Sets the number of finished parts, the number of all parts, and words for the current part;
+    /// returns whether the caller still waits.
     pub fn at(&self, done: usize, total: usize, words: String) -> bool {
         self.done.store(done, Ordering::Relaxed);
         self.expect(total);
@@ -56,22 +56,23 @@ impl Control {
         !self.is_cancelled()
     }
 
-    /// Counts a part that is done; returns whether the caller still waits.
+    /// Counts a finished part; returns whether the caller still waits.
     pub fn goes_on(&self) -> bool {
         self.add(1);
         !self.is_cancelled()
     }
 
-    /// Counts parts that are done.
+    /// Counts finished parts.
     pub fn add(&self, parts: usize) {
         self.done.fetch_add(parts, Ordering::Relaxed);
     }
 }
 
 /// Computes in another thread without Python's lock and waits for the result. `progress` is called
-/// with the number of finished parts and the total (0 if the caller knows the total), and also with
-/// words for the present part if there are any. An exception from a signal or from `progress` ends
-/// the wait at once. The thread ends when it next checks its [`Control`], and its result is dropped.
+/// with the number of finished parts and the total (0 if the caller knows the total), and also
+/// with words for the present part if there are any. An exception from a signal or from `progress`
+/// ends the wait at once. The thread ends when it next checks its [`Control`], and its result is
+/// dropped.
 pub fn compute<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -81,7 +82,7 @@ pub fn compute<T: Send + 'static>(
     let (sender, mut receiver) = channel();
     let theirs = Arc::clone(&control);
     let work = move || {
-        // After a signal there is no receiver.
+        // After a signal the receiver is gone.
         let _ = sender.send(work(&theirs));
     };
     let thread = std::thread::Builder::new().name("vibro_impact".into()).spawn(work);
@@ -116,9 +117,8 @@ pub fn compute<T: Send + 'static>(
     }
 }
 
-/// Results of `each` for `count` motions by index, on all threads. The exception of a signal
-/// carries the results so far as its attribute `partial`: a list with `None` for unfinished
-/// motions.
+/// Results of `each` for `count` motions by index, on all threads. The exception of a signal has
+/// the results so far as its attribute `partial`: a list with `None` for unfinished motions.
 pub fn each_of<T>(
     py: Python<'_>,
     count: usize,
@@ -135,7 +135,7 @@ where
             let found = control.check().and_then(|()| each(control, index));
             control.add(1);
             let of_one = |failure: Failure| if count > 1 { failure.of_motion(index) } else { failure };
-            let _ = theirs[index].set(found.map_err(of_one)?); // each index once
+            let _ = theirs[index].set(found.map_err(of_one)?); // each index occurs once
             Ok(())
         };
         pool()?.install(|| (0..count).into_par_iter().try_for_each(one))
@@ -145,7 +145,7 @@ where
     Ok(found().flatten().collect())
 }
 
-/// An error; a signal's exception with what was found of each motion until then.
+/// An error; the exception of a signal carries the results so far of each motion.
 pub fn with_partial<T: for<'py> IntoPyObject<'py>>(
     py: Python<'_>,
     error: PyErr,
@@ -178,8 +178,8 @@ pub fn pool() -> Result<Arc<ThreadPool>, Failure> {
     Ok(made)
 }
 
-/// As [`compute`], for a search that ends early with the best result so far: after a signal the
-/// exception has it, as parts for Python, as its attribute `partial`.
+/// Like [`compute`], for a search that can end early: after a signal, the exception has the best
+/// result so far, as parts for Python, as its attribute `partial`.
 pub fn search_with_best<'py, T: Clone + Send + 'static, P: IntoPyObject<'py>>(
     py: Python<'py>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -192,7 +192,7 @@ pub fn search_with_best<'py, T: Clone + Send + 'static, P: IntoPyObject<'py>>(
         if control.is_cancelled()
             && let Ok(found) = &found
         {
-            // The caller may have stopped waiting for this, too.
+            // The caller may have stopped waiting for this result too.
             let _ = sender.send(found.clone());
         }
         control.check()?;
@@ -204,8 +204,8 @@ pub fn search_with_best<'py, T: Clone + Send + 'static, P: IntoPyObject<'py>>(
     }
 }
 
-/// An error; a signal's exception with the best result so far as its attribute `partial`, `None` if
-/// the work cannot end within [`PATIENCE`]. A second signal does not wait.
+/// An error; the exception of a signal has the best result so far as its attribute `partial`,
+/// `None` if the work cannot end within [`PATIENCE`]. A second signal does not wait.
 fn with_best<'py, T: Send, P: IntoPyObject<'py>>(
     py: Python<'py>,
     error: PyErr,

@@ -1,5 +1,5 @@
-//! Machines of many motions: given one by one, or one with rows of values of some parameters, each
-//! of which is made where its motion runs, so that Python needs no object for it.
+//! Machines of many motions: given one by one, or as one machine with rows of parameter values.
+//! Each is made where its motion runs, so that Python needs no object for it.
 
 use crate::arrays::rows_of_states;
 use crate::failure::Failure;
@@ -27,7 +27,7 @@ pub enum Assemblies {
     Several(Vec<Described>),
 }
 
-/// Rows of numbers, each as long as there are names.
+/// Rows of numbers, one number for each name.
 pub struct Rows {
     numbers: Vec<f64>,
     width: usize,
@@ -65,7 +65,7 @@ impl Assemblies {
         }
     }
 
-    /// Number of columns of a motion, which all have in common.
+    /// Number of columns of a motion, the same for all machines.
     pub fn columns(&self) -> usize {
         let count = |machine: &Described| machine.description().quantities().count();
         match self {
@@ -74,10 +74,10 @@ impl Assemblies {
         }
     }
 
-    /// Checks names of measures and of a section's element, which may be wrong for all machines.
+    /// Checks names of measures and of a section's element; their errors concern all machines.
     ///
     /// # Errors
-    /// For a name that no machine has, that of the first machine.
+    /// For a name that the first machine does not have.
     pub fn check(&self, measures: &[Measure], rule: &SectionRule) -> Result<(), Failure> {
         let one = |machine: &Described| -> Result<(), vibro_studies::Error> {
             let d = machine.description();
@@ -99,21 +99,21 @@ impl Assemblies {
     /// The machine of a motion.
     ///
     /// # Errors
-    /// For values that are refused.
+    /// If values are refused.
     pub fn machine(&self, index: usize) -> Result<Described, Failure> {
         match self {
             Self::Several(machines) => Ok(machines[index].clone()),
             Self::Rows(base, names, rows) => {
                 let values = names.iter().map(String::as_str).zip(rows.row(index).iter().copied());
                 let description = base.description().with(values)?;
-                Assembly::new(description.clone())?; // checks that need the matrices and the start
+                Assembly::new(description.clone())?; // checks matrices and start
                 Ok(Described::of(description))
             }
         }
     }
 }
 
-/// One start of several, or the one of all.
+/// The start of a motion: one of several, or the common start.
 pub fn start_of(starts: &[Numbers], index: usize) -> &Numbers {
     &starts[if starts.len() == 1 { 0 } else { index }]
 }
@@ -121,13 +121,13 @@ pub fn start_of(starts: &[Numbers], index: usize) -> &Numbers {
 /// The paper's machines as Python gives them.
 #[derive(FromPyObject)]
 pub enum GivenSystems<'py> {
-    /// Values in SI, groups, the places of some of them in both lists, their values in rows.
+    /// Values in SI, groups, the indices of some of them in both lists, and their values in rows.
     Rows(Vec<(String, f64)>, Vec<(String, f64)>, Vec<usize>, PyReadonlyArray2<'py, f64>),
     Several(Vec<PyRef<'py, System>>),
 }
 
-/// Starts of the paper's machines as Python gives them: states in SI, or one start for all whose
-/// numbers are in units of L and L ω10 where they are not in SI.
+/// Starts of the paper's machines as Python gives them: states in SI, or one start for all
+/// motions, with numbers in units of L and L ω10 unless given in SI.
 #[derive(FromPyObject)]
 pub enum GivenStarts<'py> {
     States(PyReadonlyArray2<'py, f64>),
@@ -189,7 +189,7 @@ impl Systems {
     /// The parameters and the start of a motion.
     ///
     /// # Errors
-    /// For values that are refused, and for a machine whose drive has no period.
+    /// If values are refused, or a machine's drive has no period.
     pub fn motion(&self, starts: &Starts, index: usize) -> Result<(Parameters, State), Failure> {
         let parameters = match self {
             Self::Several(systems) => systems[index],

@@ -1,5 +1,5 @@
-//! Failures as Python's exceptions: ValueError for refused arguments, RuntimeError for computations
-//! without a result.
+//! Failures as Python's exceptions: ValueError for refused arguments, RuntimeError for
+//! computations without a result.
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
@@ -125,7 +125,7 @@ fn has_no_answer(error: &Error) -> bool {
     }
 }
 
-/// Message of an error; names of a described machine are left as they are.
+/// Message of an error; names of a described machine are not changed.
 fn words(error: &Error) -> String {
     let text = error.to_string();
     match error {
@@ -142,7 +142,7 @@ fn exception(no_answer: bool, message: &str) -> PyErr {
     }
 }
 
-/// A message in which parameters, coordinates and loads have the names of Python's arguments:
+/// Translates names of parameters, coordinates and loads in a message to Python's argument names:
 /// `box_m` for `box.m`.
 pub fn in_python(message: &str) -> String {
     const OTHERS: [&str; 9] = [

@@ -20,7 +20,7 @@ pub struct Described {
     pub(crate) description: Arc<Description>,
 }
 
-/// Names and numbers of a start, SI; none of a machine's own.
+/// Names and numbers of a start, SI; empty for the machine's own start.
 pub type Numbers = Vec<(String, f64)>;
 
 /// A new value of a parameter: a number in SI, or a text with a unit.
@@ -40,7 +40,7 @@ impl Described {
             (None, path) => file::read(path.unwrap_or_default().as_ref()),
         };
         let description = read.map_err(Failure::from)?;
-        // Checks that need the matrices and the start.
+        // Checks matrices and start.
         Assembly::new(description.clone()).map_err(Failure::from)?;
         Ok(Self { description: Arc::new(description) })
     }
@@ -49,12 +49,12 @@ impl Described {
         &self.description.name
     }
 
-    /// The text of its file, in SI and with every digit.
+    /// The text of its file, in SI with every digit.
     fn text(&self) -> String {
         self.description.to_toml()
     }
 
-    /// The common period of all that drives it, s.
+    /// The common period of all drives, s.
     fn period(&self) -> Option<f64> {
         common_period(&self.description)
     }
@@ -64,7 +64,7 @@ impl Described {
         self.description.parameters().into_iter().map(|p| (p.name, p.unit, p.value, p.meaning)).collect()
     }
 
-    /// Names of a motion's columns.
+    /// Names of the columns of a motion.
     fn columns(&self) -> Vec<String> {
         columns(&self.description)
     }
@@ -81,7 +81,7 @@ impl Described {
         Ok(read.map_err(Failure::from)?)
     }
 
-    /// The machine with other values.
+    /// The machine with some parameters changed.
     fn replace(&self, changes: Vec<(String, Value)>) -> PyResult<Self> {
         let value = |(name, value): &(String, Value)| match value {
             Value::Number(x) => Ok((name.clone(), *x)),
@@ -94,7 +94,7 @@ impl Described {
         Ok(Self { description: Arc::new(description) })
     }
 
-    /// The numbers of a start that changes some of another's, SI.
+    /// The numbers of a start after changes, SI.
     fn start(&self, numbers: Numbers, changes: Vec<(String, Value)>) -> PyResult<Numbers> {
         let mut start = self.start_of(&numbers)?;
         let d = &*self.description;
@@ -151,7 +151,7 @@ impl Described {
         &self.description
     }
 
-    /// The numbers of a start whose bodies have coordinates of their own.
+    /// The numbers of a start, after a check that each of its bodies has a coordinate.
     fn checked(&self, start: &Start) -> PyResult<Numbers> {
         start.state(&*self.assembly()?).map_err(Failure::from)?;
         Ok(start.numbers())
@@ -176,7 +176,7 @@ pub enum SectionChoice {
     Element(String),
 }
 
-/// The rule of a choice.
+/// The section rule of a choice.
 pub fn rule(section: Option<SectionChoice>) -> SectionRule {
     match section {
         None => SectionRule::Auto,

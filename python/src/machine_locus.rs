@@ -10,7 +10,7 @@ use vibro_orbits::paper::LocusEnd;
 use vibro_orbits::{Family, Label, LocusPoint, LocusStart, Special, check_second};
 use vibro_studies::Error;
 
-/// A parameter with the least and the largest value of its range, SI.
+/// A parameter with the ends of its range, SI.
 type Range = (String, (f64, f64));
 
 /// A curve of special points over two parameters.
@@ -24,7 +24,7 @@ pub struct LocusArrays<'py> {
     labels: Vec<&'static str>,
 }
 
-/// The start of the curve, from the first of some orbits beside the special point that leads to it.
+/// The start of the curve, from the first suitable orbit next to the special point.
 fn start(over: &Family, point: (&Special, f64), beside: &[(f64, f64, Start)]) -> Result<LocusStart, Failure> {
     let mut failed = None;
     for (value, period, start) in beside {
@@ -45,7 +45,7 @@ fn start(over: &Family, point: (&Special, f64), beside: &[(f64, f64, Start)]) ->
 }
 
 /// The curve over two parameters from a special point of a branch over the first one. The point is
-/// given by label, element and value, and by orbits beside it: value, period (s) and start.
+/// given by label, element and value, and by neighbouring orbits: value, period (s) and start.
 #[pyfunction]
 #[pyo3(signature = (machine, first, second, point, beside, progress = None))]
 pub fn locus<'py>(

@@ -47,14 +47,14 @@ fn varied<'py>(
     Ok((plane(py, &numbers, rows, columns)?, plane(py, &known, rows, columns)?))
 }
 
-/// A motion alone, or with its derivatives.
+/// A motion, with or without its derivatives.
 enum Follower {
     Alone(Box<Motion>),
     Varied(Box<Differentiated>),
 }
 
 impl Follower {
-    /// The motion of a machine from a start. `observer` is called with the impacts there.
+    /// The motion of a machine from a start. `observer` is called for impacts at the start.
     fn new(
         machine: &Described,
         start: &Start,
@@ -77,7 +77,7 @@ impl Follower {
         }
     }
 
-    /// The derivatives of all columns by all of `count` parameters.
+    /// The derivatives of all columns with respect to all of `count` parameters.
     fn derivatives(&self, count: usize) -> Vec<Option<f64>> {
         let Self::Varied(varied) = self else { return Vec::new() };
         let quantities = varied.motion().assembly().description.quantities();
@@ -103,11 +103,11 @@ impl Follower {
 pub struct Sampled {
     count: usize,
     columns: usize,
-    /// By sample, in a row each.
+    /// A row for each sample.
     values: Vec<f64>,
     energies: Vec<[f64; 3]>,
     derivatives: Vec<Option<f64>>,
-    /// By event.
+    /// An entry for each event.
     times: Vec<f64>,
     told: Vec<NamedEvent>,
     event_derivatives: Vec<Option<f64>>,
@@ -134,7 +134,7 @@ impl Sampled {
         };
         let mut follower = Follower::new(machine, &machine.start_of(start)?, parameters, &mut tell)?;
         (found.count, found.columns) = (parameters.len(), machine.description().quantities().count());
-        // What does not fit into memory is refused before the motion begins.
+        // A result that does not fit into memory is refused before the motion begins.
         found.values.try_reserve_exact(times.len().saturating_mul(found.columns))?;
         found.energies.try_reserve_exact(times.len())?;
         let derivatives = found.count.saturating_mul(found.columns);
@@ -184,8 +184,8 @@ impl<'py> IntoPyObject<'py> for Sampled {
     }
 }
 
-/// The motion from a start at ascending times (s), with what happened up to the last, and with its
-/// derivatives by parameters.
+/// The motion from a start at ascending times (s), with its events up to the last time, and with
+/// its derivatives by parameters.
 #[pyfunction]
 #[pyo3(signature = (machine, start, t, parameters, progress = None))]
 pub fn simulate<'py>(
@@ -207,7 +207,7 @@ pub fn simulate<'py>(
     found.into_run(py)
 }
 
-/// As [`simulate`], of many machines, each from its start, on all threads.
+/// Like [`simulate`], for many machines, each from its start, on all threads.
 #[pyfunction]
 #[pyo3(signature = (machines, starts, t, parameters, progress = None))]
 pub fn follow_many(
@@ -227,12 +227,12 @@ pub fn follow_many(
     each_of(py, count, progress, one)
 }
 
-/// Ends of many motions: a row of numbers for each, and for each the reason why there are none, if
-/// rows give reasons; numbers are then 0.
+/// Ends of many motions: a row of numbers for each, and, if requested, the reason for missing
+/// numbers, which are then 0.
 pub type Ends<'py> = (Array2<'py, f64>, Vec<Option<String>>);
 
-/// The ends of many machines' motions, each from its start or all from one, at a time (s); all have
-/// the same columns.
+/// The ends of many machines' motions at a time (s), each from its own start or all from a common
+/// one; all have the same columns.
 #[pyfunction]
 #[pyo3(signature = (machines, starts, until, in_rows, progress = None))]
 pub fn simulate_many<'py>(
@@ -261,21 +261,21 @@ pub fn simulate_many<'py>(
     Ok((plane(py, &rows.concat(), rows.len(), columns)?, reasons))
 }
 
-/// The derivatives of a motion's state at its end by that at its start.
+/// The derivatives of a motion's final state with respect to its initial state.
 #[derive(IntoPyObject)]
 pub struct Transition<'py> {
-    /// Names of the state's numbers.
+    /// Names of the numbers of the state.
     names: Vec<String>,
     /// The start with all its numbers.
     start: Numbers,
     end: Numbers,
-    /// By number at the end and number at the start.
+    /// Element (i, j): number i of the final state by number j of the start.
     matrix: Varied<'py>,
-    /// For each number at the start the reason why there are no derivatives, or an empty text.
+    /// For each number at the start the reason for missing derivatives, or an empty text.
     lost: Vec<String>,
 }
 
-/// The derivatives of the state at a time (s) by the state at a start.
+/// The derivatives of the state at a time (s) with respect to the state at the start.
 #[pyfunction]
 #[pyo3(signature = (machine, start, until, progress = None))]
 pub fn transition<'py>(

@@ -64,25 +64,25 @@ impl Orbit {
         self.orbit.stability().to_string()
     }
 
-    /// The condition under which it is no motion of the machine.
+    /// The condition that makes it an invalid motion of the machine, if any.
     #[getter]
     fn violation(&self) -> Option<String> {
         self.orbit.violation()
     }
 
-    /// Numbers of a start on it.
+    /// Numbers of a start on the orbit.
     #[getter]
     fn start(&self) -> Numbers {
         self.orbit.start().numbers()
     }
 
-    /// A measure over a period.
+    /// A measure over one period.
     fn measure(&self, name: &str) -> PyResult<f64> {
         let measure = read_measure(name, &self.machine.description).map_err(Failure::from)?;
         Ok(self.orbit.measure(&measure).map_err(Failure::from)?)
     }
 
-    /// Name, derivative and reason for which there is none, of a measure by each parameter.
+    /// For each parameter: name, derivative of a measure, and the reason if there is none.
     fn gradient(&self, py: Python<'_>, name: &str) -> PyResult<Vec<(String, Option<f64>, String)>> {
         let measure = read_measure(name, &self.machine.description).map_err(Failure::from)?;
         let found = py.detach(|| self.orbit.gradient(&measure)).map_err(Failure::from)?;
@@ -93,14 +93,14 @@ impl Orbit {
         Ok(found.into_iter().map(row).collect())
     }
 
-    /// Energies a period by element, J; none where no motion stays on the orbit.
+    /// Energies per period by element, J; none if no motion stays on the orbit.
     fn energies(&self) -> PyResult<Option<Vec<(String, f64)>>> {
         Ok(self.orbit.energies().map_err(Failure::from)?)
     }
 }
 
-/// The orbit on which a motion settles, or one with a given word or period: so many common periods
-/// of the drive, or a time, s.
+/// The orbit on which a motion settles, or an orbit with a given word or period: a number of
+/// common periods of the drive, or a time, s.
 #[pyfunction]
 #[pyo3(signature = (machine, start, settle, section, word, periods, time, starts, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
@@ -217,7 +217,7 @@ pub fn follow<'py>(
     arrays(py, &family, found)
 }
 
-/// All branches over a range of a parameter that settled motions and special points lead to.
+/// All branches over a range of a parameter, found from settled motions and special points.
 #[pyfunction]
 #[pyo3(signature = (machine, name, ends, of, start, seeds, depth, settle, section, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]

@@ -1,4 +1,4 @@
-//! What motions of described machines settle on: basins of attraction, sections, all exponents.
+//! Settled motions of described machines: basins of attraction, sections, all exponents.
 
 use crate::arrays::{Array1, Array2, column, plane};
 use crate::background::compute;
@@ -23,7 +23,7 @@ struct AttractorParts {
 }
 
 impl AttractorParts {
-    /// An attractor, with the events and the stability of its orbit where it is one.
+    /// An attractor, with the events and the stability of its orbit if it is periodic.
     fn new(machine: &Machine, found: &SettledAttractor) -> Self {
         let settled = &found.settled;
         let orbit = match settled.class {
@@ -54,7 +54,7 @@ pub struct BasinsArrays<'py> {
     ended: Option<String>,
 }
 
-/// Basins of attraction over two numbers of the starts, each as name, ends and cells.
+/// Basins of attraction over two numbers of the start, each given as name, ends and cells.
 #[pyfunction]
 #[pyo3(signature = (machine, x, y, start, discard, section, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
@@ -143,7 +143,7 @@ pub struct SpectrumArrays<'py> {
     running: Array2<'py, f64>,
 }
 
-/// All exponents of a machine's motion over so many returns.
+/// All exponents of a machine's motion over a number of returns.
 #[pyfunction]
 #[pyo3(signature = (machine, start, settle, periods, section, progress = None))]
 pub fn spectrum<'py>(

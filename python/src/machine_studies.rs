@@ -11,7 +11,7 @@ use vibro_studies::diagram::{DescribedPoint, DiagramRequest};
 use vibro_studies::paper::bifurcation::Diagram;
 use vibro_studies::{Machine, Measure, Measured, ParameterAxis, measure};
 
-/// Measures of many machines' settled motions, each from its start or all from one, a row for each.
+/// A row of measures for each of many settled motions, each from its own start or all from one.
 #[pyfunction]
 #[pyo3(signature = (machines, starts, names, settle, periods, section, in_rows, progress = None))]
 #[allow(clippy::too_many_arguments)]
@@ -99,8 +99,7 @@ fn direction<'py>(
     }
 }
 
-/// Maxima of a quantity, or its values at the section, over a parameter, with what motions settle
-/// on.
+/// Maxima of a quantity, or its values at the section, over a parameter, with the settled motions.
 #[pyfunction]
 #[pyo3(signature = (machine, name, ends, count, of, at_section, periods, exponents, section, anew, start, progress = None))]
 #[allow(clippy::too_many_arguments)]

@@ -14,9 +14,9 @@ use vibro_impact::{Parameters, Simulator, State, load};
 use vibro_studies::paper::trajectories::{Start, propagate};
 
 /// Drive periods of one call to the library per thread: half a second's work between checks for
-/// cancellation. Shorter calls cost more, since each ends with empty lanes of the vectors.
+/// cancellation. Shorter calls cost more, because each ends with empty lanes of the vectors.
 const PERIODS_A_THREAD: usize = 400_000;
-/// Least motions of one call: enough to fill the vectors.
+/// Numbers of motions of one call; the smallest fills the vectors.
 const MOTIONS_A_THREAD: std::ops::RangeInclusive<usize> = 64..=4096;
 
 /// Impacts in order of time, an array for each quantity.
@@ -146,8 +146,8 @@ type End = Result<State, String>;
 /// Displacements (m), velocities (m/s), and for each motion the reason why there are none.
 type Ends<'py> = (Array2<'py, f64>, Array2<'py, f64>, Vec<Option<String>>);
 
-/// The states of many machines after a number of whole drive periods, each from its start at time
-/// 0 or all from one. If `in_rows` is set, a motion without an end has zeros and its reason.
+/// The states of many machines after a number of drive periods, each from its own start at time 0
+/// or all from one. If `in_rows` is set, a motion without an end has zeros and its reason.
 #[pyfunction]
 #[pyo3(signature = (systems, starts, periods, in_rows, progress = None))]
 pub fn paper_simulate_many<'py>(

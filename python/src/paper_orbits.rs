@@ -16,7 +16,7 @@ use vibro_studies::paper::ParameterSet;
 pub struct PaperOrbit {
     set: ParameterSet,
     orbit: vibro_orbits::paper::Orbit,
-    /// How often the word that was asked for passes it.
+    /// How often the requested word passes the orbit.
     passages: u32,
 }
 
@@ -70,13 +70,13 @@ impl PaperOrbit {
         self.orbit.word().period()
     }
 
-    /// How often the word that was asked for passes it.
+    /// How often the requested word passes the orbit.
     #[getter]
     fn passages(&self) -> u32 {
         self.passages
     }
 
-    /// Drive periods over which the multipliers are.
+    /// Span of the multipliers in drive periods.
     #[getter]
     fn multiplier_periods(&self) -> f64 {
         self.orbit.multiplier_periods()
@@ -103,7 +103,7 @@ impl PaperOrbit {
         column(py, &self.orbit.multipliers())
     }
 
-    /// Whether it attracts its neighbourhood.
+    /// Whether the orbit attracts neighbouring motions.
     #[getter]
     fn stable(&self) -> bool {
         self.orbit.is_stable()
@@ -127,8 +127,8 @@ impl PaperOrbit {
     }
 }
 
-/// The certified orbits with a word that a search finds, each in its shortest word; those that have
-/// no shorter one come first.
+/// The certified orbits with a word that a search finds, each in its shortest word; orbits without
+/// a shorter word come first.
 #[pyfunction]
 #[pyo3(signature = (system, word, closing, half_periods, tries, progress = None))]
 pub fn paper_orbit(
@@ -236,8 +236,8 @@ fn branch_arrays<'py>(py: Python<'py>, branch: &Branch, maxima: &[Vec<f64>]) -> 
     })
 }
 
-/// All branches of orbits over a range of a parameter, from the orbits on which motions settle, and
-/// at most `depth` changes of branches away from these.
+/// All branches of orbits over a range of a parameter, from the orbits on which motions settle,
+/// and at most `depth` branch switches away from these.
 #[pyfunction]
 #[pyo3(signature = (system, name, ends, weights, seeds, depth, settle, starts, progress = None))]
 #[allow(clippy::too_many_arguments)]

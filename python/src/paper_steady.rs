@@ -39,7 +39,7 @@ fn sheet(upper: bool) -> Sheet {
     if upper { Sheet::Upper } else { Sheet::Lower }
 }
 
-/// The state of a theory on a sheet; `None` where it has none.
+/// The state of a theory on a sheet; `None` if it has none.
 fn solve(system: &System, theory: &str, sheet: Sheet) -> vibro_impact::Result<Option<Theory>> {
     system.parameters().check_symmetric()?;
     let groups = || system.set().map(ParameterSet::groups);

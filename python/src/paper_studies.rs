@@ -286,7 +286,7 @@ pub fn paper_basins<'py>(
     Ok(Basins { attractors, cells: plane(py, &cells, y.3, x.3)?, mirror: plane(py, &mirror, y.3, x.3)? })
 }
 
-/// Every measure as (name, unit, what it is).
+/// Every measure as (name, unit, meaning).
 #[pyfunction]
 pub fn paper_measures() -> Vec<(String, &'static str, String)> {
     Measure::all().map(|m| (m.name(), m.unit(), in_python(&m.description()))).collect()
@@ -331,7 +331,7 @@ fn one(
 /// not settled, and the reason if measures are missing and the row gives reasons.
 pub type MeasureRow = (Vec<Option<f64>>, Vec<f64>, Option<String>, Option<usize>, Option<String>);
 
-/// A motion's row. If `in_rows` is set, a failure of this motion alone is given in its row.
+/// A motion's row. If `in_rows` is set, the row reports a failure of this motion alone.
 ///
 /// # Errors
 /// All other failures.
@@ -345,8 +345,8 @@ pub fn row(found: Result<Measured, Failure>, in_rows: bool) -> Result<MeasureRow
     }
 }
 
-/// Measures of many machines' motions, each from its start or all from one, on all threads: a row
-/// of each.
+/// A row of measures for each of many motions, each from its own start or all from one, on all
+/// threads.
 #[pyfunction]
 #[pyo3(signature = (systems, starts, names, discard, periods, in_rows, progress = None))]
 #[allow(clippy::too_many_arguments)]

@@ -1,4 +1,4 @@
-//! A machine's parameters and loads as Python objects. They are plain values: the Python classes
+//! A machine's parameters and loads as Python objects. Both are plain values: the Python classes
 //! around them add equality, text and pickling.
 
 use crate::arrays::{Array1, column, numbers};
@@ -34,7 +34,7 @@ impl System {
         }
     }
 
-    /// The default set with these values: first those in SI, then the groups.
+    /// The default set with these values: SI parameters first, then the groups.
     ///
     /// # Errors
     /// For values out of their range.
@@ -61,10 +61,10 @@ impl System {
     }
 }
 
-/// Why a machine has no groups.
+/// The reason why a machine has no groups.
 fn no_groups(p: &Parameters) -> vibro_impact::Error {
-    // Without the spring, `groups` returns an error. This function is not called for a machine with
-    // the spring.
+    // Without the spring, `groups` returns an error. This function is not called for a machine
+    // with the spring.
     p.groups().err().unwrap_or(vibro_impact::Error::Undefined {
         name: "box.k",
         value: p.box_stiffness,
@@ -87,7 +87,7 @@ fn physical(values: &[(Name, f64)]) -> vibro_impact::Result<Parameters> {
 
 #[pymethods]
 impl System {
-    /// The default set with these values: first those in SI, then the groups, as in a parameter
+    /// The default set with these values: SI parameters first, then the groups, as in a parameter
     /// file.
     #[new]
     fn new(si: Vec<(String, f64)>, groups: Vec<(String, f64)>) -> PyResult<Self> {
@@ -97,7 +97,7 @@ impl System {
         Ok(Self::of(&named(&si)?, &named(&groups)?)?)
     }
 
-    /// The values of all parameters in the order of `parameters()`; of those in SI alone where the
+    /// The values of all parameters in the order of `parameters()`; only SI parameters if the
     /// machine has no groups.
     fn values(&self) -> Vec<f64> {
         let physical = physical_parameters().map(|field| (field.get)(&self.parameters));
@@ -105,8 +105,8 @@ impl System {
         physical.chain(groups).collect()
     }
 
-    /// The physical parameters that were not given although others were, with the values that they
-    /// have from the default set.
+    /// The physical parameters that were not given although others were, with their values from
+    /// the default set.
     fn not_given(&self) -> Vec<(String, f64)> {
         let told = |name: &Name| match name {
             Name::Si(field) => Some((in_python(field.name), (field.get)(&self.parameters))),
@@ -115,12 +115,12 @@ impl System {
         self.missing.iter().filter_map(told).collect()
     }
 
-    /// The drive's period, s; infinite for a constant force.
+    /// The period of the drive, s; infinite for a constant force.
     fn period(&self) -> f64 {
         self.parameters().period()
     }
 
-    /// The state (m and m/s) at coordinates in units of L and L omega10.
+    /// The state (m and m/s) for coordinates in units of L and L omega10.
     fn dimensional(&self, coordinates: [f64; 6]) -> PyResult<[f64; 6]> {
         if coordinates[3..] != [0.0; 3] {
             self.set().map_err(Failure::from)?; // L ω10 is the unit of speeds
@@ -131,7 +131,7 @@ impl System {
     }
 }
 
-/// All parameters: those in SI, then the groups.
+/// All parameters: SI parameters first, then the groups.
 fn names() -> impl Iterator<Item = Name> {
     physical_parameters().map(Name::Si).chain(GROUPS.iter().map(Name::Group))
 }
@@ -149,15 +149,15 @@ pub fn find_name(name: &str) -> PyResult<String> {
     Ok(in_python(find(name)?.name()))
 }
 
-/// The value in SI of a text that is a number, with a unit of a dimension or without, and whether
-/// it has one.
+/// The value in SI of a text that is a number, with or without a unit of a dimension, and whether
+/// it has a unit.
 #[pyfunction]
 pub fn in_si(si: &str, text: &str) -> Option<(f64, bool)> {
     vibro_impact::quantities::quantity_in(si, text).map(|found| (found.value, found.unit.is_some()))
 }
 
-/// How many parameters are in SI, and every parameter, those first, as (name in Python, label of an
-/// axis, unit, what it is, what is allowed).
+/// The number of SI parameters, and every parameter, SI first, as (name in Python, label of an
+/// axis, unit, meaning, accepted values).
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn parameters() -> (usize, Vec<(String, String, &'static str, &'static str, String)>) {

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Small changes of a package's source, each of which its tests should catch.
+"""Mutation tests: small changes of a package's source, which its tests should catch.
 
     python3 tests/changes/run.py --package vibro-machine --count 40 --seed 1
 
-draws changes at random by a seed, or takes those of a file (`--named`), applies one at a time in a copy of the repository with a
-target folder of its own, and runs the package's test binaries until one fails. It prints a line a change: caught, SURVIVED,
-equivalent (named with its reason in `equivalent.toml`), or not compiled (drawn again). The exit status is 1 where a change survives.
+draws changes at random from a seed, or takes the changes of a file (`--named`), applies one at a time in a copy of the repository with
+a separate target folder, and runs the package's test binaries until one fails. It prints a line for each change: caught, SURVIVED,
+equivalent (named with its reason in `equivalent.toml`), or not compiled (drawn again). The exit status is 1 if a change survives.
 Nothing in this folder is run by `cargo test`.
 """
 
@@ -25,7 +25,7 @@ import tomllib
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 
-# The files of each package from which changes are drawn where `--files` names none.
+# Files of each package for drawn changes, unless `--files` names some.
 FILES = {
     "vibro-machine": [
         "crates/machine/src/law",
@@ -44,20 +44,20 @@ FILES = {
     "vibro-machine-component": ["crates/machine-component/src"],
 }
 
-# A test binary may take this many times its time without a change, and this many seconds more,
-# before it counts as hanging.
+# A test binary counts as hanging after this many times its time without a change, plus this many
+# seconds.
 SLOWER, MORE = 10.0, 60.0
 
-# Only the changed package is compiled anew: a third of the time, with unchanged arithmetic.
+# Only the changed package is compiled again: a third of the time, with the same arithmetic.
 PARTS = 64
 
-# Integers up to this one are indices, exponents and factors; larger ones are limits of loops and
-# the like, of which one more or less is no change that a result shows. Floats beyond this limit, or
-# below its inverse, are tolerances; so are constants.
+# Integers up to this one are indices, exponents and factors. Larger ones are limits of loops and
+# the like; a change by one does not affect any result. Floats beyond this limit, or below its
+# inverse, are tolerances; so are constants.
 MEANT, LIMIT = 2, 1e4
 
-# Pairs that are swapped, each in both ways. Blanks stand around operators, as rustfmt writes them.
-# `<` for `<=` is left out: on floats, which are most of what is compared, it changes a null set.
+# Pairs that are swapped in both directions. Operators have blanks around them, as rustfmt writes.
+# `<` for `<=` is omitted: on floats, the most common operands, it changes only a null set.
 SWAPS = [
     (" + ", " - "),
     (" * ", " / "),
@@ -74,7 +74,7 @@ SWAPS = [
     (".is_some()", ".is_none()"),
     ("true", "false"),
 ]
-# Replacements in one direction: the other direction gives code that no one would write.
+# Replacements in one direction: the reverse would give code that no one writes.
 PUTS = [(" % ", " * ")]
 NUMBER = re.compile(r"(?<![\w.])(\d[\d_]*\.\d+(?:e-?\d+)?|\d[\d_]*(?:e-?\d+)?)(?![\w.]|\.\w)")
 NEGATIVE = re.compile(r"(?:(?<=[(,=\[{|] )|(?<=[(\[|]))-(?=[\w(&*])")
@@ -84,7 +84,7 @@ STATEMENT = re.compile(r"^\s+(?!let\b|use\b|pub\b|mod\b|type\b|const\b|static\b|
 
 
 def masked(text):
-    """The text with blanks for what is no code: comments, strings, characters, attributes, and unit tests."""
+    """The text with blanks in place of non-code: comments, strings, characters, attributes, and unit tests."""
     keep = list(text)
     pattern = re.compile(
         r"//[^\n]*|/\*.*?\*/|r#\".*?\"#|b?\"(?:\\.|[^\"\\])*\"|b?'(?:\\.|[^'\\])'|#!?\[[^\]\n]*\]", re.S
@@ -100,7 +100,7 @@ def masked(text):
 
 
 def other_number(literal, rng):
-    """Another constant in place of a literal, or the literal itself if another would be as good: limits and tolerances."""
+    """Another constant in place of a literal, or the literal itself if another value would be equally valid: limits and tolerances."""
     if "." not in literal and "e" not in literal:
         value = int(literal.replace("_", ""))
         if value > MEANT:
@@ -115,7 +115,7 @@ def other_number(literal, rng):
 
 
 def changes_of_line(line, code, rng):
-    """Every small change of a line, given with blanks for what is no code."""
+    """Every small change of a line, given with blanks in place of non-code."""
     found = []
 
     def put(start, end, text):
@@ -143,7 +143,7 @@ def changes_of_line(line, code, rng):
 
 
 def sites(files, rng):
-    """All changes as (file, line number, line, line instead)."""
+    """All changes as (file, line number, line, replacement line)."""
     out = []
     for file in files:
         text = (ROOT / file).read_text()
@@ -162,7 +162,7 @@ TESTED = re.compile(r"#\[cfg\(test\)\]\s*(?:#\[[^\n]*\]\s*)*(?:pub(?:\(\w+\))? )
 
 
 def is_test(file):
-    """Whether a file is compiled for tests alone: its own module, or one above it, is declared so."""
+    """Whether a file is compiled only for tests: its own module, or a parent module, is declared so."""
     for path in [file, *file.parents]:
         if path == ROOT:
             return False
@@ -174,7 +174,7 @@ def is_test(file):
 
 
 def files_of(args):
-    """The Rust files asked for, relative to the root, without those of tests."""
+    """The requested Rust files, relative to the root, without test files."""
     out = []
 
     for name in args.files or FILES.get(args.package, []):
@@ -187,12 +187,12 @@ def files_of(args):
 
 
 def tables(path, key="change"):
-    """The tables of a TOML file, or none where there is no file."""
+    """The tables of a TOML file, or none if the file does not exist."""
     return tomllib.loads(path.read_text()).get(key, []) if path.exists() else []
 
 
 def named(path):
-    """Changes of a file: each has `file`, `from`, `to` (parts of lines, in one place), and `what`."""
+    """Changes of a file: each has `file`, `from`, `to` (parts of lines, with one occurrence), and `what`."""
     out = []
     for change in tables(path):
         text = (ROOT / change["file"]).read_text()
@@ -204,7 +204,7 @@ def named(path):
 
 
 class Copy:
-    """A copy of the repository with a target folder of its own."""
+    """A copy of the repository with a separate target folder."""
 
     def __init__(self, folder, package, skips_documents):
         self.folder, self.package, self.skips_documents = folder, package, skips_documents
@@ -218,7 +218,7 @@ class Copy:
         self.times = {}
 
     def bring(self):
-        """Copies every file of the repository that git knows or would add, and removes those that are gone."""
+        """Copies every file that git tracks or would add, and removes deleted files."""
         listed = subprocess.run(
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=ROOT, check=True, capture_output=True,
@@ -253,7 +253,7 @@ class Copy:
         return out
 
     def cargo(self, arguments, limit):
-        """Runs cargo; returns its status, None where it lasts too long, and what it says."""
+        """Runs cargo; returns its status, None after a timeout, and its output."""
         with tempfile.TemporaryFile("w+") as said:
             parts = f"profile.dev.package.{self.package}.codegen-units={PARTS}"
             quick = ["--config", "profile.dev.incremental=true", "--config", parts]
@@ -271,7 +271,7 @@ class Copy:
             return status, said.read()
 
     def run(self, binary, limit):
-        """Builds and runs a test binary: "passed", "failed", "hangs" or "not compiled", with its seconds and what it says."""
+        """Builds and runs a test binary: "passed", "failed", "hangs" or "not compiled", with its seconds and its output."""
         arguments = ["-p", self.package, *binary, "--offline", "-q"]
         if binary != ("--doc",):
             status, said = self.cargo(["test", "--no-run", *arguments], None)
@@ -283,7 +283,7 @@ class Copy:
         return verdict, time.monotonic() - start, said
 
     def baseline(self, again):
-        """Every test binary passes without a change; tells how long each takes, as known from an earlier run with `--again`."""
+        """Every test binary passes without a change; returns the time of each, with `--again` from an earlier run."""
         known = self.folder / f"times-{self.package}.json"
         if again and known.exists():
             self.times = {tuple(name.split()): seconds for name, seconds in json.loads(known.read_text()).items()}
@@ -297,12 +297,12 @@ class Copy:
         known.write_text(json.dumps({" ".join(binary): seconds for binary, seconds in self.times.items()}))
 
     def order(self):
-        """The test binaries, those first that catch most in their time; documents last, as they are compiled anew."""
+        """The test binaries, most catches per time first; documentation tests last, because they are compiled again."""
         value = lambda b: (b == ("--doc",), -(1 + self.catches.get(" ".join(b), 0)) / (2.0 + self.times[b]))
         return sorted(self.times, key=value)
 
     def judge(self, change):
-        """Verdict on a change, and the test binary that caught it with the test that failed."""
+        """The verdict on a change, with the test binary that caught it and the failed test."""
         file, number, line, instead = change
         path = self.tree / file
         was = path.read_text()
@@ -331,7 +331,7 @@ class Copy:
 
 
 def is_equivalent(change, known):
-    """The reason by which a change is named as equivalent, if it is."""
+    """The reason for which a change is listed as equivalent, if it is."""
     file, _, line, instead = change
     for entry in known:
         if (entry["file"], entry["from"], entry["to"]) == (file, line.strip(), instead.strip()):

@@ -1,4 +1,4 @@
-//! An allocator that counts, for tests in a process of their own.
+//! A counting allocator, for tests in separate processes.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

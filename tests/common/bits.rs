@@ -39,8 +39,8 @@ impl Digest {
     }
 }
 
-/// Instruction set that the library chooses on this machine; the order of the arithmetic depends on
-/// it.
+/// Instruction set that the library chooses on this machine; the order of the arithmetic depends
+/// on it.
 fn instruction_set() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
@@ -57,7 +57,7 @@ fn instruction_set() -> &'static str {
 }
 
 /// Compares with the golden file of this machine's instruction set. `UPDATE=1` in the environment
-/// writes the file instead. For an instruction set without a file nothing is compared, and a line
+/// writes the file instead. Without a file for an instruction set nothing is compared, and a line
 /// says so.
 pub fn compare(name: &str, found: &[(String, String)]) {
     let folder = DATA;

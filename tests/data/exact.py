@@ -1,8 +1,8 @@
 """The model in extended precision, shared by the make_*.py scripts of this folder.
 
-A smooth mode is a linear system with a harmonic force, so exp(A h) applied to a state is the Taylor series about
-it; the series is summed until its remainder is under the working precision. Contacts are found by bisection with
-a bound on the polynomial over each interval: none is missed, however shallow. Nothing here comes from the crate.
+A smooth mode is a linear system with a harmonic force, so exp(A h) applied to a state is its Taylor series;
+the series is summed until its remainder is below the working precision. Contacts are found by bisection with a bound
+on the polynomial over each interval: none is missed, however shallow. Nothing here is taken from the crate.
 """
 
 import math
@@ -86,7 +86,7 @@ class System:
         return v[1][1] - v[0][1]
 
     def contact_force(self, y, t, side):
-        """Force at the stop that keeps the block at rest on it."""
+        """Force at the stop that keeps the block at rest on the stop."""
         mu = self.m1 * self.m2 / (self.m1 + self.m2)
         return mu * side * self.relative_acceleration(y, t)
 
@@ -103,7 +103,7 @@ class System:
     def first_contact(self, y, t, end, touching=0, level=None):
         """First time in (t, end] with |w| = level (default L), as (time, side), or None.
 
-        `touching` is the stop on which the flight starts: that root is divided out, not stepped over.
+        `touching` is the stop at which the flight starts: the root there is divided out, not stepped over.
         """
         level = self.gap if level is None else level
         t, end = self.num(t), self.num(end)
@@ -145,7 +145,7 @@ def shift(p, c):
 
 def first_root(p, lo, hi):
     """Smallest root of p in (lo, hi]; p(lo) = 0 exactly must have been divided out."""
-    # A cheap bound first, as most windows stay far from the stop.
+    # A cheap bound first, because most windows stay far from the stop.
     rest, power = 0, 1
     for a in p[1:]:
         power = power * hi
@@ -153,7 +153,7 @@ def first_root(p, lo, hi):
     if abs(p[0]) > rest:
         return None
     c, r = (lo + hi) / 2, (hi - lo) / 2
-    # A bound about the centre, in doubles with a margin far over their rounding, which settles most
+    # A bound about the centre, in doubles with a margin far above rounding, which decides most
     # intervals.
     b, scale = [float(a) for a in p], sum(abs(float(a)) * float(hi) ** k for k, a in enumerate(p))
     b = shift(b, float(c))
@@ -238,7 +238,7 @@ def write(path, columns, rows):
 
 
 def check_against_expm(parameters):
-    """The series against mpmath's matrix exponential of the augmented 8 x 8 system: an independent evaluation."""
+    """Compares the series with mpmath's matrix exponential of the augmented 8 x 8 system, an independent evaluation."""
     s = System(parameters)
     a = mp.zeros(8)
     for i in range(3):

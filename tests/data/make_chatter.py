@@ -3,9 +3,9 @@
 
 Regenerate with `python3 tests/data/make_chatter.py` (needs mpmath; about two CPU minutes; reproducible).
 
-Every impact is located exactly until the approach speed is under 1e-30 of the first one; the rest of the series
-(duration 2 v / (a (1 - kappa)), under 1e-29) is summed and the rest mode is integrated exactly from there. With
-kappa = 0 the first impact merges at once; kind `start` begins at rest on the stop, pressed.
+Every impact is located exactly until the approach speed is below 1e-30 of the first one; the rest of the series
+(duration 2 v / (a (1 - kappa)), below 1e-29) is summed, and the rest mode is integrated exactly from there. With
+kappa = 0 the first impact merges at once; kind `start` begins at rest, pressed against the stop.
 
 Columns: id, kind (chatter, merge, start), set, side, the 13 parameters (SI), t0 (start time, s), x1..v3 (start), first
 (first impact - t0, s) and first_speed (m/s), empty for `start`; rest (end of the chatter - t0, s), r_x1..r_v3 (state
@@ -42,12 +42,12 @@ KAPPAS = (0.0, 0.1, 0.3, 0.5, 0.75, 0.9)
 
 
 def chatter(s, y, t, side, limit):
-    """Follows the impacts; ((first instant, speed), end of the chatter, state there), or None when it is not complete
+    """Follows the impacts; returns ((first instant, speed), end of the chatter, state there), or None if it is not complete
     before `limit`."""
     first = None
     touching, reach = 0, limit
     while True:
-        # A short span first, as rebounds become far shorter than a period.
+        # A short span first, because rebounds become far shorter than a period.
         hit = s.first_contact(y, t, min(limit, reach), touching)
         if hit is None and reach < limit:
             hit = s.first_contact(y, t, limit, touching)
@@ -107,7 +107,7 @@ def draw(rng, quick, side, kind):
 
 
 def solve(rng, parameters, kind, side, want_release):
-    """One row after the parameters, or None."""
+    """The values of a row after the parameters, or None."""
     quick, s = System(parameters, float), System(parameters)
     period = s.period()
     t0 = rng.uniform(0, 2) * period
@@ -121,7 +121,7 @@ def solve(rng, parameters, kind, side, want_release):
             return None
         y, t_rest, first, first_speed = [mpf(a) for a in start], mpf(t0), None, None
     else:
-        # A quick check: the series must end well before the pressing does.
+        # A quick check: the series must end well before the block stops being pressed.
         speed = max(abs(start[4] - start[3]), math.sqrt(2 * pressing * (quick.gap - abs(start[1] - start[0]))))
         if 2 * speed / (pressing * max(1 - quick.kappa, 0.05)) > period * 0.6:
             return None
@@ -137,7 +137,7 @@ def solve(rng, parameters, kind, side, want_release):
         if let_go is None:
             return None
         t_go, y_go = let_go
-        # The root of the third-order departure is not divided out: a little flight first, then a
+        # The root of the third-order departure is not divided out: a short flight first, then a
         # search.
         leave = t_go + period / 1000
         y_leave = s.flow(FLIGHT, y_go, t_go, leave)

@@ -3,9 +3,9 @@
 
 Regenerate with `python3 tests/data/make_grazing.py` (needs mpmath; 7 CPU minutes on a busy machine; reproducible).
 
-A state at the top of the flight is drawn: w = side (1 + depth) L, w' = 0, side w'' < 0, and flown back in time,
-without stops, over a span in which the flight touches none. The start is rounded to doubles; every expected value is
-then computed anew from those doubles. Kinds: `short` starts 0.03-0.4 periods before the top, `long` 1.02-1.5 periods,
+A state at the top of the flight is drawn: w = side (1 + depth) L, w' = 0, side w'' < 0. It is integrated backwards, without stops,
+over a span in which the flight touches none. The start is rounded to doubles; every expected value is
+then computed from these doubles. Kinds: `short` starts 0.03-0.4 periods before the top, `long` 1.02-1.5 periods,
 `stop` exactly on a stop and leaving it, as after an impact.
 
 Columns: id, kind, set, side, depth (nominal, of L; negative: misses), the 13 parameters (SI), t0 (start time, s),
@@ -58,8 +58,8 @@ def draw(rng, quick, side, depth, calm):
 
 
 def last_touch(quick, y, t, span, side, depth):
-    """Goes back from the top in floats: when the flight without stops was last outside |w| < L before the touch
-    at the top, or None when it stayed inside for the whole span. Also the time at which the touch begins."""
+    """Goes back from the top in floats; returns when the flight without stops was last outside |w| < L before the touch
+    at the top, or None if it stayed inside for the whole span, and the time at which the touch begins."""
     n = max(40, int(span / quick.window * 3))
     h, inside, begun = -span / n, depth < 0, None
     for k in range(n):
@@ -73,7 +73,7 @@ def last_touch(quick, y, t, span, side, depth):
 
 
 def candidate(rng, parameters, kind, side, depth):
-    """Start time and state in doubles, and the time from start to the top; None when the draw does not fit."""
+    """Start time and state in doubles, and the time from start to the top; None if the draw does not fit."""
     quick, exact = System(parameters, float), System(parameters)
     period = quick.period()
     t0 = rng.uniform(0, 3) * period
@@ -86,7 +86,7 @@ def candidate(rng, parameters, kind, side, depth):
     if acceleration > -0.02 * quick.gap * rate**2:
         return None
     begun, left = last_touch(quick, y, float(top), span, side, depth)
-    # Built again in full precision: the depth must not be lost to rounding.
+    # Evaluated again in full precision, so that the depth is not lost to rounding.
     y = [mpf(a) for a in y]
     y[1] = y[0] + side * (1 + mpf(depth)) * exact.gap
     if kind != "stop":
@@ -127,7 +127,7 @@ def peak(s, y, t0, guess):
 
 
 def solve(parameters, t0, start, span, side, depth):
-    """Expected values, or None when the flight has another contact or does not fit."""
+    """Expected values, or None if the flight has another contact or does not fit."""
     s = System(parameters)
     period = mpf(s.period())
     y = [mpf(a) for a in start]
@@ -141,8 +141,8 @@ def solve(parameters, t0, start, span, side, depth):
     if depth < 0:
         if hit is not None:
             return None
-        # Nowhere else does the flight come as close: a stop moved in by 1e-14 is first met just
-        # before the top.
+        # Nowhere else does the flight come as close: a stop moved inwards by 1e-14 is first hit
+        # just before the top.
         level = (s.gap - clearance) * (1 - mpf(10) ** -14)
         if touching == 0:
             closest = s.first_contact(y, t0, top, 0, level)

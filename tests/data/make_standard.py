@@ -7,12 +7,12 @@ Regenerate with `python3 tests/data/make_standard.py` (needs mpmath; about a min
     e = 0.1, L = 1, kappa = 0.75, start x = (0, 0.9, 0), v = (0, 0.5, 0)
 
 Two versions: `decimal` takes these decimal numbers as exact (k23 = 0.002, c1 = 0.04, ...) and gives states at exactly
-2 pi n; `double` takes the doubles that `Groups::weak(0.1, 0.75, 1.5, 0, 0.4, 0.2, 0, 0.4).to_parameters(..)` yields and
-gives states at the doubles n * TAU. Their difference is what rounding the parameters costs.
+2 pi n; `double` takes the doubles that `Groups::weak(0.1, 0.75, 1.5, 0, 0.4, 0.2, 0, 0.4).to_parameters(..)` returns and
+gives states at the doubles n * TAU. Their difference is the effect of rounding the parameters.
 
 standard_<version>_periods.csv: period n, t, x1..v3, impacts (count so far).
 standard_<version>_impacts.csv: number (from 1), t, side, speed (approach), impulse, x1..v3 (state just after).
-The decimal version is followed on to period 500 and compared with an end state that was certified by interval arithmetic.
+The decimal version continues to period 500 and is compared with an end state that was certified by interval arithmetic.
 """
 
 import math
@@ -24,7 +24,7 @@ from exact import FIELDS, FLIGHT, STATE, System, check_against_expm, write
 
 mp.dps = 60
 PERIODS = 20
-# By an interval-arithmetic certificate: from period 500 on the state at whole periods is the same
+# Certified by interval arithmetic: after period 500, the state at whole periods is constant
 # to 15 digits.
 SETTLED = 500
 CERTIFIED = """-0.4253110842429075 0.2872634800253607 0.4900836440556809
@@ -45,7 +45,7 @@ def double():
 
 
 def follow(s, times, start):
-    """States at the times and all impacts before the last of them."""
+    """States at the times, and all impacts before the last of these times."""
     y = [mpf(0), start, mpf(0)]
     y += [mpf(0), mpf("0.5"), mpf(0)]
     t, touching, states, impacts = mpf(0), 0, [], []
@@ -59,8 +59,8 @@ def follow(s, times, start):
             impulse = (1 + s.kappa) * s.m1 * s.m2 / (s.m1 + s.m2) * speed
             t, touching = at, side
             impacts.append([t, side, speed, impulse, *y])
-            # A pressed block would end in rest; this work has none in these periods, and says so if
-            # it had.
+            # A pressed block would come to rest; this does not happen in these periods, which the
+            # assertion checks.
             assert speed > mpf(10) ** -12
         y, t, touching = s.flow(FLIGHT, y, t, end), end, 0
         states.append((y, len(impacts)))

@@ -1,4 +1,4 @@
-"""The sweep on dask: equal to one without dask, for any number of workers, and if one is killed midway."""
+"""The sweep on dask: equal to a sweep without dask, for any number of workers, and if a worker is killed midway."""
 
 import os
 import signal
@@ -32,7 +32,7 @@ def fmu():
 
 @pytest.fixture(scope="module")
 def alone(fmu, tmp_path_factory):
-    """The rows, computed one after the other without dask."""
+    """The rows, computed sequentially without dask."""
     folder = fmpy.extract(str(fmu), unzipdir=str(tmp_path_factory.mktemp("fmu")))
     measure = replace(MEASURE, model=(folder, fmpy.read_model_description(folder)))
     points = dask_sweep.grid(AXES, {})
@@ -56,10 +56,10 @@ def measure(request, fmu, tmp_path_factory):
     return replace(MEASURE, model=(folder, fmpy.read_model_description(folder)))
 
 
-# Error of the largest of 64 samples a period, which may miss a corner at an impact.
+# Error of the largest of 64 samples per period, which may miss a corner at an impact.
 SAMPLES = 0.02
-# Error of counts and sums that the FMU makes between its communication points, which are whole
-# periods up to rounding.
+# Error of counts and sums that the FMU accumulates between its communication points, which are
+# whole periods up to rounding.
 COUNTED = 1e-6
 
 
@@ -81,7 +81,7 @@ def test_the_start_is_that_of_the_command_line_in_the_scales_of_the_point(measur
     row = measure.row({**scales, "drive.frequency": 63.0, "drive.amplitude": 50.0})
     assert row["block.v"] == pytest.approx(0.01 * 4000.0**0.5, rel=1e-15)
     assert [row[name] for name in dask_sweep.START if name != "block.v"] == [0.0] * 5
-    # Another start is used as given.
+    # A different start is used as given.
     assert measure.row({"block.v": 0.25, "box.s": 0.1})["block.v"] == 0.25
 
 
@@ -103,7 +103,7 @@ def test_a_failed_point_is_a_row_with_its_reason(fmu, tmp_path, way):
 
 
 class Slowly(dask_sweep.FmuMeasure):
-    """Leaves a mark for each point begun, and gives the test time to kill its worker."""
+    """Leaves a mark for each point that has begun, and gives the test time to kill its worker."""
 
     def run(self, point):
         with open(os.environ["SWEEP_MARKS"], "a") as marks:
@@ -191,7 +191,7 @@ def test_a_machine_s_file_has_the_rows_of_one_process(tmp_path):
 
 
 def test_parts_of_a_killed_worker_are_computed_again(tmp_path):
-    """Of a study by `executor=`: a worker is killed while it computes, and the rows are those of one process."""
+    """For a study with `executor=`: a worker is killed during the computation, and the rows equal those of one process."""
     import threading
 
     import numpy as np

@@ -1,4 +1,4 @@
-"""Every script in examples/ does what its first lines say, and its types are right."""
+"""Every script in examples/ does what its first lines describe, and its types are correct."""
 
 import os
 import subprocess
@@ -39,7 +39,7 @@ def test_types_are_strict():
 
 
 def test_groups_are_those_of_the_fmu(fmu):
-    """Groups in both directions, in odd scales; three of them against the FMU's own calculated parameters."""
+    """Groups in both directions, in arbitrary scales; three of them compared with the FMU's calculated parameters."""
     scales = vibro.Scales(mass=2.0, stiffness=450.0, length=0.004)
     groups = vibro.Groups(0.12, 0.6, 1.3, -0.7, 0.9, 0.05, 0.3, 0.8, 9.0)
     parameters = groups.parameters(scales)
@@ -55,7 +55,7 @@ def test_groups_are_those_of_the_fmu(fmu):
 
 
 def test_scales_change_units_alone(fmu):
-    """In other scales the groups give the motion in gaps that they give in unit scales, and as many impacts."""
+    """In other scales, the groups give the same motion in units of the gap, and the same number of impacts."""
     runs = []
     for scales in (vibro.Scales(), vibro.Scales(2.0, 200.0, 0.01)):
         start = {**vibro.Groups(f10=1.8).parameters(scales), "block.v": 0.3 * scales.length * scales.frequency}
@@ -87,7 +87,7 @@ def test_step_to_impacts(fmu):
 
 
 def test_unstable_orbit(fmu, tmp_path):
-    """Against the largest multiplier, which `vibro orbit` computes from the exact flow, independently of the FMU."""
+    """Compared with the largest multiplier, which `vibro orbit` computes from the exact flow, independently of the FMU."""
     orbit, picture = Path(os.environ["VIBRO_ORBIT"]), tmp_path / "unstable.png"
     out = run("unstable_orbit.py", "--fmu", fmu, "--orbit", orbit, "--output", picture)
     growth = [float(line.split()[-1]) for line in out.splitlines() if line.startswith("growth per period")]

@@ -1,4 +1,4 @@
-"""Fixtures of the tests. `cargo test` sets the two environment variables; by hand, build the FMU first."""
+"""Fixtures of the tests. `cargo test` sets the two environment variables; to run by hand, build the FMU first."""
 
 import os
 from pathlib import Path
@@ -22,7 +22,7 @@ def fmu() -> str:
 
 @pytest.fixture(scope="session")
 def fmu3(fmu) -> str:
-    """Path of the packaged FMU of FMI 3.0, which lies beside."""
+    """Path of the packaged FMU of FMI 3.0, which is next to the FMI 2.0 FMU."""
     return fmu.replace(".fmu", "-FMI3.fmu")
 
 
@@ -52,7 +52,7 @@ def period(description) -> float:
 
 
 class Instance:
-    """An instance with access by name, and the messages it logged."""
+    """An instance with access by name, and its log messages."""
 
     def __init__(self, folder, description, name, logging=True):
         self.log = []

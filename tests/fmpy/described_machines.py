@@ -1,7 +1,7 @@
-"""Runs archives of described machines in FMPy: as they are, bit for bit as the engine moves, by CVode, and with a parameter set.
+"""Runs archives of described machines in FMPy: unchanged and bit-identical to the engine, by CVode, and with a parameter set.
 
 `python described_machines.py FOLDER NAME... -- NAME...`: the folder has `NAME.fmu`, `NAME-FMI3.fmu` and `NAME.csv`, the engine's motion.
-Those behind the dashes run bit for bit in Co-Simulation alone.
+Machines after the dashes are only run bit for bit in Co-Simulation.
 """
 
 import sys
@@ -11,18 +11,18 @@ import fmpy
 import numpy as np
 from fmpy.validation import validate_fmu
 
-# A tenth of a second of the fall of a ball.
+# Rounding in a tenth of a second of the fall of a ball.
 ROUNDING = 1e-14
-# CVode's relative tolerance, and the allowed difference relative to each variable's largest value:
+# CVode's relative tolerance, and the accepted difference relative to each variable's largest value:
 # errors grow from event to event, and a flank of 200 MN/m amplifies them.
 TOLERANCE = 1e-10
 EXCHANGE = 1e-5
-# Part of the run that is also made in Model Exchange by CVode.
+# Fraction of the run that is also made in Model Exchange by CVode.
 PART = 0.1
 
 
 def check(archive: Path, expected: np.ndarray, **how: bool) -> None:
-    """A run at the communication points of the description, against the engine's motion."""
+    """A run at the communication points of the description, compared with the engine's motion."""
     names = list(expected.dtype.names[1:])
     result = fmpy.simulate_fmu(
         str(archive),
@@ -33,7 +33,7 @@ def check(archive: Path, expected: np.ndarray, **how: bool) -> None:
         **how,
     )
     if how:
-        # Events are points of their own then, and split the steps in which sums are rounded.
+        # Events are then separate points, and split the steps in which sums are rounded.
         assert len(result) >= len(expected), f"{archive.name} {how}: {len(result)}"
         return
     assert len(result) == len(expected), f"{archive.name}: {len(result)}"
@@ -43,7 +43,7 @@ def check(archive: Path, expected: np.ndarray, **how: bool) -> None:
 
 
 def check_exchange(archive: Path, expected: np.ndarray) -> None:
-    """The first part of the run in Model Exchange, against the engine's motion."""
+    """The first part of the run in Model Exchange, compared with the engine's motion."""
     count = int(PART * len(expected))
     names = [name for name in expected.dtype.names[1:] if not name.endswith(".a")]
     result = fmpy.simulate_fmu(
@@ -55,7 +55,7 @@ def check_exchange(archive: Path, expected: np.ndarray) -> None:
         output_interval=expected["time"][1],
         output=names,
     )
-    # Of the rows at an event's time the last is the state after it.
+    # The last row at an event's time is the state after the event.
     last = dict(zip(result["time"], result))
     rows = [last[time] for time in expected["time"][:count]]
     for name in names:
@@ -65,7 +65,7 @@ def check_exchange(archive: Path, expected: np.ndarray) -> None:
 
 
 def check_parameter(archive: Path) -> None:
-    """A ball that falls elsewhere."""
+    """A ball that starts at another height."""
     result = fmpy.simulate_fmu(
         str(archive), start_values={"gravity": 1.62}, stop_time=0.1, output_interval=0.1, output=["ball.s"]
     )

@@ -1,9 +1,9 @@
-"""The model once more, written from its equations alone: DOP853 in flight, impacts by event."""
+"""An independent model, written from its equations alone: DOP853 in flight, impacts by event."""
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-TOLERANCE = 1e-12  # the tightest DOP853 holds in double precision
+TOLERANCE = 1e-12  # the tightest that DOP853 supports in double precision
 
 
 def simulate(p, state, times, f=(0.0, 0.0, 0.0), offset=0.0):
@@ -12,7 +12,7 @@ def simulate(p, state, times, f=(0.0, 0.0, 0.0), offset=0.0):
     p      start values by variable name
     state  state at times[0]
     f      loads on the three bodies, constant or a function of time
-    offset the middle of the gap above the place where the coupling spring leaves the block
+    offset the distance of the middle of the gap above the block's position with relaxed coupling spring
     """
     loads = f if callable(f) else lambda t: f
     m1, m2, m3 = p["box.m"], p["block.m"], p["secondary.m"]
@@ -41,7 +41,7 @@ def simulate(p, state, times, f=(0.0, 0.0, 0.0), offset=0.0):
     now, y = times[0], np.array(state, dtype=float)
     done = 0
     while done < len(times):
-        # No step is so long that it contains a whole short contact.
+        # No step is long enough to contain a whole short contact.
         step = 0.02 * 2.0 * np.pi / p["drive.frequency"]
         run = solve_ivp(flight, (now, times[-1]), y, "DOP853", times[done:], events=(upper, lower),
                         rtol=TOLERANCE, atol=TOLERANCE, max_step=step)

@@ -1,7 +1,7 @@
-"""Packs the bouncing ball of the doors' examples for both versions and runs it in FMPy: both interface types, and event mode.
+"""Packs the bouncing ball of the doors' examples for both versions and runs it in FMPy: both interface types, and Event Mode.
 
 `python second_component.py FOLDER LIBRARY`: the folder has `fmi2` and `fmi3` with a `modelDescription.xml` each
-(`cargo run -p fmi-doors --example describe FOLDER`), the library is that of `cargo build -p fmi-doors --example bouncing_ball`.
+(`cargo run -p fmi-doors --example describe FOLDER`); `cargo build -p fmi-doors --example bouncing_ball` makes the library.
 """
 
 import shutil
@@ -14,7 +14,7 @@ from fmpy.validation import validate_fmu
 
 GRAVITY, RESTITUTION, HEIGHT = 9.81, 0.7, 1.0
 END = 2.0
-# Co-Simulation is exact up to rounding; CVode's tolerance is 1e-9 a step, for some two hundred
+# Co-Simulation is exact up to rounding; CVode's tolerance is 1e-9 per step, for some two hundred
 # steps.
 ROUNDING, SOLVER = 1e-13, 1e-6
 
@@ -23,7 +23,7 @@ IMPACTS = np.sqrt(2.0 * HEIGHT / GRAVITY) + np.concatenate([[0.0], np.cumsum(fli
 
 
 def height(time: float) -> float:
-    """Height of the ball by the geometric series of its flights."""
+    """Height of the ball from the geometric series of its flights."""
     bounces = np.searchsorted(IMPACTS, time)
     if bounces == 0:
         return HEIGHT - 0.5 * GRAVITY * time**2
@@ -43,11 +43,11 @@ def pack(folder: Path, library: Path) -> Path:
 
 
 def check(archive: Path, kind: str, tolerance: float, **how: bool) -> None:
-    """One run against the closed form."""
+    """A run compared with the closed form."""
     result = fmpy.simulate_fmu(
         str(archive), fmi_type=kind, stop_time=END, output_interval=0.01, relative_tolerance=1e-9, **how
     )
-    # At an impact itself the last digit of its time decides on the bounce.
+    # At the time of an impact, its last digit decides whether the ball has bounced.
     apart = np.min(np.abs(IMPACTS[:, None] - result["time"][None, :]), axis=0) > 1e-6
     expected = np.array([height(time) for time in result["time"]])
     error = np.max(np.abs(result["h"] - expected)[apart])

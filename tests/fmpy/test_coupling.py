@@ -19,20 +19,20 @@ import ssp  # noqa: E402
 import step_to_impacts  # noqa: E402
 import vibro  # noqa: E402
 
-# pythonfmu brings binaries for these only.
+# pythonfmu only has binaries for these.
 pythonfmu_runs = pytest.mark.skipif(
     platform.machine() not in ("x86_64", "AMD64") or sys.platform == "darwin",
     reason="pythonfmu has binaries for 64-bit Linux and Windows on x86 only",
 )
 
-# Error of the oscillator against its closed form: a few roundings.
+# Error of the oscillator relative to its closed form: a few roundings.
 ROUND_OFF = 1e-13
 
-# Sums of 4000 steps of 0.01 s that one host takes in nanoseconds: times differ by 1e-12 s, and
-# impacts by as much.
+# Sums of 4000 steps of 0.01 s, which one host counts in nanoseconds: times differ by 1e-12 s, and
+# so do impacts.
 SAME_SYSTEM = 1e-9
 
-# DOP853 at 1e-12 with impacts by event is itself off by about 1e-9 after some periods.
+# DOP853 at 1e-12 with impacts by event has an error of about 1e-9 after some periods.
 ORACLE = 1e-8
 
 
@@ -90,7 +90,7 @@ def test_coupling_errors_fall_with_the_order_of_each_master(fmu, oscillator):
 
 @pythonfmu_runs
 def test_steps_to_the_announced_events_cost_one_step_each(fmu, oscillator):
-    """No step is taken back: beside the steps to the grid there are those that end at events, some of them in two parts."""
+    """No step is repeated: apart from the steps to the grid there are only steps that end at events, some of them in two parts."""
     run = partitioned.cut_by_events(vibro.fmi3_beside(fmu), oscillator, 40, 10)
     met = 15  # impacts: at most two a period, and the start
     assert run.computed == run.steps == run.iterations <= 40 * partitioned.PERIODS + 2 * met
@@ -124,7 +124,7 @@ def test_steps_to_the_impacts_of_dop853(fmu, period):
 
 
 def test_events_of_fmi3_are_those_of_dop853(fmu, period):
-    """Both limits of each impact by another solver, and every one announced for its time."""
+    """Both limits of each impact, compared with another solver; every impact is announced for its time."""
     stop = 10 * period
     start = {"block.s": 0.9, "block.v": 0.5}
     found = list(events_fmi3.events(vibro.fmi3_beside(fmu), start, stop, period / 10))
@@ -140,7 +140,7 @@ def test_events_of_fmi3_are_those_of_dop853(fmu, period):
 
 
 def test_events_of_fmi3_with_rest_and_release(fmu, period):
-    """A chatter run closes in rest, a release follows; no law is broken at any of them."""
+    """Chatter ends in rest, followed by a release; no law is violated at any event."""
     start = {"stop.restitution": 0.3, "drive.amplitude": 0.4, "block.v": 0.3, "block.f": 0.02}
     fmu3 = vibro.fmi3_beside(fmu)
     found = list(events_fmi3.events(fmu3, start, 40 * period, period / 10))
@@ -177,7 +177,7 @@ def test_ssp_archive_is_valid_and_says_units_and_parameters(archive):
 
 @pythonfmu_runs
 def test_ssp_in_fmpy_equals_a_master_written_out(archive, fmu, tmp_path):
-    """fmpy couples by Jacobi's scheme: all step with the values of the step before, zero at first."""
+    """fmpy couples by Jacobi's scheme: all step with the values of the previous step, zero at first."""
     from pythonfmu.builder import FmuBuilder
 
     stop, step = 40.0, 0.01
@@ -213,8 +213,8 @@ STANDSTILL = 0.5  # rad/s, with which drive_train.py begins
 def in_one_piece(p, motor, stop):
     """Box, block and rotor as one system of equations: speed of the rotor and number of impacts, by DOP853 with events.
 
-    The impact law of the whole machine: the rotor resists the box's jump, so that the box has the mass m1 - (m r cos φ)²/J in it.
-    Bounces lower than 1e-9 gaps end in rest, as in any method that does not follow them without end.
+    The impact law of the whole machine: the rotor resists the box's jump, so that the box's effective mass is m1 - (m r cos φ)²/J.
+    Bounces lower than 1e-9 gaps end in rest, because no method can follow infinitely many.
     """
     m1, m2, gap, kappa = p["box.m"], p["block.m"], p["stop.gap"], p["stop.restitution"]
     inertia, eccentricity = motor["inertia"], motor["eccentricity"]
@@ -277,7 +277,7 @@ def in_one_piece(p, motor, stop):
 
 
 def coupled(fmu, motor_fmu, step, stop, impulses=True):
-    """Speed of the rotor at the end: both step with what the other gave at the end of the step before."""
+    """Speed of the rotor at the end: both step with the other's values at the end of the previous step."""
     connections = [("acceleration", "box.a"), ("impulse", "box.impulse")][: 2 if impulses else 1]
     with vibro.Slave(fmu, DAMPER) as machine, vibro.Slave(motor_fmu, MOTOR, name="motor") as motor:
         for i in range(round(stop / step)):
@@ -291,7 +291,7 @@ def coupled(fmu, motor_fmu, step, stop, impulses=True):
 
 @pythonfmu_runs
 def test_a_motor_on_the_damper_turns_as_in_the_machine_in_one_piece(fmu, tmp_path):
-    """With the impulses the coupling converges to the machine; without them to another one, however short the step."""
+    """With the impulses the coupling converges to the machine; without them to a different one, however short the step."""
     from pythonfmu.builder import FmuBuilder
 
     FmuBuilder.build_FMU(EXAMPLES / "coupling" / "drive_train.py", dest=tmp_path)

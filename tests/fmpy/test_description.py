@@ -1,4 +1,4 @@
-"""Contents of the archive's descriptions."""
+"""Content of the archive's descriptions."""
 
 import posixpath
 import zipfile
@@ -34,7 +34,7 @@ def test_every_variable_is_documented(fmu, description):
 
 
 def test_start_values_lie_within_their_range(description):
-    """fmpy does not look at this, nor does any other checker."""
+    """Neither fmpy nor any other checker tests this."""
     for v in description.modelVariables:
         if v.type == "Real" and v.start is not None:
             start = float(v.start)
@@ -69,7 +69,7 @@ def test_terminals_follow_their_schema_and_name_what_can_be_connected(fmu, versi
 
 @pytest.mark.parametrize("version", ["", "-FMI3", "-FMI3-arrays", "-FMI3-clocked"])
 def test_reference_files_are_those_of_the_manifest(fmu, version):
-    """By the attributes and roles of FMI-LS-REF 1.0.0-alpha.1, whose schema is a draft."""
+    """Compares with the attributes and roles of FMI-LS-REF 1.0.0-alpha.1, whose schema is a draft."""
     folder = "extra/org.fmi-standard.fmi-ls-ref/"
     namespace = "{http://fmi-standard.org/fmi-ls-manifest}"
     path = fmu.replace(".fmu", f"{version}.fmu")
@@ -106,7 +106,7 @@ def test_archives_of_one_build_hold_one_library(fmu):
 
 
 def test_no_file_of_fmi3_is_in_the_archive_of_fmi2(fmu):
-    """The FMI Library logs the version 3.0 of `terminalsAndIcons.xml` as fatal in an archive of FMI 2.0; the icon stays."""
+    """The FMI Library logs the version 3.0 of `terminalsAndIcons.xml` as fatal in an FMI 2.0 archive; the icon remains."""
     with zipfile.ZipFile(fmu) as archive:
         names = archive.namelist()
     assert not [name for name in names if name.startswith("terminalsAndIcons/")]
@@ -114,7 +114,7 @@ def test_no_file_of_fmi3_is_in_the_archive_of_fmi2(fmu):
 
 
 def test_the_smoke_test_runs_as_it_says(fmu):
-    """The experiment's own times and step give its reference result, to the 1e-8 m that its description promises."""
+    """The experiment's own times and step reproduce its reference result, to the 1e-8 m that its description promises."""
     folder = "extra/org.fmi-standard.fmi-ls-ref/"
     with zipfile.ZipFile(fmu) as archive:
         experiment = etree.fromstring(archive.read(folder + "smoke-test.xml")).find("Experiment")

@@ -1,4 +1,4 @@
-"""Model Exchange in fmpy's solvers against Co-Simulation."""
+"""Model Exchange in fmpy's solvers compared with Co-Simulation."""
 
 import fmpy
 import numpy as np
@@ -34,7 +34,7 @@ def end(result, names=OUTPUTS):
 
 @pytest.mark.parametrize(("tolerance", "bound"), [(1e-7, 3e-4), (1e-10, 1e-6)])
 def test_cvode_equals_co_simulation(fmu, period, tolerance, bound):
-    """Twenty periods with some forty impacts; errors grow in the transient, so the bound is above the tolerance."""
+    """Twenty periods with some forty impacts; errors grow in the transient, so the bound exceeds the tolerance."""
     stop, interval = 20 * period, period / 10
     expected = run(fmu, "CoSimulation", stop, BOUNCING, output_interval=interval)
     result = run(

@@ -1,4 +1,4 @@
-"""The archive of FMI 3.0 in fmpy: the protocol of events in its four forms, against FMI 2.0, the native library and the laws."""
+"""The FMI 3.0 archive in fmpy: the four forms of the event protocol, compared with FMI 2.0, the native library and the laws."""
 
 import csv
 import io
@@ -13,13 +13,13 @@ from fmpy.validation import validate_fmu
 
 from conftest import STATES
 
-# Rounding of velocities of about 1 m/s in the differences of the laws.
+# Rounding of velocities of about 1 m/s in the residuals of the laws.
 LAW = 1e-12
-# Steps that end at impacts cut the flow at other places: rounding, carried through the impacts of a
-# motion that is stable.
+# Steps that end at impacts divide the flow differently: rounding, propagated through the impacts of
+# a stable motion.
 CUT = 1e-9
-# A time of an impact is located to rounding of time and of the displacements, over the relative
-# speed.
+# The error of an impact's time is the rounding of time, plus the rounding of displacements over the
+# relative speed.
 LOCATED = 1e-12
 COUNTS = ("impacts.upper", "impacts.lower")
 RECORDED = (*STATES, *COUNTS, "stop.state", "energy.impact", "impacts.lastImpulse")
@@ -36,7 +36,7 @@ CASES = {
 
 
 def load(time_end):
-    """A load on the box in steps: between its jumps fmpy reads one value wherever a step begins."""
+    """A load on the box in steps: fmpy reads the same value between jumps, wherever a step begins."""
     begins = np.arange(0.0, time_end, 0.5)
     rows = [(time, 0.05 * np.sin(0.7 * begin)) for begin in begins for time in (begin, begin + 0.5)]
     return np.array(rows, dtype=[("time", float), ("box.f", float)])
@@ -50,7 +50,7 @@ def run(fmu, start, stop, event_mode=False, early_return=False, signals=None, **
 
 
 def at(rows, time):
-    """The last row of a time."""
+    """The last row at a time."""
     return rows[np.flatnonzero(np.isclose(rows["time"], time, rtol=0.0, atol=1e-9))[-1]]
 
 
@@ -59,7 +59,7 @@ def values(row, names=STATES):
 
 
 def impacts(rows):
-    """Pairs of rows at one time between which a count has changed."""
+    """Pairs of rows at one time with a changed count."""
     total = rows["impacts.upper"] + rows["impacts.lower"]
     same = (np.diff(rows["time"]) == 0.0) & (np.diff(total) > 0)
     return [(rows[i], rows[i + 1]) for i in np.flatnonzero(same)]
@@ -110,7 +110,7 @@ def test_rows_at_an_impact_obey_its_law(fmu3, description3, case):
             assert before[name] == after[name]
         assert abs(before["box.s"] - after["box.s"]) < LAW and abs(before["block.s"] - after["block.s"]) < LAW
         approach, rebound = before["block.v"] - before["box.v"], after["block.v"] - after["box.v"]
-        # A bounce that closes a chatter run ends in rest.
+        # The bounce that closes chatter ends in rest.
         assert abs(rebound + (0.0 if resting else kappa) * approach) < LAW
         momentum = [m1 * row["box.v"] + m2 * row["block.v"] for row in (before, after)]
         assert abs(momentum[0] - momentum[1]) < LAW
@@ -142,7 +142,7 @@ def test_impacts_are_those_of_the_native_library(fmu3):
 
 @pytest.mark.parametrize("version", ["", "-FMI3"])
 def test_the_default_experiment_is_the_reference_result(fmu, version):
-    """Both archives carry the same file; nine places are shipped."""
+    """Both archives contain the same file, with nine decimal places."""
     path = fmu.replace(".fmu", f"{version}.fmu")
     expected = reference(path, "default.csv")
     # The result has every fourth step of the default experiment.
@@ -157,7 +157,7 @@ def test_the_default_experiment_is_the_reference_result(fmu, version):
 
 
 class Machine:
-    """An instance of FMI 3.0 by names."""
+    """An FMI 3.0 instance with access by name."""
 
     def __init__(self, folder, description, event_mode=True, early_return=True, state=None):
         self.references = {v.name: v.valueReference for v in description.modelVariables}
@@ -224,7 +224,7 @@ def test_a_restitution_set_at_an_event_is_that_of_its_law(machine):
         one.slave.enterEventMode()
         kappa = 0.5 + 0.02 * (met % 10)
         one.set("stop.restitution", kappa)
-        # The right limit is visible at once and does not change when the event is carried out.
+        # The right limit is visible at once and does not change when the event is handled.
         shown = one.get("box.v", "block.v")
         one.slave.updateDiscreteStates()
         after = one.get("box.v", "block.v")
@@ -256,13 +256,13 @@ def test_the_reference_state_is_on_the_settled_motion(fmu, fmu3, machine, new, p
         end = period * (i + 1) / steps
         one.step(time, end - time)
         time = end
-    # Nine places of the start values, and their decay within a period.
+    # Nine decimal places of the start values, and their decay within a period.
     assert np.abs(one.get(*STATES) - begin).max() < 1e-8
 
 
 @pytest.mark.parametrize("solver, stop, interval, bound", [("CVode", 30.0, 0.5, 1e-6), ("Euler", 10.0, 1e-3, 0.02)])
 def test_model_exchange_agrees_with_co_simulation(fmu3, solver, stop, interval, bound):
-    """CVode at 1e-10; Euler, whose steps are the intervals, has an error of first order."""
+    """CVode at 1e-10; Euler, whose steps are the intervals, with an error of first order."""
     own = run(fmu3, {"block.s": 0.9, "block.v": 0.5}, stop)
     host = simulate_fmu(
         fmu3, fmi_type="ModelExchange", solver=solver, stop_time=stop, output_interval=interval, step_size=interval, relative_tolerance=1e-10,
@@ -273,7 +273,7 @@ def test_model_exchange_agrees_with_co_simulation(fmu3, solver, stop, interval, 
 
 
 def test_arrays_are_read_as_they_are_described(fmu, description3, tmp_path):
-    """They are in the archive that is asked for, and in no main one."""
+    """Arrays are in the archive on request, and in none of the main archives."""
     assert not [v.name for v in description3.modelVariables if v.dimensions]
     path = fmu.replace(".fmu", "-FMI3-arrays.fmu")
     description = fmpy.read_model_description(path)
@@ -289,7 +289,7 @@ def test_arrays_are_read_as_they_are_described(fmu, description3, tmp_path):
 
 @pytest.mark.parametrize("version", ["", "-FMI3"])
 def test_euler_at_the_default_step_ends_the_default_experiment(fmu, version):
-    """Model Exchange by Euler's rule at the step of the description, as a simple host makes it."""
+    """Model Exchange by Euler's method with the step of the description, as in a simple host."""
     path = fmu.replace(".fmu", f"{version}.fmu")
     experiment = fmpy.read_model_description(path).defaultExperiment
     rows = simulate_fmu(
@@ -303,7 +303,7 @@ def test_euler_at_the_default_step_ends_the_default_experiment(fmu, version):
 
 @pytest.mark.parametrize("logging", [False, True])
 def test_why_a_value_is_discarded_is_said_where_logging_is_on(folder3, description3, logging, capfd):
-    """FMI 3.0.2 (2.3.1) has no message at all where logging is off; the page says how to switch it on."""
+    """FMI 3.0.2 (2.3.1) forbids messages if logging is off; the page explains how to switch it on."""
     said = []
     machine = FMU3Slave(
         guid=description3.guid, unzipDirectory=folder3, instanceName="machine",

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import STATES
 
-# The bound of the contract. Half seconds are exact in binary and in libcosim's nanoseconds, so that
+# The specified bound. Half seconds are exact in binary and in libcosim's nanoseconds, so that
 # only the build may differ.
 SAME = 1e-10
 
@@ -19,7 +19,7 @@ SAME = 1e-10
 def test_equals_the_native_run(fmu, native, tmp_path):
     expected, output = native("libcosim"), tmp_path / "states.csv"
     script = Path(__file__).parents[1] / "hosts" / "drive_libcosimpy.py"
-    # In a process of its own: it is another host.
+    # In a separate process, because it is another host.
     done = subprocess.run([sys.executable, script, fmu, "0.5", str(len(expected) - 1), output],
                           capture_output=True, text=True, timeout=300,
                           env={**os.environ, "NAMES": ",".join(STATES)})

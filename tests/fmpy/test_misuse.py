@@ -13,7 +13,7 @@ ERROR = 3
 
 
 def refused(instance, call, *words):
-    """The call returns fmi2Error, and the log says why in these words."""
+    """The call returns fmi2Error, and the log gives the reason in these words."""
     instance.log.clear()
     with pytest.raises(FMICallException) as problem:
         call()

@@ -1,4 +1,4 @@
-"""The motion of the packaged FMU against the native library and against an independent integration."""
+"""The motion of the packaged FMU compared with the native library and with an independent integration."""
 
 import fmpy
 import numpy as np
@@ -8,11 +8,11 @@ from conftest import STATES
 
 PERIODS = 200
 
-# The bound of the contract. The default motion is stable, so that the rounding of communication
+# The specified bound. The default motion is stable, so that the rounding of communication
 # points (1e-13 at t = 1200 s) is not amplified; measured differences are below 1e-12.
 SAME = 1e-10
 
-# DOP853 at 1e-12 with impacts by event is itself off by about 1e-9 after ten periods with impacts.
+# DOP853 at 1e-12 with impacts by event has an error of about 1e-9 after ten periods with impacts.
 ORACLE = 1e-8
 
 STEPS = {"tenth": 1.0 / 10.0, "odd": 1.0 / 7.3, "long": 13.0}
@@ -52,7 +52,7 @@ def test_does_not_depend_on_the_communication_step(fmu, period):
 
 
 def test_equals_dop853(new, description, period):
-    """Ten periods from a start that meets both stops, with loads."""
+    """Ten periods from a start that reaches both stops, with loads."""
     start = dict(zip(STATES, (0.1, -0.3, 0.2, -0.4, 0.9, 0.3)))
     loads = {"box.f": 0.02, "block.f": -0.01, "secondary.f": 0.015}
     instance = new()
@@ -112,7 +112,7 @@ def test_input_derivatives_equal_dop853(new, description, period):
 
 
 def test_loads_of_an_off_centre_gap_equal_dop853_with_shifted_stops(new, description, period):
-    """docs/theory.md (97): the pair of loads against a model whose stops lie at unequal distances."""
+    """docs/theory.md (97): the pair of loads compared with a model with stops at unequal distances."""
     b = 0.2
     parameters = {v.name: float(v.start) for v in description.modelVariables
                   if v.causality == "parameter" and v.type == "Real"}
@@ -146,13 +146,13 @@ def test_energy_balances(new, period):
     for i in range(200):
         instance.step(i * period / 10.0, period / 10.0)
         mechanical, work, damped, impact = instance.get(*names)
-        # Round-off of accounts of about 1 J.
+        # Rounding of accounts of about 1 J.
         assert mechanical == pytest.approx(initial + work - damped - impact, abs=1e-11)
     assert impact > 0.01 and damped > 0.01
 
 
 def test_two_instances_do_not_disturb_each_other(new, period):
-    """Interleaved with different parameters and steps, each moves as it does alone."""
+    """Interleaved instances with different parameters and steps each move as they do alone."""
     step = period / 10.0
 
     def one(name, kappa):
@@ -182,7 +182,7 @@ def test_two_instances_do_not_disturb_each_other(new, period):
 
 
 def test_restored_state_continues_with_the_same_bits(new, period):
-    """Also in an instance that was never initialized (some hosts resume like that)."""
+    """Also in an instance that was never initialized, because some hosts resume that way."""
     first = new("first").initialize()
     for i in range(80):
         first.step(i * period / 7, period / 7)

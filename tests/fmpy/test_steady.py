@@ -1,4 +1,4 @@
-"""The analytical modes: against the library, and against the simulation after its transient."""
+"""The analytical modes compared with the library, and with the simulation after its transient."""
 
 import numpy as np
 import pytest
@@ -6,14 +6,14 @@ from conftest import STATES
 
 EVENT_DRIVEN, MULTIPLE_SCALES, EXACT_ORBIT = 1, 2, 3
 
-# Rounding by which the FMU's time and the table's differ; the formulas are those of one library.
+# Rounding difference between the FMU's time and the table's; both use the same formulas.
 SAME = 1e-12
 
-# Issue 4: the simulation forgets its start by the orbit's multipliers (0.9124 each half period).
+# Issue 4: the simulation forgets its start with the orbit's multipliers (0.9124 per half period).
 SETTLED = 1e-9
 
-# Deviation from one of the slopes of the errors of multiple scales over the mass ratio, by the next
-# order.
+# Deviation of the slopes of the errors of multiple scales over the mass ratio from one, because of
+# the next order.
 SLOPE = (0.9, 1.1)
 
 RATIOS = (0.1, 0.05, 0.02, 0.01, 0.005)
@@ -44,7 +44,7 @@ def basic(ratio):
 
 
 def sizes(instance, period, begin=0.0):
-    """Root mean squares of the three displacements over a period (a maximum would hang on the sampling of the corners)."""
+    """Root mean squares of the three displacements over a period (a maximum would depend on the sampling of the corners)."""
     rows = []
     for i in range(400):
         instance.step(begin + i * period / 400.0, period / 400.0)
@@ -84,13 +84,13 @@ def test_start_on_orbit_stays_on_it(new, period):
 
 
 def test_multiple_scales_are_off_by_the_order_of_the_mass_ratio(new):
-    """Against the simulation on its periodic motion."""
+    """Compared with the simulation on its periodic motion."""
     errors = []
     for ratio in RATIOS:
         settings = basic(ratio)
         period = 2.0 * np.pi / settings["drive.frequency"]
         scales = sizes(in_mode(new, MULTIPLE_SCALES, settings), period)
-        # The slow flow's time is 1/ratio; starting on the orbit there is no transient to wait for,
+        # The slow flow's time is 1/ratio; starting on the orbit avoids the transient,
         # and ten periods of the simulation would leave an orbit that is not one.
         simulated = in_mode(new, EVENT_DRIVEN, settings, orbit=True)
         simulated.step(0.0, 10.0 * period)
@@ -102,7 +102,7 @@ def test_multiple_scales_are_off_by_the_order_of_the_mass_ratio(new):
 
 
 def test_reports_the_steady_state(new):
-    """Values of an independent prototype, kept as golden ones."""
+    """Values of an independent prototype, as golden values."""
     instance = in_mode(new, EVENT_DRIVEN)
     assert instance.get("steady.A3")[0] == pytest.approx(1.030523031, abs=1e-9)
     impulse, radius = instance.get("steady.impulse", "steady.spectralRadius")

@@ -1,6 +1,6 @@
-"""Jacobians of the FMI 3.0 FMU by casadi: drive_casadi.py FMU; prints what adjoint derivatives and differences are off.
+"""Jacobians of the FMI 3.0 FMU by casadi: drive_casadi.py FMU; prints the errors of adjoint derivatives and differences.
 
-casadi builds a Jacobian from directional derivatives, from adjoint ones, or by differences; all three are of the same state
+casadi builds a Jacobian from directional derivatives, from adjoint derivatives, or by differences. All three refer to the same state
 derivatives and outputs, in flight: casadi passes no start states, and handles no events.
 """
 
@@ -11,8 +11,8 @@ import zipfile
 import casadi
 import numpy as np
 
-# Of the state derivatives and of outputs that are no state derivative: casadi takes no variable
-# twice, and Float64 only.
+# The state derivatives, and outputs that are not state derivatives: casadi accepts no variable
+# twice, and only Float64.
 OUTPUTS = ["stop.s", "stop.v", "stop.force", "coupling.f", "energy.mechanical"]
 WAYS = {
     "directional": {"uses_adjoint_derivatives": False},

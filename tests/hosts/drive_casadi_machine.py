@@ -1,7 +1,7 @@
-"""A machine of a file by casadi: drive_casadi_machine.py FMU STEP STEPS OUTPUT START…; states and accelerations as a table.
+"""A machine of a file in casadi: drive_casadi_machine.py FMU STEP STEPS OUTPUT START…; states and accelerations as a table.
 
-casadi finds derivatives from states that it sets one by one and hands them to CVode; it handles no events and passes no start states,
-so that the starts come from outside and the run ends before the first event.
+casadi computes derivatives from states that it sets one by one, and passes them to CVode. It handles no events and passes no start states,
+so that the starts are given as arguments and the run ends before the first event.
 """
 
 import csv
@@ -12,7 +12,7 @@ import zipfile
 
 import casadi
 
-RELATIVE, ABSOLUTE = 1e-10, 1e-14  # the latter beside strokes of a micrometre
+RELATIVE, ABSOLUTE = 1e-10, 1e-14  # the absolute tolerance is relevant for displacements of a micrometre
 fmu, step, steps, output, *starts = sys.argv[1:]
 states = [name for name in os.environ["NAMES"].split(",") if not name.endswith(".a")]
 values = dict(zip(states, map(float, starts)))

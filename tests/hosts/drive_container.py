@@ -1,8 +1,8 @@
 """A container of both FMUs by fmu-manipulation-toolbox, run by fmpy: drive_container.py FMU2 FMU3 STEP STEPS OUTPUT.
 
-The container steps the FMU of FMI 3.0, that of FMI 2.0 and a watch (an FMU by pythonfmu) side by side. It enters Event Mode
-after a step that says so, and shortens the next one to the event that is announced. The watch counts the steps, and the
-impacts at which one ended. Writes the states of both machines as CSV, one below the other, and prints the number of steps,
+The container steps the FMI 3.0 FMU, the FMI 2.0 FMU and a watch (an FMU by pythonfmu) in parallel. It enters Event Mode
+after a step that reports an event, and shortens the next step to the announced event. The watch counts the steps, and the
+impacts at which a step ended. Writes the states of both machines as CSV, one below the other, and prints the number of steps,
 of impacts at which a step ended, and of impacts.
 """
 

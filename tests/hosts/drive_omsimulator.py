@@ -1,7 +1,7 @@
 """Runs the FMU in OMSimulator: drive_omsimulator.py FMU STEP STEPS OUTPUT [NAME=VALUE ...]; writes a CSV of the variables in
 the environment's NAMES.
 
-Every variable is recorded, locals too, as OMSimulator does unless told otherwise: it reads each as a scalar.
+Every variable is recorded, including locals, as OMSimulator does by default: it reads each as a scalar.
 """
 
 import csv

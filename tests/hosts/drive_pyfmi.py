@@ -1,7 +1,7 @@
 """Runs the FMU in PyFMI: drive_pyfmi.py FMU STEP STEPS OUTPUT WAY [NAME=VALUE ...]; writes a CSV of the variables in
 the environment's NAMES.
 
-WAY is CoSimulation, or CVode for Model Exchange. Everything is recorded, as PyFMI does unless told otherwise: a variable that it
+WAY is CoSimulation, or CVode for Model Exchange. Everything is recorded, as PyFMI does by default: a variable that it
 cannot record ends the run.
 """
 
@@ -32,7 +32,7 @@ with tempfile.TemporaryDirectory() as folder:
     result = model.simulate(final_time=float(step) * int(steps), options=options)
     with open(output, "w") as file:
         print("time", *NAMES, sep=",", file=file)
-        # Two rows of one time are the two sides of an event; the later one counts, as in the other
+        # Two rows at one time are the two sides of an event; the later row counts, as in the other
         # hosts.
         for row in zip(result["time"], *(result[name] for name in NAMES)):
             print(*(repr(float(value)) for value in row), sep=",", file=file)

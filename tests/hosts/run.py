@@ -1,13 +1,13 @@
-"""Runs the packaged FMUs in hosts that nobody here wrote, and writes what came out into the table of docs/fmu.md.
+"""Runs the packaged FMUs in third-party hosts, and writes the results into the table of docs/fmu.md.
 
     python3 tests/hosts/run.py [--allow-missing] [--no-page] [--only HOST ...]
 
-Each host is installed by itself under target/hosts/ (a virtual environment, or a root of `cargo install`). Needed beside
-Rust and Python >= 3.11: libclang for fmi-sim (Debian: libclang-dev) and TBB for ecos (Debian: libtbb12). A host that cannot
-be installed is named, and the command fails unless --allow-missing says that this is known.
+Each host is installed separately under target/hosts/ (a virtual environment, or a root of `cargo install`). Required in addition
+to Rust and Python >= 3.11: libclang for fmi-sim (Debian: libclang-dev) and TBB for ecos (Debian: libtbb12). If a host cannot
+be installed, the command names it and fails, unless --allow-missing is given.
 
-Four hosts are in no registry: PyFMI and OMSimulator are used where the Python that runs this can import them, fmusim and
-fmuCheck (FMI Library) where they are on PATH. They are named where they are not, and never needed.
+Four hosts are in no registry: PyFMI and OMSimulator are used if the Python that runs this script can import them, fmusim and
+fmuCheck (FMI Library) if they are on PATH. Otherwise they are listed as missing; they are never required.
 """
 
 import argparse
@@ -31,7 +31,7 @@ STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 # is exact in binary and in libcosim's nanoseconds.
 STEP, STEPS = 0.5, 1200
 
-# Co-Simulation: the bound of the contract. With exact points only the build may differ.
+# Co-Simulation: the specified bound. For exact points, only the build may differ.
 SAME = 1e-10
 
 # Model Exchange is driven over 20 s with a dozen impacts from the start.
@@ -42,13 +42,13 @@ ME_END = 20.0
 # 1e-6 after forty).
 CVODE = 1e-6
 
-# Euler's method is of first order: half the step leaves half the error, and at the smaller step it
-# is at most about h t / 2 times the accelerations, which are below 2.
+# Euler's method is of first order: half the step gives half the error; at the smaller step the
+# error is at most about h t / 2 times the accelerations, which are below 2.
 EULER_STEPS = (1 / 2000, 1 / 4000)
 EULER_RATIO = (1.6, 2.5)
 EULER = 0.005
 
-# Ways of a host of FMI 3.0 to handle events: name, flags of fmpy, flags of fmi-sim.
+# Event handling of an FMI 3.0 host: name, flags of fmpy, flags of fmi-sim.
 EVENTS = (
     ("", "", ()),
     (", Event Mode", "+event", ("--event-mode-used",)),
@@ -56,12 +56,12 @@ EVENTS = (
     (", Event Mode and early return", "+event+early", ("--event-mode-used", "--early-return-allowed")),
 )
 
-# Steps of the container, longer than most flights: what is announced lies inside the next one.
+# Steps of the container, longer than most flights: announced events lie inside the next step.
 CONTAINER_STEP, CONTAINER_STEPS = 4.0, 75
 
-# Machines of text files, beside the 3-DOF one: name, file, variables, communication step, steps,
-# how many of them are made in Model Exchange, and how many before the first event. Steps are powers
-# of two, of which sums are exact.
+# Machines of text files, in addition to the 3-DOF machine: name, file, variables, communication
+# step, number of steps, of steps made in Model Exchange, and of steps before the first event. Steps
+# are powers of two, whose sums are exact.
 ASSEMBLIES = (
     ("DamperWithBuffer", "damper_with_buffer", ("box.s", "box.v", "block.s", "block.v", "pump.s", "pump.v"), 2**-9, 1024, 100, 4),
     ("MslCoupledClutches", "msl_coupled_clutches", ("J1.s", "J1.v", "J2.s", "J2.v", "J3.s", "J3.v", "J4.s", "J4.v"), 2**-9, 768, 768, 192),
@@ -71,7 +71,7 @@ ASSEMBLIES = (
 ASSEMBLY_SAME = 1e-10
 ASSEMBLY_CVODE = 1e-5
 
-# casadi's differences are one-sided, with steps of 1e-6: the kinetic energy leaves half of that.
+# casadi's differences are one-sided, with steps of 1e-6; the kinetic energy is off by half of that.
 DIFFERENCES = 1e-6
 
 
@@ -80,7 +80,7 @@ class Missing(Exception):
 
 
 class NotFound(Exception):
-    """A host that no registry offers and that is not on this machine."""
+    """A host that no registry offers and that is not installed on this machine."""
 
 
 def run(command, timeout=3600, names=()):
@@ -93,7 +93,7 @@ def run(command, timeout=3600, names=()):
 
 
 def environment(name, *requirements):
-    """Python of the host's own virtual environment."""
+    """Python of the host's virtual environment."""
     folder = TARGET / name
     python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     stamp = folder / "complete"
@@ -135,7 +135,7 @@ def native(step, steps, start=()):
 
 
 def difference(got, expected, states=slice(1, 7)):
-    """Largest difference of those states at any communication point; all but the start must be there."""
+    """Largest difference from these states at any communication point; all points except the start must exist."""
     times = {round(row[0] * 1e6): row[states] for row in got}
     missing = [row[0] for row in expected[1:] if round(row[0] * 1e6) not in times]
     assert not missing, f"the host has no values at {missing[:5]} s"
@@ -145,7 +145,7 @@ def difference(got, expected, states=slice(1, 7)):
 
 @functools.cache
 def native_assembly(file, names, step, steps):
-    """The engine's own values at the communication points of a machine of a file."""
+    """The engine's values at the communication points of a machine of a file."""
     folder = TARGET / "native"
     run(["cargo", "run", "--quiet", "--bin", "vibro", "--", "run", ROOT / "examples/assembly" / f"{file}.toml",
          "--until", f"{step * steps!r}s", "--samples", steps, "--out", folder, "--replace"])
@@ -153,14 +153,14 @@ def native_assembly(file, names, step, steps):
 
 
 def relative(got, expected):
-    """Largest difference at any communication point in parts of each variable's largest value."""
+    """Largest difference at any communication point, relative to each variable's largest value."""
     largest = [max(abs(row[k]) for row in expected) or 1.0 for k in range(1, len(expected[0]))]
     scale = lambda rows: [(row[0], *(x / most for x, most in zip(row[1:], largest))) for row in rows]
     return difference(scale(got), scale(expected), slice(1, None))
 
 
 class Case:
-    """One run: way, largest difference from the native library, verdict, and the host's version where the name has none."""
+    """A run: way, largest difference from the native library, verdict, and the host's version unless the name has it."""
 
     def __init__(self, what, value, good, note, version=""):
         self.what, self.value, self.good, self.note, self.version = what, value, good, note, version
@@ -175,7 +175,7 @@ def euler(drive, version="2.0"):
     errors = []
     for step in EULER_STEPS:
         steps = round(ME_END / step)
-        # Displacements: an impact that comes one step late has the wrong velocity for that step.
+        # Only displacements: the velocity is wrong for a step if an impact comes one step late.
         errors.append(difference(drive(step, steps, ME_START), native(step, steps, ME_START), slice(1, 4)))
     ratio = errors[0] / errors[1]
     good = errors[1] <= EULER and EULER_RATIO[0] <= ratio <= EULER_RATIO[1]
@@ -283,7 +283,7 @@ def program_on_path(name, source):
 
 
 def importable(package, source, version):
-    """The version of a package that the Python which runs this can import."""
+    """The version of a package that the running Python can import."""
     try:
         return run([sys.executable, "-c", f"import {package}; print({version})"]).split()[-1]
     except RuntimeError as error:
@@ -356,7 +356,7 @@ def run_fmusim(fmu, fmu3):
 
 
 def by_fmu_check(fmu, names=STATES):
-    """A drive in which FMI Library must have no complaint."""
+    """A drive about which FMI Library must not complain."""
     program = program_on_path("fmuCheck", "modelica-tools/FMUComplianceChecker, with modelon-community/fmi-library")
 
     def one(step, steps, _start):
@@ -398,7 +398,7 @@ def by_script(python, script, fmu, *way, names=STATES):
 
 
 def requirements():
-    """Those of the tests, without what only the tests need."""
+    """Requirements of the tests, except the tools that only tests need."""
     lines = (ROOT / "tests/fmpy/requirements.txt").read_text().splitlines()
     return [line for line in lines if line and not line.startswith(("#", "pytest", "libcosimpy"))]
 
@@ -440,7 +440,7 @@ def assembly_ways(host, fmu, fmu3, names):
 
 
 def casadi_cases(name, file, names, step, steps, archives):
-    """A machine of a file from its start to before its first event: states, and accelerations as casadi finds them there."""
+    """A machine of a file from its start to before its first event: states, and accelerations as computed by casadi."""
     names = (*names, *(state.removesuffix(".v") + ".a" for state in names if state.endswith(".v")))
     expected = native_assembly(file, names, step, steps)
     for number, archive in zip(("2.0", "3.0"), archives):
@@ -462,7 +462,7 @@ def assembly_archives():
 
 
 def run_assemblies(host, archives):
-    """The machines of files in a host; none where it runs none."""
+    """The machines of files in a host; an empty list if it runs none."""
     cases = []
     for name, file, names, step, steps, exchanged, smooth in ASSEMBLIES:
         if host == "casadi":
@@ -489,7 +489,7 @@ HOSTS = (
 
 
 def rows_of(host, run_host):
-    """The rows of a host's table, and which of its cases differ."""
+    """The rows of a host's table, and its failed cases."""
     try:
         cases = run_host()
     except Missing as error:
@@ -543,7 +543,7 @@ def main():
 
 
 def write(place, host, rows):
-    """Puts a host's rows into a table of docs/fmu.md, which keeps those of the others."""
+    """Puts a host's rows into a table of docs/fmu.md, which keeps the rows of other hosts."""
     page = ROOT / "docs" / "fmu.md"
     text = page.read_text()
     found = re.search(rf"<!-- {place} -->\n(.*?)<!-- /{place} -->", text, flags=re.DOTALL)

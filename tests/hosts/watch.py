@@ -1,4 +1,4 @@
-"""Counts its steps, and the times of impact that were the begin of one; made into an FMU by pythonfmu."""
+"""Counts its steps, and the impact times at which a step began; made into an FMU by pythonfmu."""
 
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real
 
@@ -21,7 +21,7 @@ class Watch(Fmi2Slave):
 
     def do_step(self, current_time, step_size):
         self.steps += 1
-        # A master may report an impact a step late.
+        # A master may report an impact one step late.
         self.begins = [*self.begins[-2:], current_time]
         if self.impact != self.seen:
             self.met += any(abs(self.impact - begin) < TOLERANCE for begin in self.begins)

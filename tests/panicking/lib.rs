@@ -1,5 +1,5 @@
-//! A shared library that panics inside an FMI call, for `fmu-build/tests/loading.rs`, since the
-//! packaged one cannot.
+//! A shared library that panics inside an FMI call, for `fmu-build/tests/loading.rs`; the packaged
+//! library cannot panic on request.
 #![allow(unsafe_code)] // exported by name
 
 use vibro_paper_component::component;

@@ -1,6 +1,6 @@
-"""Whatever is asked: an answer without NaN, or an exception of the kinds that are told; the interpreter goes on.
+"""Any input gives an answer without NaN or a documented exception; the interpreter survives.
 
-`--minutes=10` tries as long as that (cargo test -p fmu-build --test python_package -- --ignored).
+`--minutes=10` runs for that time (cargo test -p fmu-build --test python_package -- --ignored).
 """
 
 import contextlib
@@ -34,7 +34,7 @@ starts = st.one_of(
     st.dictionaries(st.sampled_from(["x1", "x2", "v2", "block_s", "box_v", "no"]), mostly_fair, max_size=3),
     wild,
 )
-# Without allowed numbers of periods that take minutes.
+# Without accepted numbers of periods that would take minutes.
 few = st.one_of(st.integers(0, 12), st.integers(0, 12), wild.filter(lambda x: type(x) is not int or not 12 < x <= 10**9))
 
 
@@ -81,12 +81,12 @@ def ask(changes, start, periods, kind, values):
 
 
 class TooLong(Exception):
-    """A call that takes minutes, as with a machine whose rates are far apart."""
+    """A call that takes minutes, e.g. for a machine with widely separated rates."""
 
 
 @contextlib.contextmanager
 def seconds(most):
-    """Ends a call as Ctrl-C does, where the system has timers."""
+    """Interrupts a call as Ctrl-C does, on systems with timers."""
     if not hasattr(signal, "setitimer"):
         yield
         return

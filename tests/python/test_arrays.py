@@ -33,7 +33,7 @@ def test_second_method_rows_have_the_bits_of_machines_one_by_one():
     assert table[2][STEEL] == gaps[2] and (table[STEEL] == gaps).all() and table.shape == (5,) and len(table) == 5
     ends = vi.simulate_many(damper(), {STEEL: gaps}, until=0.3)
     assert (ends.values == vi.simulate_many([damper().replace({STEEL: a}) for a in gaps], until=0.3).values).all()
-    # Of the paper's machine: a group, a symbol, a physical parameter after groups.
+    # For the paper's machine: a group, a symbol, a physical parameter after groups.
     machine = vi.PaperMachine.from_groups(f10=1.5)
     f10, gap = np.linspace(1.0, 2.0, 4), np.linspace(0.5, 1.0, 4)
     for arrays in ({"f10": f10}, {"kappa": f10 / 4, "f10": f10}, {"L": gap}, {"stop.gap": gap, "drive.frequency": f10}, {"sigma1": f10, "L": gap}):
@@ -59,7 +59,7 @@ def test_invariant_starts_of_rows_are_those_of_their_machines():
     same = vi.simulate_many(machine, {"stop.gap": gaps}, starts=iter(starts), periods=3)
     np.testing.assert_array_equal(found.states, same.states)
     np.testing.assert_array_equal(alone.states, vi.simulate_many([machine.replace(stop_gap=gap) for gap in gaps], starts=iter(starts), periods=3).states)
-    # A row that is refused needs no start.
+    # A row that is refused requires no start.
     ends = vi.simulate_many(machine, {"kappa": [0.5, 2.0]}, starts=starts, periods=1, errors="row")
     assert ends.error[0] is None and "kappa" in ends.error[1]
     with pytest.raises(ValueError, match="starts has 1 rows: allowed is one start, or one for each of 2 motions"):
@@ -109,14 +109,14 @@ def test_arrays_are_broadcast_and_results_have_their_shape():
 
 
 def test_second_method_the_spread_of_a_number_is_its_scatter_over_windows():
-    # Windows of one chaotic motion, one after the other; a factor of three is far beyond what a
-    # deviation found from 24 windows may be off by.
+    # Consecutive windows of one chaotic motion. A standard deviation from 24 windows is accurate to
+    # far better than a factor of three.
     chaotic, window, count, factor = vi.PaperMachine.from_groups(f10=3.6), 60, 24, 3.0
     found = [chaotic.measure(["impacts"], start={"v2": 1.0}, settle=400 + window * k, periods=window) for k in range(count)]
     scatter = np.std([one["impacts"] for one in found], ddof=1)
     spread = np.median([one.spread["impacts"] for one in found])
     assert 0.0 < scatter / factor < spread < scatter * factor, (scatter, spread)
-    # A motion that repeats scatters by rounding, and the table has the same spread.
+    # A motion that repeats scatters only by rounding; the table has the same spread.
     table = vi.measure_many([vi.PaperMachine.from_groups(f10=1.5), chaotic], ["impacts"], periods=window, starts=[{"v2": 1.0}] * 2)
     assert table.spreads["impacts"][0] < 1e-9 and table["impacts.spread"][1] == found[0].spread["impacts"]
 
@@ -155,7 +155,7 @@ def test_what_is_refused_is_named(call, kind, words):
 
 
 class Counting:
-    """An executor of this process with the one method that is needed."""
+    """An executor in this process with only the required method."""
 
     def __init__(self, fail_at=None):
         self.parts, self.fail_at = 0, fail_at
@@ -196,7 +196,7 @@ def test_parts_in_a_folder_are_taken_up_again(tmp_path):
     again = Counting()
     table = vi.measure_many(damper(), arrays, NAMES, executor=again, checkpoint=folder, **OF)
     assert again.parts == 2 and list(table) == list(vi.measure_many(damper(), arrays, NAMES, **OF))
-    # All is there: nothing is computed.
+    # All parts exist: nothing is computed.
     assert list(vi.measure_many(damper(), arrays, NAMES, executor=Counting(fail_at=1), checkpoint=folder, **OF)) == list(table)
     with pytest.raises(ValueError, match="holds parts of other work, `work = "):
         vi.measure_many(damper().replace({"body.box.mass": 13.0}), arrays, NAMES, checkpoint=folder, **OF)
@@ -215,7 +215,7 @@ def test_parts_in_a_folder_are_taken_up_again(tmp_path):
     (tmp_path / "other" / "mine.txt").write_text("")
     with pytest.raises(ValueError, match="no manifest.toml"):
         vi.measure_many(damper(), arrays, NAMES, checkpoint=tmp_path / "other", **OF)
-    # Infinite and missing numbers are kept as they are.
+    # Infinite and missing numbers survive the folder.
     machine, f10 = vi.PaperMachine(), np.linspace(1, 2, 9)
     names = ["exponent", "class", "impacts"]
     found = vi.measure_many(machine, {"f10": f10}, names, checkpoint=tmp_path / "papers", **OF)

@@ -1,4 +1,4 @@
-"""The build backend puts archives into the package where they are, and leaves them out where they are not."""
+"""The build backend puts existing archives into the package and skips missing ones."""
 
 import importlib.util
 import sys
@@ -10,7 +10,7 @@ from conftest import ROOT
 
 @pytest.fixture
 def backend(monkeypatch, tmp_path):
-    """The backend, for a package and a `target/` in a folder of their own."""
+    """The backend, for a package and a `target/` in a separate folder."""
     monkeypatch.setitem(sys.modules, "maturin", types.ModuleType("maturin"))
     spec = importlib.util.spec_from_file_location("backend", ROOT / "python" / "backend.py")
     found = importlib.util.module_from_spec(spec)
@@ -39,7 +39,7 @@ def test_archives_that_are_made_go_along(backend, tmp_path, monkeypatch):
         (tmp_path / "target" / name).write_text(name)
     backend.fetch_archives()
     assert inside(tmp_path) == sorted(backend.ARCHIVES[:2])
-    # A release names the folder, and then all must be there.
+    # A release names the folder; then all archives must exist.
     monkeypatch.setenv("VIBRO_IMPACT_ARCHIVES", str(tmp_path / "target"))
     with pytest.raises(SystemExit, match="machine-kit.zip is missing: make it by `cargo run --bin fmu-build`"):
         backend.fetch_archives()

@@ -1,4 +1,4 @@
-"""Refusals name the argument, its value and the allowed values."""
+"""Errors name the argument, its value and the accepted values."""
 
 import numpy as np
 import pytest
@@ -116,7 +116,7 @@ def test_refused(call, kind, words):
 
 def test_a_motion_that_does_not_get_on_says_what_to_do():
     # A constant force presses the box against an elastic block, whose bounces are just too high to
-    # be closed.
+    # count as closed.
     machine = vi.PaperMachine(
         stop_restitution=1.0,
         box_k=0.0,

@@ -1,12 +1,12 @@
-"""Closed forms and orbits against the simulation, and against each other."""
+"""Closed forms and orbits compared with the simulation and with each other."""
 
 import numpy as np
 import pytest
 import vibro_impact as vi
 
-# Rest of the transient after 1000 periods, and a few roundings.
+# Remainder of the transient after 1000 periods, and a few roundings.
 SETTLED = 1e-9
-# Two solutions of one orbit by Newton's method and in closed form.
+# Difference of two solutions of one orbit, by Newton's method and in closed form.
 SOLVED = 1e-11
 
 
@@ -33,7 +33,7 @@ def test_approximations_are_off_by_the_mass_ratio(machine):
         for theory in (steady.multiple_scales, steady.strong_coupling):
             assert theory.stable and theory.eigenvalues.shape == (4,) and theory.multipliers.shape == (2,)
             off.append(np.abs(theory.amplitudes / steady.exact_orbit.amplitudes - 1).max())
-    # The error is of first order: half the mass ratio leaves half of it, to a third.
+    # The error is of first order: half the mass ratio halves the error, within a third.
     assert max(off) < 0.2 and all(off[i + 2] < 0.67 * off[i] for i in (0, 1))
 
 
@@ -63,7 +63,7 @@ def test_an_orbit_passed_twice_is_said_to_be_that():
     assert (once.word, once.passages, once.multiplier_periods) == ("UL", 1, 1.0)
     assert (twice.periods, len(twice.word), twice.passages, twice.multiplier_periods) == (1, 2, 2, 1.0)
     np.testing.assert_allclose(np.abs(twice.multipliers), np.abs(once.multipliers), atol=1e-9)
-    # Past the doubling the word has an orbit of its own.
+    # Beyond the period doubling, the word has an orbit of its own.
     assert machine.replace(f10=2.43).orbit("ULUL", period="2T").periods == 2
 
 
@@ -127,7 +127,7 @@ def test_many_starts_of_one_machine_and_one_by_one(machine):
     starts = [{"x2": x2, "v1": 0.1} for x2 in np.linspace(-0.9, 0.9, 9)]
     ends = vi.simulate_many(machine, starts=starts, periods=10)
     for start, s in zip(starts, ends.s):
-        # Ten periods amplify the rounding by which the two ways differ.
+        # Ten periods amplify the rounding difference between the two ways.
         np.testing.assert_allclose(machine.simulate(start=start, periods=10, per_period=1).s[-1], s, rtol=0, atol=1e-9)
     again = vi.simulate_many([machine] * 9, starts=ends.states, periods=1)
     assert again.s.shape == (9, 3) and (again.t == machine.period).all()

@@ -1,4 +1,4 @@
-"""Designs of machines of your own against closed forms."""
+"""Designs of machines of your own compared with closed forms."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import vibro_impact as vi
 
-# Error of the amplitude of a settled linear motion, and of the numbers of a best design, whose squares it is.
+# Errors: of a settled linear motion's amplitude; of a best design's numbers, which enter squared.
 SETTLED = 1e-8
 NUMBERS = 1e-5
 
@@ -34,7 +34,7 @@ def test_closed_form_the_damping_at_a_limit_of_the_force() -> None:
     assert abs(found.values["spring.mount.damping"] / exact - 1) < NUMBERS
     force, check = found.limits["amplitude.mount.f <= 0.8 N"]
     assert check == "met" and force is not None and abs(force / limit - 1) < NUMBERS
-    # Every design that was evaluated has its amplitude.
+    # Every evaluated design has the amplitude of the closed form.
     amplitudes = 1 / np.hypot(1000 - W * W, found.designs[:, 0] * W)
     assert np.allclose(found.goals, amplitudes, rtol=1e-6) and len(found.stages) == len(found.goals)
     assert abs(found.goal * math.hypot(1000 - W * W, found.values["spring.mount.damping"] * W) - 1) < SETTLED
@@ -42,7 +42,7 @@ def test_closed_form_the_damping_at_a_limit_of_the_force() -> None:
 
 
 def test_closed_form_the_worst_over_single_frequencies() -> None:
-    # The stiffness at which the amplitudes at both frequencies are equal, on either side of the resonance.
+    # The stiffness with equal amplitudes at both frequencies, below and above the resonance.
     low, high = 2 * math.pi * 7, 2 * math.pi * 9
     found = mount().replace({"spring.mount.damping": 2.0}).design(
         maximize="amplitude.engine.s", vary={"spring.mount.stiffness": (1500, 4000)}, over={"load.unbalance.frequency": [7.0, "9 Hz"]}, evaluations=20

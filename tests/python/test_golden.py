@@ -1,4 +1,4 @@
-"""The package against sets in 60 digits (golden files: tests/data, made by the scripts there)."""
+"""The package compared with golden files in 60 digits (made by the scripts in tests/data)."""
 
 import csv
 
@@ -7,19 +7,19 @@ import pytest
 import vibro_impact as vi
 from conftest import ROOT
 
-# Round-off of the gap after a flight of up to one and a half periods, states of order one: as
+# Round-off of the gap after a flight of up to one and a half periods, for states of order one; see
 # tests/golden.rs.
 GAP_ROUNDING = 2e-14
-# Of times and states, in the system's scales, after up to 150 impacts of a chatter run: as
+# Error of times and states, in the system's scales, after up to 150 impacts of a chatter run; see
 # tests/golden.rs.
 CHATTER = 1e-12
-# A rounding multiplied by 50 impacts, some of them nearly grazing: as tests/golden.rs.
+# A rounding amplified by 50 impacts, some of them nearly grazing; see tests/golden.rs.
 TWENTY_PERIODS = 5e-11
 
 
 
 def begun(time, numbers):
-    """A start at a time."""
+    """Returns a start at a time."""
     return {"time": time, **dict(zip(vi.PaperMachine().columns, numbers))}
 
 
@@ -94,7 +94,7 @@ def test_standard_work_over_twenty_periods():
 
 
 def test_special_points_in_thirty_digits():
-    # The symmetric two-impact orbit of the default set along f10: tests/theory/orbits.py has the
+    # The symmetric two-impact orbit of the default set over f10: tests/theory/orbits.py gives the
     # digits.
     branch = vi.PaperMachine.from_groups(f10=1.5).orbit("U", symmetric=True).follow("f10", 0.5, 3.0)
     special = dict(branch.special)

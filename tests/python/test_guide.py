@@ -1,6 +1,6 @@
-"""The Python blocks of docs/python.md, docs/derivatives.md, AGENTS.md and python/package/README.md run, print what is told, and draw the pictures shown.
+"""The Python blocks of docs/python.md, docs/derivatives.md, AGENTS.md and python/package/README.md run, print the shown text, and draw the shown pictures.
 
-`VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
+`VIBRO_IMPACT_UPDATE=1` rewrites the pictures.
 """
 
 import contextlib
@@ -17,13 +17,13 @@ from conftest import ROOT
 
 matplotlib.use("agg")
 
-# Mean difference of a picture relative to full brightness: on another processor chaotic motions
-# differ, and so do their dots.
+# Mean difference of a picture relative to full brightness: chaotic motions, and so their dots,
+# differ between processors.
 SAME_PICTURE = 0.02
 
 
 def blocks(page):
-    """Language, file name if there is one, and text of each block."""
+    """Language, file name if any, and text of each block."""
     return re.findall(r"```(\w*)(?: (\S+))?\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)
 
 

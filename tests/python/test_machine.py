@@ -1,4 +1,4 @@
-"""Described machines: bit-identical to the library and to the command line; refusals."""
+"""Described machines: bit-identical to the library and to the command line; errors."""
 
 import csv
 import io
@@ -13,7 +13,7 @@ import pytest
 import vibro_impact as vi
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "assembly"
-#: 1 - 1e-12: rounding of a sum of some hundred terms.
+#: Rounding of a sum of some hundred terms, relative to 1.
 ROUNDING = 1e-12
 #: Relative error of a settled motion.
 SETTLED = 1e-6
@@ -41,7 +41,7 @@ def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
     }
     machine = vi.Machine(text)
     run = machine.simulate(1.5, samples=3, derivatives=["stop.floor.gap", "friction.f.force"])
-    # It meets the floor at h = 5 after sqrt(2 h/g) = 1 s with u = 10 m/s, and leaves it with u/2.
+    # The ball falls h = 5 in sqrt(2 h/g) = 1 s, hits the floor with u = 10 m/s and leaves with u/2.
     by_gap = run.derivative("ball.s", "stop.floor.gap")
     assert not by_gap.mask.any() and np.abs(by_gap - [0.0, 0.0, 0.0, 0.75]).max() < ROUNDING
     assert np.abs(run.event_derivative("stop.floor.gap") - [0.1]).max() < ROUNDING
@@ -78,7 +78,7 @@ def test_invariant_a_motion_goes_on_from_the_end_of_another(tmp_path):
     for start in (first.end, path, str(path), dict(first.end)):
         second = machine.simulate(1.0, samples=10, start=start)
         assert second.t[0] == 0.5 and np.abs(second.values - whole.values[10:]).max() < 1e-6
-    # What is not named is the machine's own.
+    # Numbers that are not given have the machine's own values.
     assert np.array_equal(machine.simulate("500 ms", samples=1).values, first.values)
     moved = machine.simulate(times=[0.2], start={"time": 0.2, "box.v": "5 cm/s"})
     assert moved["box.v"][0] == 0.05 and moved["box.s"][0] == machine.simulate(times=[0.0])["box.s"][0]
@@ -87,7 +87,7 @@ def test_invariant_a_motion_goes_on_from_the_end_of_another(tmp_path):
 
 
 def test_closed_form_studies_begin_at_their_starts():
-    # Undamped, so that each motion keeps its amplitude: 0.6 m/s over 20/s are 3 cm.
+    # Undamped, so that each motion keeps its amplitude: 0.6 m/s over 20 rad/s is 3 cm.
     free = vi.Machine({**OSCILLATOR, "load": {}})
     starts = [{"mass.s": 0.01}, {"mass.s": 0.0, "mass.v": 0.6, "time": 3.0}]
     of = {"section": 0.1, "settle": 20}
@@ -201,10 +201,10 @@ def test_second_method_a_sweep_is_the_measures_of_all_combinations():
 
 
 def test_closed_form_exponent_of_an_oscillator():
-    # x'' + 4 x' + 400 x = 0 shrinks with e^-2t.
+    # x'' + 4 x' + 400 x = 0 decays with e^-2t.
     machine = vi.Machine({**OSCILLATOR, "spring": {"mount": {**OSCILLATOR["spring"]["mount"], "damping": "8 N s/m"}}})
     assert abs(machine.measure(["exponent"])["exponent"] + 2.0) < 1e-10
-    # A word has one meaning: `lyapunov` of either machine gives a spectrum.
+    # Both classes of machine use the same word for the spectrum.
     spectrum = machine.spectrum(periods=200)
     assert spectrum.exponents.shape == (2,) and abs(spectrum.exponents + 2.0).max() < 1e-10 and spectrum.period == 1
     assert spectrum.running.shape == (200, 2) and (spectrum.running[-1].sum() - spectrum.exponents.sum()) < 1e-10
@@ -318,12 +318,12 @@ def test_numbers_are_in_si_and_texts_have_their_units():
     assert (texts.up.value == numbers.up.value).all() and (texts.up.maxima == numbers.up.maxima).all()
 
 
-#: Machines of which the tests in Rust have written motions, sketches and archives: every kind of element, records, rotation.
+#: Machines with files from the Rust tests: every kind of element, records, rotation.
 NATIVE = ["damper_with_buffer", "gear_backlash", "msl_coupled_clutches", "valve_train"]
 
 
 def is_same(values, texts):
-    """Whether numbers are those of a table of the command line, bit for bit."""
+    """Whether numbers equal the ones in a table of the command line, bit for bit."""
     return values.tobytes() == np.array([float(text) for text in texts]).tobytes()
 
 
@@ -365,9 +365,9 @@ def test_second_method_archives_and_sketch_have_the_bytes_of_the_packager(native
 @pytest.mark.parametrize("version", [2, 3])
 def test_second_method_the_fmu_of_a_changed_machine_moves_as_simulate_says(version, tmp_path):
     machine = damper().replace({"stop.steel.gap": "5.5 mm"})
-    archive = machine.fmu(tmp_path, version)  # in a folder it has the machine's name
+    archive = machine.fmu(tmp_path, version)  # in a folder it is named after the machine
     assert archive == tmp_path / {2: "DamperWithBuffer.fmu", 3: "DamperWithBuffer-FMI3.fmu"}[version]
-    step, steps = 2.0**-10, 512  # sums of a power of two are exact, whoever makes them
+    step, steps = 2.0**-10, 512  # sums of a power of two are exact in every host
     rows = fmpy.simulate_fmu(
         str(archive), stop_time=step * steps, output_interval=step, output=["box.s", "buffer.f"], fmi_type="CoSimulation"
     )
@@ -417,7 +417,7 @@ def test_a_named_parameter_moves_all_that_follows_from_it():
     def end(backlash):
         return machine.replace(backlash=backlash).simulate(0.05)["wheel.s"][-1]
 
-    step = 1e-9  # of 0.1 mm: the differences have six digits
+    step = 1e-9  # of 0.1 mm: the differences have six correct digits
     slope = (end(1e-4 + step) - end(1e-4 - step)) / (2 * step)
     found = machine.simulate(0.05, derivatives=["backlash"]).derivative("wheel.s", "backlash")[-1]
     assert abs(found - slope) < 1e-4 * abs(slope)
@@ -426,10 +426,10 @@ def test_a_named_parameter_moves_all_that_follows_from_it():
 
 
 def test_closed_form_a_matrix_body_takes_arrays_and_sparse_matrices() -> None:
-    """Two masses of 2 kg between walls, 200 N/m of stiffness where both move alike: cos 10 t."""
+    """Two masses of 2 kg between walls, 200 N/m of stiffness if both move alike: cos 10 t."""
 
     class Sparse:
-        """What this package asks of a sparse matrix of SciPy."""
+        """The part of SciPy's sparse matrices that the package uses."""
 
         def __init__(self, dense: np.ndarray) -> None:
             self.dense = dense

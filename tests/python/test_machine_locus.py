@@ -18,12 +18,12 @@ ROUNDING = 1e-9
 
 
 def fold(e):
-    """The least amplitude of one bounce a period."""
+    """Returns the smallest amplitude of one bounce per period."""
     return np.pi * G * (1 - e) / (1 + e) / OMEGA**2
 
 
 def flip(e):
-    """The amplitude at which one bounce a period has a multiplier -1."""
+    """Returns the amplitude at which one bounce per period has the multiplier -1."""
     return np.hypot(fold(e), 2 * G * (1 + e**2) / (1 + e) ** 2 / OMEGA**2)
 
 

@@ -38,7 +38,7 @@ def test_closed_form_of_both_orbits_of_the_impact_pair():
 
 def test_an_orbit_has_its_numbers_and_a_motion_stays_on_it():
     belt = example("belt_friction.toml").orbit()
-    # Held over 2 (Fs - Fk)/k, then slipping from the belt's speed back to it.
+    # The body sticks over the distance 2 (Fs - Fk)/k, then slips from the belt's speed back to it.
     period = (np.pi + 2 * np.arctan(2.0)) / 10 + 2 * 0.005 / 0.1
     assert abs(belt.period - period) < ROUNDING and belt.periods is None and belt.stable
     assert [kind for _, kind, _ in belt.events] == ["slip", "stick"]
@@ -77,7 +77,7 @@ def test_starts_of_a_branch_lead_back_to_its_orbits():
     assert len(curve.starts) == len(curve.value)
     for i in range(3, len(curve.value) - 3, 7):
         machine = oscillator.replace({curve.name: curve.value[i]})
-        # A word alone is sought from the start on, on branches that are unstable, too.
+        # An orbit with a given word is searched from the start on, also on unstable branches.
         orbit = machine.orbit(curve.word, period=f"{curve.periods}T", start=curve.starts[i])
         assert abs(orbit.measure(curve.of) / curve.measure[i] - 1) < 1e-9, i
 
@@ -91,7 +91,7 @@ def test_second_method_basins_are_where_single_motions_settle():
         for i, s in enumerate(found.x):
             orbit = bistable.orbit(start={"box.s": s, "box.v": v})
             assert orbit.word == found.attractors[found.cells[j, i]].word
-    # A start of an attractor is on it.
+    # The start of an attractor lies on it.
     for attractor in found.attractors:
         assert bistable.orbit(start=attractor.start, settle=0).word == attractor.word
 
@@ -104,7 +104,7 @@ def test_closed_form_a_section_of_the_linear_oscillator_and_its_exponents():
     assert section.speed is None and section.values.shape == (5, len(quiet.columns))
     hits = vi.Machine(OSCILLATOR).poincare("wall", periods=7)
     assert (hits.speed > 0).all() and np.allclose(hits["box.v"], -0.8 * hits.speed)
-    # c/m, and 2 ln 0.8 an impact: one in two periods of 1/3 s.
+    # The sum is -c/m plus 2 ln 0.8 per impact, with one impact in two periods of 1/3 s.
     exponents = vi.Machine(OSCILLATOR).spectrum(periods=30).exponents
     assert abs(exponents.sum() - (-2 + 2 * np.log(0.8) * 1.5)) < 1e-9
     with pytest.raises(KeyError, match="allowed are box.s"):
@@ -120,7 +120,7 @@ def test_second_method_a_gradient_is_the_slope_of_followed_branches():
         value = damper.parameters[name]
         branch = orbit.follow(name, value * (1 - 1e-4), value * (1 + 1e-4), of="amplitude.box.s")
         slope = (branch.measure[-1] - branch.measure[0]) / (branch.value[-1] - branch.value[0])
-        # The curvature over a ten-thousandth, and the rounding of amplitudes over it.
+        # Error: the curvature over a ten-thousandth, and the rounding of amplitudes divided by it.
         assert abs(gradient[name] - slope) < 1e-5 * abs(slope), name
 
 
@@ -130,7 +130,7 @@ def test_an_unstable_orbit_is_found_by_its_word_and_period():
     for wanted in ({"word": "impact wall", "period": "1T"}, {"period": 1 / 3}):
         orbit = machine.orbit(**wanted)
         assert (orbit.word, orbit.periods, orbit.stability) == ("impact wall", 1, "unstable")
-    # The branch of the stable one at a lower frequency leads there.
+    # The branch of the stable orbit at a lower frequency leads to this orbit.
     slower = machine.replace({"load.shaker.frequency": 2.55}).orbit("impact wall", period="1T")
     branch = slower.follow("load.shaker.frequency", 2.5, 3.0, of="impact.speed.wall")
     assert abs(branch.measure[-1] - orbit.measure("impact.speed.wall")) < 1e-11

@@ -1,4 +1,4 @@
-"""The package's modules, read as text: no one imports itself by way of others, hints included."""
+"""The package's modules, read as text: none imports itself through others, even in type hints."""
 
 import ast
 import graphlib
@@ -10,7 +10,7 @@ FOLDER = pathlib.Path(vibro_impact.__file__).parent
 
 
 def imported(module):
-    """Modules of the package that one imports, under TYPE_CHECKING too."""
+    """Modules of the package that `module` imports, including imports under TYPE_CHECKING."""
     names = {path.stem for path in FOLDER.glob("*.py")}
     found = set()
     for node in ast.walk(ast.parse(module.read_text(encoding="utf-8"))):
@@ -22,5 +22,5 @@ def imported(module):
 def test_no_module_imports_itself_by_way_of_others():
     graph = {path.stem: imported(path) for path in FOLDER.glob("*.py")}
     assert graph["_paper_machine"] >= {"_paper_motion", "_paper_values"}
-    # CycleError names the circle.
+    # CycleError names the cycle.
     graphlib.TopologicalSorter(graph).prepare()

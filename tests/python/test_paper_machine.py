@@ -26,7 +26,7 @@ def test_text_pickle_and_copy_make_the_same_machine(machine):
     for other in [pasted, *pickled, copy.copy(machine), copy.deepcopy(machine)]:
         assert other == machine and hash(other) == hash(machine) and repr(other) == repr(machine)
         assert {n: getattr(other, n) for n in vi.GROUP_NAMES} == {n: getattr(machine, n) for n in vi.GROUP_NAMES}
-        # Which groups are held when a parameter changes is part of the value, too.
+        # The value also includes which groups keep their values when a parameter changes.
         assert other.replace(epsilon=0.008) == machine.replace(epsilon=0.008)
 
 
@@ -51,7 +51,7 @@ def test_of_tied_groups_the_one_set_last_is_held():
     assert weak.beta2 == 0.05 * 0.5 and weak.mu13 == 20.0
     strong = vi.PaperMachine.from_groups(beta2=0.3, mu13=1.0).replace(epsilon=0.05)
     assert (strong.beta2, strong.mu13) == (0.3, 1.0)
-    # In one call later keywords count, as in successive calls.
+    # In one call, later keywords take precedence, as in successive calls.
     assert vi.PaperMachine.from_groups(beta2=0.3).replace(alpha23=0.5).replace(epsilon=0.05) == weak.replace(alpha23=0.5)
 
 
@@ -111,16 +111,16 @@ def test_half_a_machine_warns_with_what_it_took():
 def test_constant_loads_are_parameters():
     upright = vi.PaperMachine(**DAMPER, load_block=-9.81 * 0.6)
     assert upright != vi.PaperMachine(**DAMPER) and upright.load_block == -9.81 * 0.6 and "load_block=-5.88" in repr(upright)
-    # A load that is set and one from samples agree up to rounding.
+    # A constant load as a parameter and the same load from samples agree up to rounding.
     start = {"block_s": -0.02, "block_v": 0.3}
     sampled = vi.Load("block", [0.0, 10.0], [-9.81 * 0.6] * 2)
     own, other = upright.simulate(start=start, periods=10), vi.PaperMachine(**DAMPER).simulate(start=start, periods=10, loads=[sampled])
     assert len(own.impacts) == len(other.impacts) > 2
     np.testing.assert_allclose(own.s, other.s, rtol=0, atol=1e-12)
-    # The mirror image of a motion is one under the opposite load, half a drive period later.
+    # The mirror image of a motion is a motion under the opposite load, half a drive period later.
     image = upright.replace(load_block=9.81 * 0.6, drive_phase=np.pi).simulate(start={"block_s": 0.02, "block_v": -0.3}, periods=10)
     np.testing.assert_allclose(own.s, -image.s, rtol=0, atol=1e-10)
-    # Every study has it, as a parameter too; closed forms say why they have no answer.
+    # Every study supports the load, also as its parameter; closed forms refuse it.
     diagram = upright.bifurcation(load_block=np.linspace(-6.0, 6.0, 3), periods=(5, 4), start=start)
     assert list(diagram.up.value) == [-6.0, 0.0, 6.0]
     basins = upright.basins({"block.s": (-0.02, "20 mm", 3)}, v2=(-1, 1, 3), settle=10)

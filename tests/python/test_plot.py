@@ -79,7 +79,7 @@ def test_many_periods_are_an_envelope():
     (area,) = axes.collections
     corners = area.get_paths()[0].vertices
     assert (corners[:, 1].min(), corners[:, 1].max()) == (run.s[:, 1].min(), run.s[:, 1].max())
-    # Each of the steps has four corners.
+    # Each window has four corners.
     assert 4 * 100 <= len(corners) < 4 * 110
     assert len(plot.history(M.simulate(periods=40), plt.figure().gca(), of="x2").lines) == 1
 

@@ -19,7 +19,7 @@ DAMPER = Path(__file__).parents[2] / "examples" / "assembly" / "damper_with_buff
 #: The gap of its steel stop, m.
 GAP = "stop.steel.gap"
 
-# A person notices a fifth of a second.
+# A person notices a delay of a fifth of a second.
 PROMPT = 0.2
 
 LONG = {
@@ -40,7 +40,7 @@ LONG_OF_DESCRIBED = {
 
 @pytest.fixture
 def signals():
-    """Python's own handler: a process that was started in the background may have been told to ignore Ctrl-C."""
+    """Sets Python's own handler: a process that was started in the background may ignore Ctrl-C."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     # Hypothesis times the garbage collector: a KeyboardInterrupt raised within its callback is
     # lost.
@@ -59,12 +59,12 @@ def test_a_signal_ends_a_long_call_at_once(call, signals):
     else:
         work, machine = LONG_OF_DESCRIBED[name], vi.Machine(DAMPER)
     delays = []
-    # The least time of three, as another process may hold the processor when the signal comes.
+    # The shortest of three delays, because another process may hold the processor.
     for _ in range(3):
         sent, over = [], threading.Event()
 
         def interrupt(sent=sent, over=over):
-            # Python loses a KeyboardInterrupt that it raises while an object is finalized.
+            # Python drops a KeyboardInterrupt that it raises while an object is finalized.
             while not over.wait(0.3 if not sent else 1.0):
                 sent.append(time.perf_counter())
                 os.kill(os.getpid(), signal.SIGINT)
@@ -81,7 +81,7 @@ def test_a_signal_ends_a_long_call_at_once(call, signals):
     assert min(delays) < PROMPT, delays
 
 
-#: Prints how many motions are at their end when Ctrl-C comes, and whether their rows are those of a call to the end.
+#: Prints the number of motions finished at Ctrl-C, and whether their rows are correct.
 INTERRUPTED = """
 import os, signal, sys, threading
 import vibro_impact as vi
@@ -167,7 +167,7 @@ def _end(machine):
 def test_processes_made_in_any_way(method):
     machines = [vi.PaperMachine.from_groups(f10=f10) for f10 in (1.0, 2.0)]
     machines += [vi.Machine(DAMPER).replace({GAP: gap}) for gap in (0.004, 0.05)]
-    expected = [_end(m) for m in machines]  # the parent has its threads
+    expected = [_end(m) for m in machines]  # starts the parent's threads
     with multiprocessing.get_context(method).Pool(2) as pool:
         found = pool.map_async(_end, machines).get(timeout=120)
     np.testing.assert_array_equal(found, expected)
@@ -189,7 +189,7 @@ def test_progress_is_shown_and_its_errors_end_the_call(capsys, monkeypatch):
         vi._native.paper_simulate(vi.PaperMachine()._system, [0.0] * 6, 0.0, np.arange(10.0), [], refuse)
 
 
-#: Instants whose motion does not fit into the memory that the process may have.
+#: Times whose motion does not fit into the memory limit of the process.
 TOO_MANY = """
 import resource, sys, numpy as np, vibro_impact as vi
 machine = vi.PaperMachine() if sys.argv[1] == "machine" else vi.Machine(sys.argv[1])

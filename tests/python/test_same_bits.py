@@ -9,8 +9,8 @@ import vibro_impact as vi
 
 STATES = ("box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v")
 
-# Rounding of 1e-13 at t = 600 s, as the two add communication points and steps in another order,
-# which matters unless these are binary fractions. The stable default motion does not amplify it.
+# Rounding of 1e-13 at t = 600 s: the two add communication points and steps in different order.
+# Binary fractions avoid it. The stable default motion does not amplify it.
 SAME = 1e-11
 
 
@@ -46,7 +46,7 @@ def test_library_batch(native):
     machines = [vi.PaperMachine.from_groups(f10=f10) for f10 in native["many"]["f10"]]
     ends = vi.simulate_many(machines, periods=100)
     np.testing.assert_array_equal(ends.states, native["many"]["ends"])
-    # A motion's bits depend on nothing but itself.
+    # A motion's bits depend only on the motion itself.
     np.testing.assert_array_equal(vi.simulate_many(machines[7], periods=100).states, native["many"]["ends"][7:8])
 
 
@@ -57,7 +57,7 @@ def test_library_bifurcation_diagram(native):
         np.testing.assert_array_equal(direction.value, [row["value"] for row in rows])
         assert direction.kind.tolist() == [row["kind"] for row in rows]
         np.testing.assert_array_equal(direction.impacts, [row["impacts"] for row in rows])
-        # JSON has no infinities; those of directions lost in rest are null.
+        # JSON has no infinities; exponents of directions lost at rest are null.
         exponents = [[-np.inf if x is None else x for x in row["exponents"]] for row in rows]
         np.testing.assert_array_equal(direction.exponents, exponents)
         maxima = [[i, *top] for i, row in enumerate(rows) for top in row["maxima"]]

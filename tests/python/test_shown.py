@@ -1,4 +1,4 @@
-"""Results show themselves: short texts, small pictures, tables of other packages."""
+"""Results display themselves: short texts, small pictures, tables of other packages."""
 
 import pickle
 import sys
@@ -17,7 +17,7 @@ from vibro_impact import plot
 DAMPER = vi.Machine(ROOT / "examples" / "assembly" / "damper_with_buffer.toml")
 PAPERS = vi.PaperMachine.from_groups(f10=1.5)
 STEEL = "stop.steel.gap"
-#: Largest page of a result and longest text, bytes.
+#: Largest size of a result's page and of its text, bytes.
 PAGE, TEXT = 50_000, 1500
 
 

@@ -1,4 +1,4 @@
-"""Both kinds of machine are asked in the same words; what one alone has is in the table of docs/python.md."""
+"""Both classes of machine use the same words; members of only one class are in the table of docs/python.md."""
 
 import inspect
 import pickle
@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 
 DAMPER = ROOT / "examples" / "assembly" / "damper_with_buffer.toml"
 
-#: Rounding of a motion of 5 periods in two engines, relative to the gap of 1 m.
+#: Rounding difference of a motion of 5 periods between two engines, relative to the gap of 1 m.
 ROUNDING = 1e-11
 
 
 def gaps():
-    """Names in the table of gaps of docs/python.md: of each row those of its first cell."""
+    """Returns the names in the first cells of the table of gaps of docs/python.md."""
     page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
     table = re.search(r"\| in one alone \|.*?\n\|[-| ]+\|\n((?:\|.*\n)+)", page)
     assert table, "docs/python.md has no table of what is in one alone"
@@ -32,7 +32,7 @@ def public(kind):
 
 
 def arguments(method):
-    """Names and kinds of the arguments that are asked by name."""
+    """Names and kinds of the arguments that callers give by name."""
     return {name: p.kind for name, p in inspect.signature(method).parameters.items()}
 
 
@@ -51,7 +51,7 @@ def test_methods_have_the_same_arguments_but_for_the_table(name):
     base, machine, described = map(arguments, of)
     only = set(machine) ^ set(described)
     assert only <= gaps(), "missing in the table"
-    # Shared arguments have one kind, and stand in one order.
+    # Shared arguments have the same kind and the same order.
     shared = [argument for argument in machine if argument in described]
     assert shared == [argument for argument in described if argument in machine] == list(base)
     assert all(machine[argument] == described[argument] == base[argument] for argument in shared)
@@ -82,7 +82,7 @@ def test_a_study_is_written_in_one_way(machine):
     assert run.t.shape == (31,) and run["box.s"].shape == (31,) and run.t[-1] == pytest.approx(3 * machine.period)
     assert set(machine.columns) <= set(run) and machine.start(run.end) == run.end and run.end.time == run.t[-1]
     assert machine.simulate(2.0 + run.end.time, samples=4, start=run.end).t.shape == (5,)
-    # A motion goes on from the end of another in studies too; both settle to a millionth.
+    # Studies, too, continue a motion from the end of another; both settle to a millionth.
     name = next(iter(machine.measures))
     whole, later = machine.measure([name]), machine.measure([name], start=run.end)
     assert whole[name] == pytest.approx(later[name], rel=1e-6)
@@ -102,7 +102,7 @@ def test_response_of_the_papers_machine_is_the_branches_of_settled_orbits():
     (branch,) = machine.response("f10", 1.4, 1.6, seeds=3, settle=300)
     orbit = machine.orbit(settle=300)
     at = np.interp(1.5, *zip(*sorted(zip(branch.value, (maxima[0] for maxima in branch.maxima)))))
-    # The maximum is read between points of the branch.
+    # The maximum is interpolated between points of the branch.
     assert at == pytest.approx(orbit.maxima()[0], rel=1e-3)
 
 
@@ -131,7 +131,7 @@ def test_words_mean_the_same_of_both(machine):
     assert orbit.period == pytest.approx(orbit.periods * machine.period)
     with pytest.raises(ValueError, match="period = 'banana'"):
         machine.orbit(period="banana")
-    # Without a word the orbit has the period that is asked for, or none is returned.
+    # Without a word, the orbit has the requested period, or the call raises.
     assert machine.orbit(period=f"{orbit.periods}T").periods == orbit.periods
     with pytest.raises(ValueError, match="period|no orbit"):
         machine.orbit(period="2T", tries=1)

@@ -1,5 +1,5 @@
-//! Imports among the modules of a crate (invariant): modules that stand side by side in a folder do
-//! not import each other in a circle.
+//! Imports among the modules of a crate (invariant): sibling modules in a folder do not import
+//! each other in a circle.
 
 use crate::texts::{root, shown, walk};
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,7 +17,7 @@ const KNOWN: [(&str, &[&str]); 1] = [
 
 /// An import.
 struct Import {
-    /// Whether it hands the name on: `pub use`.
+    /// Whether it re-exports the name: `pub use`.
     hands_on: bool,
     /// Path, such as `crate::flow::Series`.
     path: String,
@@ -88,7 +88,7 @@ fn imports(text: &str) -> Vec<Import> {
     found
 }
 
-/// The path from the crate's root of what a module names; `None` for another crate.
+/// The path from the crate's root of a module's name; `None` for another crate.
 fn absolute(modules: &BTreeSet<Module>, from: &[String], path: &str) -> Option<Module> {
     let segments: Vec<&str> = path.split("::").map(str::trim).collect();
     let ups = segments.iter().take_while(|own| **own == "super").count();
@@ -104,7 +104,7 @@ fn absolute(modules: &BTreeSet<Module>, from: &[String], path: &str) -> Option<M
     Some(base.iter().cloned().chain(rest.iter().map(|own| own.to_string())).collect())
 }
 
-/// The module that defines what a path from the root names, beyond modules that hand it on.
+/// The module that defines the name of a path from the root, through modules that re-export it.
 fn defining(own: &Crate, modules: &BTreeSet<Module>, path: &[String], depth: usize) -> Module {
     let length = (0..=path.len()).rev().find(|&n| modules.contains(&path[..n])).unwrap_or(0);
     let (module, rest) = path.split_at(length);
@@ -131,7 +131,7 @@ fn in_circles(graph: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
     }
 }
 
-/// By folder of a crate the modules of its circles.
+/// The modules of circles, by folder of a crate.
 fn circles(own: &Crate) -> Vec<BTreeSet<String>> {
     let modules: BTreeSet<Module> =
         own.keys().flat_map(|module| (0..=module.len()).map(|n| module[..n].to_vec())).collect();
@@ -202,7 +202,7 @@ fn closed_form_circles_of_small_crates_are_found() {
     let b = ("b", "use crate::c::{D, E as F};\n");
     assert!(made(&[root, ("a", "use crate::b::B;\n"), b, ("c", "")]).is_empty());
     assert_eq!(made(&[root, ("a", "use crate::b::B;\n"), b, ("c", "fn f() { crate::a::g() }\n")]), ["a b c"]);
-    // A child that uses its parent's items is none; children that use each other through it are.
+    // A child that uses its parent's items is no circle; children that use each other are one.
     let parent = ("a", "mod x;\nmod y;\npub use x::X;\nuse y::Y;\n");
     let (x, y) = (("a/x", "use super::{A, Y};\nuse super::y::Y;\n"), ("a/y", "use super::A;\n"));
     assert!(made(&[root, parent, x, y]).is_empty());

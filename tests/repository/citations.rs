@@ -1,4 +1,4 @@
-//! Citations lead somewhere (invariant): documents, equations, sections, tests.
+//! Citations have targets (invariant): documents, equations, sections, tests.
 
 use crate::texts::{all, root, shown};
 use std::collections::BTreeSet;
@@ -110,8 +110,8 @@ fn invariant_every_equation_that_is_cited_is_on_its_page() {
             let last = before.strip_suffix(" of ").and_then(|b| leading_label(&b[b.rfind('(')?..]));
             found.extend(last.map(|(label, _)| label));
         }
-        // Labels with a letter belong to one page each. On these pages any other is one of the
-        // theory page.
+        // Labels with a letter belong to one page each. On these pages any other label is one of
+        // the theory page.
         let bare = ["theory.md", "numerics.md", "guarantees.md"].iter().any(|page| path.ends_with(page));
         found.extend(labels(&text).filter(|label| bare || label.starts_with(['A', 'N'])));
         cited += found.len();
@@ -193,8 +193,8 @@ fn cited_sections(before: &str, after: &str) -> Vec<usize> {
     numbers.concat()
 }
 
-/// Numbers of a page's own sections that the page cites, without those of other pages and of the
-/// paper.
+/// Numbers of a page's own sections that the page cites, without sections of other pages and of
+/// the paper.
 fn own_sections(page: &str) -> Vec<usize> {
     let own = page.match_indices("section").filter(|(at, _)| {
         let before = page[..*at].trim_end_matches([' ', '(', ',', ')']);

@@ -1,4 +1,4 @@
-//! Citations of the FMI standard (invariant): each clause is there and defines what is said.
+//! Citations of the FMI standard (invariant): each clause exists and defines the cited names.
 
 use crate::citations::{LINKS, flowing};
 use crate::texts::{all, shown};
@@ -22,7 +22,7 @@ fn leading_clauses(mut text: &str) -> Vec<&str> {
     }
 }
 
-/// Functions and types in backquotes right before the bracket in which a text ends.
+/// Functions and types in backquotes right before the bracket at the end of a text.
 fn named_before(text: &str) -> Vec<&str> {
     let Some((mut text, bracket)) = text.rsplit_once('(') else { return Vec::new() };
     let mut names = Vec::new();
@@ -51,7 +51,7 @@ fn cited_clauses(text: &str) -> Vec<Citation<'_>> {
     cited.collect()
 }
 
-/// Functions of a door's tables, with the clauses that head them.
+/// Functions of a door's tables, with the clauses above them.
 fn headed_clauses<'t>(text: &'t str, version: &'t str) -> Vec<Citation<'t>> {
     let (mut clauses, mut cited) = (Vec::new(), Vec::new());
     for line in text.lines().map(str::trim) {
@@ -67,8 +67,8 @@ fn headed_clauses<'t>(text: &'t str, version: &'t str) -> Vec<Citation<'t>> {
     cited
 }
 
-/// Version, number and title of each listed clause; the names that it defines follow a colon in the
-/// title.
+/// Version, number and title of each listed clause; the names that it defines follow a colon in
+/// the title.
 fn listed_clauses() -> Vec<(&'static str, &'static str, &'static str)> {
     let lines = CLAUSES.lines().filter(|line| !line.starts_with('#'));
     let parts = lines
@@ -78,7 +78,7 @@ fn listed_clauses() -> Vec<(&'static str, &'static str, &'static str)> {
         .collect()
 }
 
-/// Errors of a citation: missing clauses, and names that other clauses define.
+/// Errors of a citation: missing clauses, and names defined by other clauses.
 fn problems((version, clauses, names): &Citation<'_>, listed: &[(&str, &str, &str)]) -> Vec<String> {
     let there = |clause: &str| listed.iter().any(|(v, c, _)| v == version && *c == clause);
     let missing = clauses.iter().filter(|clause| !there(clause));
@@ -120,8 +120,8 @@ fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
     assert!(wrong.is_empty(), "not so in the standard: {wrong:#?}");
     println!("{cited} citations, {named} names");
     assert!(cited > 200 && named > 150, "{cited} citations, {named} names");
-    // The parts of a citation are found, and a missing clause and a clause that does not define the
-    // names are noticed.
+    // The parts of a citation are found; a missing clause and a clause that does not define the
+    // names are reported.
     let text = "`fmi2A` and `fmi3DoStep` (FMI 2.0, 2.1.8; FMI 3.0.2, 2.2.7 to 2.2.99)";
     let names = vec!["fmi3DoStep", "fmi2A"];
     let expected = [("2.0", vec!["2.1.8"], names.clone()), ("3.0", vec!["2.2.7", "2.2.99"], names)];
@@ -130,8 +130,8 @@ fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
     assert_eq!(problems(&expected[1], &listed).len(), 2);
 }
 
-/// The page of FMUs, with the standard's name inserted before each clause of the section that omits
-/// it.
+/// The page of FMUs, with the standard's name inserted before each clause of the section that
+/// omits it.
 fn standing_apart(page: &str) -> String {
     let (before, rest) = page.split_once("Clauses are those of version 3.0.2.").expect("the section");
     let (section, after) = rest.split_once("\n## ").expect("a section behind it");

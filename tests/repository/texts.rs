@@ -1,14 +1,14 @@
-//! The texts of the repository, as people read them.
+//! The texts of the repository that people read.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Endings of files whose text people read.
+/// Extensions of files whose text people read.
 const TEXTS: [&str; 10] = ["rs", "py", "md", "toml", "html", "ts", "js", "mjs", "yml", "cff"];
 /// Folders that are made, fetched, or input of another program.
 pub const PASSED_OVER: [&str; 7] =
     ["target", "dist", ".git", "corpus", "node_modules", "snapshots", "vibro-out"];
-/// The tests of texts, which name what they forbid.
+/// The tests of texts, which contain the forbidden words.
 const OWN: [&str; 3] =
     ["tests/repository.rs", "tests/repository/citations.rs", "tests/repository/clauses.rs"];
 
@@ -34,7 +34,7 @@ pub fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Every text of the repository with its path, except those of these tests.
+/// Every text of the repository with its path, except the texts of these tests.
 pub fn all() -> Vec<(PathBuf, String)> {
     let mut paths = Vec::new();
     walk(root(), &mut paths);

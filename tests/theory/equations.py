@@ -1,8 +1,8 @@
-"""Reads the numbered equations of docs/theory.md and evaluates them, so that what is tested is what stands there.
+"""Reads the numbered equations of docs/theory.md and evaluates them, so that the page itself is tested.
 
-The page keeps to a small part of TeX: names with accents, subscripts and primes, a sign as superscript for before and after an
+The page uses a small part of TeX: names with accents, subscripts and primes, a sign as superscript for before and after an
 impact, fractions, roots, the usual functions, matrices. A name becomes a real symbol of SymPy unless the environment has
-something else for it: `\\hat f_{10}` is `hat_f_10`, `\\dot x_1^+` is `dot_x_1_plus`, `X_1'` is `X_1p`.
+another value for it: `\\hat f_{10}` is `hat_f_10`, `\\dot x_1^+` is `dot_x_1_plus`, `X_1'` is `X_1p`.
 """
 
 import re
@@ -53,12 +53,12 @@ DEFAULTS: Dict[str, Any] = {
 
 
 def sym(name: str) -> sympy.Symbol:
-    """The symbol a name of the page becomes."""
+    """Returns the symbol for a name of the page."""
     return sympy.Symbol(name, real=True)
 
 
 def tokens_of(tex: str) -> List[str]:
-    """The meaningful tokens; fails on an unknown character."""
+    """Splits TeX into its meaningful tokens; fails on an unknown character."""
     tex = re.sub(r"\\(?:left|right|quad)(?![A-Za-z])|\.(?=\s|$)", " ", tex)
     rest = TOKEN.sub("", tex)
     if rest.strip():
@@ -67,7 +67,7 @@ def tokens_of(tex: str) -> List[str]:
 
 
 class Reader:
-    """Evaluates tokens while it reads them."""
+    """Evaluates tokens while reading them."""
 
     def __init__(self, tokens: List[str], environment: Environment):
         self.tokens = tokens
@@ -232,7 +232,7 @@ class Reader:
         return self.function("matrix")(rows) if "matrix" in self.environment else sympy.Matrix(rows)
 
     def name(self) -> str:
-        """A variable's name with everything that belongs to it."""
+        """Reads a variable's name with its accents, subscripts and superscripts."""
         token = self.take()
         if token in ACCENTS:
             return f"{token[1:]}_{self.name()}"
@@ -291,7 +291,7 @@ class Relation:
 
 
 def split(tokens: List[str], separators: Mapping[str, Any]) -> List[List[str]]:
-    """Cut at separators outside of all brackets; a separator opens the piece after it."""
+    """Splits at separators outside all brackets; a separator begins the piece after it."""
     pieces: List[List[str]] = [[]]
     depth = 0
     for token in tokens:
@@ -323,7 +323,7 @@ class Equation:
         return found
 
     def relation(self, key: str) -> Relation:
-        """The one relation with this left side."""
+        """The only relation with this left side."""
         found = [r for r in self.relations if r.key == key]
         assert len(found) == 1, f"({self.number}) has {[r.key for r in self.relations]}, not one {key}"
         return found[0]
@@ -333,7 +333,7 @@ class Equation:
         return self.relation(key).right(environment)
 
     def values(self, environment: Environment = {}) -> Dict[str, Any]:
-        """All right sides in order, each with what stands on the left before it put in."""
+        """All right sides in order, each evaluated with the values of earlier left sides."""
         known: Dict[str, Any] = dict(environment)
         for relation in self.relations:
             known[relation.key] = relation.right(known)
@@ -342,13 +342,13 @@ class Equation:
 
 @lru_cache(maxsize=None)
 def whole() -> str:
-    """The page with its last section, whose formulas are rules of studies and have other numbers."""
+    """The page with its last section, whose formulas are rules of studies and have separate numbers."""
     return PAGE.read_text(encoding="utf-8")
 
 
 @lru_cache(maxsize=None)
 def page() -> str:
-    """The sections of numbered equations, and the table of them."""
+    """The sections with numbered equations, and their table."""
     return whole().split("\n## 17. ")[0]
 
 

@@ -45,7 +45,7 @@ class Word:
         self.flights: Dict[Any, Any] = {}
 
     def flight(self, span: Any) -> Any:
-        """The map of a flight over a span, remembered."""
+        """Returns the map of a flight over a span, cached."""
         if span not in self.flights:
             self.flights[span] = mpmath.expm(self.k["A"] * span)
         return self.flights[span]

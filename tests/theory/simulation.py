@@ -1,6 +1,6 @@
-"""The motion once more, written from the equations of motion alone: Taylor series in flight, Newton's method to the stops.
+"""An independent motion, computed from the equations of motion: Taylor series in flight, Newton's method for the stops.
 
-The state is x1, x2, x3, their velocities and the phase of the drive, in SI units. Nothing here reads the page.
+The state is x1, x2, x3, their velocities and the phase of the drive, in SI units. Nothing here uses the page.
 """
 
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ import mpmath
 
 DIGITS = 30
 STEP = 0.25  # short enough to find every impact
-STRIDE = 0.6  # where no impact has to be found; 0.6**28 / 28! is far under the digits
+STRIDE = 0.6  # if no impact has to be found; 0.6**28 / 28! is far below the digits
 TERMS = 28
 GUARD = mpmath.mpf(10) ** -20
 
@@ -88,7 +88,7 @@ def strike(p: Parameters, z: State) -> State:
 
 @dataclass
 class Run:
-    """Where a motion ends, and the pieces it consists of: (time, length, start, before the impact, after it)."""
+    """The end of a motion, and its pieces: (time, length, start, before the impact, after it)."""
 
     end: State
     impacts: List[Tuple[Any, State, State]] = field(default_factory=list)

@@ -1,6 +1,6 @@
-"""The equations of docs/assembly-law.md by other ways: multipliers instead of elimination, all sets of contacts instead of a
-minimum, sums instead of closed forms. They are matrices and inequalities, which the reader of docs/theory.md does not know, so
-that they are written here once more; that none is forgotten is checked."""
+"""The equations of docs/assembly-law.md, checked by other methods: multipliers instead of elimination, all sets of contacts instead
+of a minimum, sums instead of closed forms. They are matrices and inequalities, which the reader of docs/theory.md cannot parse, so
+they are written again here; a test checks that none is missing."""
 
 import itertools
 import random
@@ -104,7 +104,7 @@ def test_law_2_3_motion_under_links() -> None:
         m, b, d, arms, p2 = reduced(r)
         forces = vector(r, 4)
         q2 = mp.lu_solve(b.T * m * b, b.T * (forces - m * d * p2))
-        # By a multiplier: m s'' = F + a μ with a s'' + a_p p'' = 0.
+        # Using a multiplier: m s'' = F + a μ with a s'' + a_p p'' = 0.
         full = mp.zeros(5, 5)
         full[0:4, 0:4] = m
         for i in range(4):
@@ -113,7 +113,7 @@ def test_law_2_3_motion_under_links() -> None:
         assert close(b * q2 + d * p2, s2[0:4, 0])
         assert abs(sum(arms[i] * (b * q2 + d * p2)[i] for i in range(4)) + arms[4] * p2) < ROUNDING
         w = b.T * matrix(arms[0:4, 0])
-        assert mp.norm(w) < ROUNDING  # the link's own direction is none of q
+        assert mp.norm(w) < ROUNDING  # no q moves along the link's direction
 
 
 def test_law_5_forces_of_contacts() -> None:
@@ -169,7 +169,7 @@ def test_law_7_8_9_impacts_are_minima_and_lose_energy() -> None:
         moved = mp.zeros(n, 1) if r.random() < 0.5 else vector(r, n) / 10
         eps = [mpf(r.randint(0, 10)) / 10 for _ in range(n)]
         u = w.T * v + moved
-        # Only those that close take part.
+        # Only closing stops take part.
         taking = [i for i in range(n) if u[i] >= 0]
         if not taking:
             continue
@@ -179,10 +179,10 @@ def test_law_7_8_9_impacts_are_minima_and_lose_energy() -> None:
         g = wt.T * mass**-1 * wt
         found = impulses(g, ut, et)
         if mp.norm(mt) == 0:
-            assert found  # without prescribed bodies there is one
+            assert found  # without prescribed bodies a solution exists
         for p in found:
             after = v - mass**-1 * wt * p
-            # (A7) to (A8): the velocity is unique, and nearer than any other that is allowed.
+            # (A7) to (A8): the velocity is unique, and closer than any other admissible velocity.
             assert close(after, v - mass**-1 * wt * found[0])
             distance = dot(after - v, mass * (after - v))
             for _ in range(20):
@@ -197,7 +197,7 @@ def test_law_7_8_9_impacts_are_minima_and_lose_energy() -> None:
 
 
 def box_solutions(g: matrix, b: matrix, lo: Sequence[mpf], hi: Sequence[mpf]) -> List[matrix]:
-    """All λ with b - Gλ zero inside the box, not positive at the lower and not negative at the upper end."""
+    """All λ for which b - Gλ is zero inside the box, not positive at the lower and not negative at the upper end."""
     found, n = [], len(lo)
     for states in itertools.product("lfh", repeat=n):
         x = matrix([lo[i] if s == "l" else hi[i] if s == "h" else mpf(0) for i, s in enumerate(states)])
@@ -247,7 +247,7 @@ def test_law_13_16_compliant_stops_never_pull_and_never_gain() -> None:
         gap = k * x + min(k * x, max(-k * x, c * rate))
         assert no_pull >= 0 and 0 <= gap <= 2 * k * x
         for force in (no_pull, gap):
-            # What it takes beyond the stored energy ½ k x²: c x'², -k x x' or k x x'.
+            # The power taken beyond the stored energy ½ k x²: c x'², -k x x' or k x x'.
             lost = (force - k * x) * rate
             assert lost >= -ROUNDING
             assert min(abs(lost - known) for known in (c * rate**2, -k * x * rate, k * x * rate)) < ROUNDING
@@ -281,7 +281,7 @@ def test_law_17_18_balance_of_powers() -> None:
             forces -= arms * force
             stored += (k * e + preload) * rate
             lost += c * rate**2
-            # The part of e' that prescribed bodies make, through links too.
+            # The part of e' due to prescribed bodies, including through links.
             motions += force * (dot(arms, d) + own) * p1
         q2 = mp.lu_solve(b.T * m * b, b.T * (forces - m * d * p2))
         s2 = b * q2 + d * p2
@@ -298,7 +298,7 @@ def test_law_19_20_proximal_steps_end_in_equilibrium() -> None:
         stiffness = a * a.T  # singular
         w = rows(r, 3, 2)
         start, kappa = vector(r, 2) - matrix([2, 2]), [mpf(0), mpf(1) / 7]
-        # A force that the springs can bear, so that there is an equilibrium.
+        # A force in the range of the springs, so that an equilibrium exists.
         force = a * vector(r, 2)
         q, left = mp.zeros(3, 1), mpf(1)
         for _ in range(40):
@@ -326,7 +326,7 @@ def test_law_21_variations_over_an_impact_by_differences() -> None:
 
     def meeting(h: mpf, v: mpf) -> mpf:
         t = mpf("0.35")
-        for _ in range(12):  # of Newton, each of which doubles the digits
+        for _ in range(12):  # Newton steps; each doubles the digits
             height, speed = fall(h, v, t)
             t -= (height - mp.sin(t)) / (speed - mp.cos(t))
         return t
@@ -339,7 +339,7 @@ def test_law_21_variations_over_an_impact_by_differences() -> None:
 
     for direction in [(1, 0), (0, 1), (2, -3)]:
         plus, minus = (after(*(x + sign * step * d for x, d in zip(start, direction))) for sign in (1, -1))
-        # z = (h, v, sin t, cos t, 1): the floor's own states do not vary, but move with the time of
+        # z = (h, v, sin t, cos t, 1): the floor's states do not vary, but move with the time of
         # the event.
         t = meeting(*start)
         speed = fall(*start, t)[1]
@@ -367,8 +367,8 @@ def test_law_22_a_row_after_any_time_bounds_the_second_derivative(seed: int) -> 
         return mp.fsum(reach * abs(y) for reach, y in zip(reaches, x))
 
     second = a * a * z
-    # A difference of the second order leaves out h²/12 of the fourth derivative somewhere between;
-    # between the samples the reaches are a little larger.
+    # A second-order difference omits h²/12 of the fourth derivative at some point in between; the
+    # reaches are a little larger between the samples.
     left_out = h**2 / 12 * bound(a * a * second) * mpf("1.5")
     for k in range(1, count):
         before, now, after = ((later[i] * z)[0] for i in (k - 1, k, k + 1))
@@ -406,7 +406,7 @@ def test_law_24_powers_in_as_many_rows_as_coordinates() -> None:
 
 
 def test_law_25_neutral_directions() -> None:
-    """Two shafts with a spring and a dashpot between them, a dashpot to ground on the first, or none."""
+    """Two shafts with a spring and a dashpot between them, and a dashpot or none from the first to ground."""
     for drag in (mpf("0.4"), mpf(0)):
         inertias, k, c = (mpf("0.5"), mpf("0.75")), mpf(30), mpf(2)
         w = matrix([[-1, 1]])
@@ -419,17 +419,17 @@ def test_law_25_neutral_directions() -> None:
                 a[2 + i, j], a[2 + i, 2 + j] = -stiffness[i, j] / inertias[i], -damping[i, j] / inertias[i]
         time = mpf("0.7")
         later = mp.expm(a * time)
-        # Along the places u = (1, 1) a variation stays what it is.
+        # Along the coordinates u = (1, 1), a variation does not change.
         places, rates = matrix([1, 1, 0, 0]), matrix([0, 0, 1, 1])
         assert mp.norm(later * places - places) < ROUNDING
-        # Along the rates it becomes (t u, u) where nothing acts on both, and shrinks where a
-        # dashpot does.
+        # Along the rates it becomes (t u, u) if nothing acts on both, and shrinks if a dashpot
+        # does.
         kept = mp.norm(later * rates - (time * places + rates)) < ROUNDING
         assert kept == (drag == 0)
 
 
 def by_parameter(f: Callable[[mpf], matrix]) -> matrix:
-    """The derivative of a function of the parameter at 0 by central differences: of an error of 1e-50 with 80 digits."""
+    """The derivative of a function of the parameter at 0 by central differences, with an error of 1e-50 in 80 digits."""
     step = mpf(10) ** -25
     return (f(step) - f(-step)) / (2 * step)
 
@@ -474,7 +474,7 @@ def test_law_27_bodies_behind_a_link_and_their_inertia() -> None:
         m, m_by = masses(r, 4), masses(r, 4)
 
         def rows_of(p: mpf) -> matrix:
-            """B: the first three bodies are kept."""
+            """B if the first three bodies are kept."""
             b = mp.zeros(4, 3)
             for i in range(3):
                 b[i, i], b[3, i] = mpf(1), -arms(p)[i] / arms(p)[3]  # noqa: B023
@@ -533,7 +533,7 @@ def test_law_30_over_an_event_by_differences() -> None:
 
         def passes(p: mpf) -> mpf:
             t = meets  # noqa: B023
-            for _ in range(8):  # of Newton, each of which doubles the digits
+            for _ in range(8):  # Newton steps; each doubles the digits
                 state = flow(a(p), t) * (z + p * delta)  # noqa: B023
                 t -= ((h(p) * state)[0] - level) / (h(p) * a(p) * state)[0]  # noqa: B023
             return t
@@ -589,20 +589,20 @@ def test_law_32_starts_at_rest() -> None:
 
         rest = lambda p: solved(k(p), w(p), f(p) * signals(p), -held(p) * signals(p))  # noqa: B023, E731
         q, force = rest(0)[:4, :], rest(0)[4:, :]
-        # F' z has the springs' part, -K' q.
+        # F' z contains the springs' part, -K' q.
         forces = f_by * signals(0) - k_by * q + f(0) * signals_by - w_by * force
         moved = -(w_by.T * q + held_by * signals(0) + held(0) * signals_by)
         assert close(solved(k(0), w(0), forces, moved), by_parameter(rest))
 
 
 def test_law_33_what_contacts_take_from_a_motion_beside_their_rest() -> None:
-    """Two frictions below their level and two stops with a force hold; speeds are given to them."""
+    """Two frictions below their level and two stops with a force hold; then they are given velocities."""
     r = random.Random(33)
     for _ in range(6):
         m, w, v = masses(r, 6), rows(r, 4, 6).T, vector(r, 6)
         held = matrix([number(r), number(r), abs(number(r)), abs(number(r))])
         level = [abs(held[0]) + mpf(1) / 7, abs(held[1]) + mpf(2) / 7]
-        # A speed that opens the stops; forces of the springs are those that the contacts hold.
+        # A velocity that opens the stops; the springs balance the forces of the contacts.
         v -= m**-1 * w * mp.lu_solve(w.T * m**-1 * w, w.T * v - matrix([number(r), number(r), -1, -mpf(1) / 3]))
         rates, springs = w.T * v, w * held
         forces = matrix([level[0] * mp.sign(rates[0]), level[1] * mp.sign(rates[1]), 0, 0])
@@ -615,7 +615,7 @@ def test_law_33_what_contacts_take_from_a_motion_beside_their_rest() -> None:
 
 
 def test_law_34_backwards_over_flights_and_an_event() -> None:
-    """A sum of a value at the end and of an event's time, of the motion of (A35)."""
+    """A sum of a value at the end and of an event's time, for the motion of (A35)."""
     mp.dps = 45
     r = random.Random(33)
     for _ in range(2):
@@ -635,7 +635,7 @@ def test_law_34_backwards_over_flights_and_an_event() -> None:
             return matrix([dot(value, last) + c * t])  # noqa: B023
 
         def integral(of: matrix, by: matrix, span: mpf, mu: matrix, begun: matrix) -> mpf:
-            """The derivative by a matrix, along one."""
+            """The derivative with respect to a matrix, in a direction."""
             return mp.quad(lambda t: dot(flow(of.T, span - t) * mu, by * flow(of, t) * begun), [0, span])
 
         after = flow(b(0).T, end - meets) * value
@@ -803,7 +803,7 @@ def lines(r: random.Random, count: int) -> Tuple[List[mpf], List[mpf]]:
 
 
 def of_points(e: List[mpf], f: List[mpf], x: mpf) -> mpf:
-    """Straight lines through points, the first and the last going on."""
+    """Straight lines through points; the first and the last line continue."""
     j = min(max(sum(1 for place in e if place <= x), 1), len(e) - 1)
     return f[j - 1] + (f[j] - f[j - 1]) / (e[j] - e[j - 1]) * (x - e[j - 1])
 
@@ -828,7 +828,7 @@ def test_law_46_lines_as_bounded_forces() -> None:
         slopes = [(f[j] - f[j - 1]) / (e[j] - e[j - 1]) for j in range(1, len(e))]
         least = min(slopes)
         for x in [*e, e[0] - 1, e[-1] + 1, (e[0] + e[1]) / 2]:
-            # The first line is everything below its end, the last one everything beyond its begin.
+            # The first line covers all below its end, the last line all beyond its beginning.
             whole = f[1] + least * (x - e[1]) + (slopes[0] - least) * min(mpf(0), x - e[1])
             for j in range(2, len(e)):
                 way = (x if j == len(e) - 1 else min(x, e[j])) - e[j - 1]
@@ -842,7 +842,7 @@ def test_law_53_what_a_freewheel_takes_away() -> None:
         mass, v, w = masses(r, 3), vector(r, 3), rows(r, 3, 3)
         u = w.T * v
         g = w.T * mass**-1 * w
-        # Of stops that leave and freewheels that close, whatever their rates.
+        # For stops that open and freewheels that close, whatever their rates.
         found = impulses(g, u, [mpf(0)] * 3)
         assert found  # v = 0 is allowed
         for p in found:
@@ -856,7 +856,7 @@ def test_law_53_what_a_freewheel_takes_away() -> None:
                 other = after + vector(r, 3) / 10
                 if all(x <= 0 for x in w.T * other):
                     assert distance <= dot(other - v, mass * (other - v)) + ROUNDING
-    # A wall and two equal masses: in turns speeds fall by (1 - eps)/2.
+    # A wall and two equal masses: in turns, velocities decrease by (1 - eps)/2.
     eps, a, b = mpf(3) / 5, mpf(2), mpf(2)
     for _ in range(200):
         before, a = a, -eps * a
@@ -905,7 +905,7 @@ def test_law_54_a_limit_as_two_corners() -> None:
 
 
 def test_law_55_differences_grow_at_most_by_the_rate_of_the_blocks() -> None:
-    """Coulomb friction and a saturated feedback: two motions by small steps that are implicit in friction."""
+    """Coulomb friction and a saturated feedback: two motions in small steps that are implicit in friction."""
     r = random.Random(55)
     for _ in range(5):
         k, g, level, dt = abs(number(r)), number(r), abs(number(r)), mpf("0.002")

@@ -39,7 +39,7 @@ def test_eq_115_limit_of_eulers_rule() -> None:
     h = eq(115)("h_E")
     root = sympy.Symbol("lambda")
     first, second = sympy.roots(m * root**2 + c * root + k, root)
-    # Of a complex pair the product is the square of the modulus.
+    # For a complex pair, the product is the square of the modulus.
     assert zero((1 + h * first) * (1 + h * second) - 1)
     # A body that only creeps back needs shorter steps, below 2/|λ| of the faster mode.
     creeping = {m: 1, c: 3, k: 1}

@@ -10,7 +10,7 @@ from simulation import DIGITS, Parameters, State, at, basic, other, run, series
 from test_motion import in_time, t
 from approximation import NUMERIC
 
-# Ten nodes over a step of the simulation are exact to its digits for what follows.
+# Ten nodes over a step of the simulation are exact to its digits for the tests below.
 NODES, WEIGHTS = (
     [mpmath.mpf(x) for x in ("0.0130467357414141", "0.0674683166555077", "0.1602952158504878", "0.2833023029353764", "0.4255628305091844")],
     [mpmath.mpf(x) for x in ("0.0333356721543441", "0.0747256745752903", "0.1095431812579910", "0.1346333596549982", "0.1477621123573764")],
@@ -128,7 +128,7 @@ def test_eq_91_damped_energy_as_a_quadratic_form() -> None:
 
 
 class Transposable:
-    """A column that the page's z_0^T Y z_0 makes a number of."""
+    """A column for the page's z_0^T Y z_0, which is a number."""
 
     def __init__(self, column: Any):
         self.column = column

@@ -114,7 +114,7 @@ def test_eq_72_73_75_77_orbit_repeats_and_meets_the_impact_law(case: str) -> Non
         assert abs(impulse - k["p"] * k["m_2"] * k["omega_1"] * k["L"]) < TIGHT
         response = eq(73).relations[1]
         assert abs(response.left({**NUMERIC, **k}) - response.right({**NUMERIC, **k})) < TIGHT
-        # (77) as it stands: h = (H, 0, 0, iH, 0, 0).
+        # (77) literally: h = (H, 0, 0, iH, 0, 0).
         h = mpmath.matrix([k["H"], 0, 0, 1j * k["H"], 0, 0])
         imaginary: Formula = lambda m: m.apply(mpmath.im)
         whole = eq(77)("sigma_plus", {**NUMERIC, **k, "h": h, "Im": imaginary})
@@ -250,7 +250,7 @@ def test_eq_80_determinants(case: str) -> None:
 
 
 def test_eq_58_multipliers_as_the_mass_ratio_vanishes() -> None:
-    """Two multipliers of (79) tend to those of (53), four to (58), with errors of first and of second order."""
+    """Two multipliers of (79) tend to the multipliers of (53), four to (58), with errors of first and of second order."""
     values = {"varepsilon": 0.1, "kappa": 0.75, "hat_f_10": 1.2, "hat_sigma_1": 0.4, "hat_gamma_1": 0.8, "hat_alpha": 0.6,
               "hat_sigma_30": 0.1, "hat_gamma_3": 0.6}  # fmt: skip
     errors: List[Dict[str, Any]] = []

@@ -94,14 +94,14 @@ def test_eq_86_sum_of_the_exponents(p: Parameters) -> None:
         time = count * 2 * mpmath.pi / p["omega_1"]
         found = run(p, start(p), time)
         assert len(found.impacts) >= 3
-        # No impact so near the end that a neighbour has it on the other side.
+        # No impact is so near the end that a neighbour has it on the other side.
         assert time - found.impacts[-1][0] > mpmath.mpf("1e-3")
         derivative = differences(lambda z: run(p, z, time).end, start(p), STEP)
         known = {**NUMERIC, **p, "K_i": mpmath.mpf(len(found.impacts)), "K": mpmath.mpf(count), "T": time / count}
         tokens = list(eq(86).relations[0].right_tokens)
         at = tokens.index(r"\ln")
         assert tokens[at + 1] == r"\kappa"
-        # ln κ as a name of its own, which the reader knows.
+        # ln κ as a separate name, which the reader knows.
         from equations import Reader
 
         value = Reader(tokens[:at] + ["l"] + tokens[at + 2 :], {**known, "l": mpmath.log(p["kappa"])}).all()

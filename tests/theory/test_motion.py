@@ -42,7 +42,7 @@ def test_eq_1_2_3_numbers_of_one_configuration() -> None:
 
 
 def test_eq_97_loads_of_an_off_centre_gap() -> None:
-    """(3) in the coordinate of the coupling spring, without loads, is (3) under the loads of (97) in that of the gap's middle."""
+    """(3) in the coordinate of the coupling spring, without loads, is (3) under the loads of (97) in the coordinate of the gap's middle."""
     env = in_time(["x_1", "bar_x_2", "x_3"])
     offset = eq(97)("x_2", env)
     no_loads = {"f_1": 0, "f_2": 0, "f_3": 0}
@@ -58,7 +58,7 @@ def test_eq_97_loads_of_an_off_centre_gap() -> None:
 
 
 def accelerations() -> Dict[str, Any]:
-    """(6) with its own names put in."""
+    """(6) evaluated with its own names."""
     return eq(6).values()
 
 
@@ -78,7 +78,7 @@ def test_eq_5_6_7_flight_from_the_equations_of_motion() -> None:
 def test_eq_8_series_of_the_flow_under_polynomial_loads() -> None:
     """(8) sums to the matrix exponential of the system with the loads' derivatives as states of their own."""
     with mpmath.workdps(30):
-        # Two coordinates stand for all: the recurrence holds for any matrices.
+        # Two coordinates suffice: the recurrence holds for any matrices.
         N = mpmath.matrix([[0, 1, 0], [-2, mpmath.mpf("-0.3"), 1], [0, mpmath.mpf("0.7"), -1]])
         K = mpmath.matrix([[0], [1], [mpmath.mpf("0.5")]])
         z, loads, span = mpmath.matrix([1, -2, mpmath.mpf("0.4")]), [3, -1, 2, mpmath.mpf("0.6")], mpmath.mpf("0.8")
@@ -112,7 +112,7 @@ def after_impact() -> Dict[str, Any]:
 
 
 def side(expression: Any) -> Any:
-    """With s² = 1."""
+    """Simplifies, given s² = 1."""
     return sympy.simplify(sympy.simplify(expression).subs(sym("s") ** -1, sym("s")).subs(sym("s") ** 2, 1))
 
 

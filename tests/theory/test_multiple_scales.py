@@ -109,7 +109,7 @@ def test_eq_38_slopes_along_the_manifold() -> None:
 
 
 def test_eq_39_68_gap_after_the_impact() -> None:
-    """(39) is W of (32) with (34) put in, and (68) has the same form with ρ* and Z*."""
+    """(39) is W of (32) with (34) inserted, and (68) has the same form with ρ* and Z*."""
     Phi = sym("Phi")
     Z = sympy.Function("Z")
     W = eq(32)("W", {"eta": phi + Phi, "Z": Z, "C": C, "B": B})

@@ -58,7 +58,7 @@ def test_eq_98_99_100_motion_without_impacts() -> None:
 
 
 def test_eq_101_102_103_orbit_returns_and_meets_the_impact_law() -> None:
-    """(101) to (103): the phases at which the residual is zero are those of the motion by the equations of motion alone."""
+    """(101) to (103): the phases at which the residual is zero are the phases of the motion by the equations of motion alone."""
     with mpmath.workdps(DIGITS):
         for (word, phases), half in ((three(), 2), (two(), 1)):
             start = word.si(phases)
@@ -169,12 +169,12 @@ def test_eq_109_a_touch_belongs_to_both_words() -> None:
         assert abs(u[3] * 10 - mpmath.mpf("2.899802377121")) < mpmath.mpf(10) ** -12
         # The derivative of the longer word is regular there.
         assert abs(mpmath.det(longer.derivative(u[:3]))) > 0.01
-        # (109) says as much: the last relation is that of the speed.
+        # (109) states the same: its last relation is the velocity's.
         assert eq(109).relations[-1].right_tokens == ("0",) and eq(109).relations[-1].left_tokens[0] == "s"
 
 
 def test_eq_110_bordered_matrix() -> None:
-    """g of (110) is the determinant over that of the bordered matrix, so that both are zero together."""
+    """g of (110) is the determinant over the determinant of the bordered matrix, so that both are zero together."""
     entries = sympy.symbols("a b c d u1 u2 v1 v2", real=True)
     a, b, c, d, u1, u2, v1, v2 = entries
     matrix = sympy.Matrix([[a, b, u1], [c, d, u2], [v1, v2, 0]])
@@ -193,7 +193,7 @@ def falling(p: Any, z: List[Any], f_2: Any, span: Any) -> List[Any]:
 
 
 def test_eq_111_112_113_block_without_a_spring() -> None:
-    """(111), (112), (113): phases at which the residual is zero are those of a motion by the equations of motion; its impulses balance the load."""
+    """(111), (112), (113): phases at which the residual is zero are the phases of a motion by the equations of motion; its impulses balance the load."""
     with mpmath.workdps(DIGITS):
         cases = [([1, -1], 1, 2, 0, [5.5, 8.6]), ([1], -1, 1, 0, [5.5]), ([-1], 1, 2, -0.05, [1.0]), ([1, -1], 1, 2, -0.002, [5.5, 8.6])]
         for stops, sigma, half, load, guess in cases:

@@ -1,4 +1,4 @@
-"""The page itself: every equation has a check or a reason for none, its table is true, its TeX is what GitHub shows."""
+"""The page itself: every equation has a check or a reason for none, its table is correct, and GitHub renders its TeX."""
 
 import ast
 import os
@@ -56,7 +56,7 @@ def test_names_and_docstrings_of_the_tests_agree() -> None:
 
 
 def test_a_missing_test_is_noticed() -> None:
-    """The two tests above look at something: there are as many equations as the page numbers, in order."""
+    """The two tests above cover everything: the page's equations are numbered in order without gaps."""
     assert sorted(equations()) == list(range(1, len(equations()) + 1)) and len(equations()) == page().count(r"\tag{")
     assert list(equations()) == sorted(equations()), "not in order"
     assert len(displays()) == len(equations())
@@ -82,7 +82,7 @@ def test_table_has_every_equation_once() -> None:
 
 
 def test_table_names_the_checks() -> None:
-    """The third column names a test of this folder for every equation of its row, or says that it is a definition."""
+    """The third column names a test of this folder for every equation of its row, or marks it as a definition."""
     for equation, _, check, _ in rows():
         tests = re.findall(r"`(\w+)`", check)
         for name in tests:
@@ -110,7 +110,7 @@ def rust() -> str:
 
 
 def test_table_names_code_and_tests_that_exist() -> None:
-    """Renamed code or tests make the table false: mend the table."""
+    """If code or tests are renamed, the table is wrong: correct the table."""
     stems = {f.stem for f in sources()} | {f.parent.name for f in sources()}
     items = set(re.findall(r"\b(?:fn|struct|enum|const|type|mod) (\w+)", rust()))
     for equation, code, _, tests in rows():
@@ -130,7 +130,7 @@ def inline() -> List[str]:
 
 
 def test_tex_survives_markdown() -> None:
-    """Nothing that Markdown may change before the formulas are set: escaped punctuation, emphasis, tags, table bars."""
+    """Nothing that Markdown may change before the formulas are rendered: escaped punctuation, emphasis, tags, table bars."""
     for tex in [*displays(), *inline()]:
         assert not re.search(r"\\[^A-Za-z]", tex), f"escaped punctuation in {tex!r}"
         assert not re.search(r"(?:^|[^A-Za-z0-9])_", tex), f"an underscore that may open emphasis in {tex!r}"
@@ -138,13 +138,13 @@ def test_tex_survives_markdown() -> None:
         assert tex.count("{") == tex.count("}") and tex.count(r"\left") - tex.count(r"\leftarrow") == tex.count(r"\right"), tex
     for tex in inline():
         assert "\n" not in tex and tex == tex.strip(), f"{tex!r} is no inline formula on GitHub"
-    # A blank line before and after, or it is part of a paragraph.
+    # A blank line before and after; otherwise it is part of a paragraph.
     for match in re.finditer(r"^\$\$\n.*?\n\$\$$", page(), re.S | re.M):
         assert page()[match.start() - 2 : match.start()] == "\n\n" and page()[match.end() : match.end() + 2] == "\n\n"
 
 
 def test_inline_formulas_are_recognized() -> None:
-    """GitHub wants a blank or an opening bracket before an inline formula and no letter or digit after it."""
+    """GitHub requires a blank or an opening bracket before an inline formula, and no letter or digit after it."""
     text = re.sub(r"^\$\$\n.*?\n\$\$$", "", page(), flags=re.S | re.M)
     for match in re.finditer(r"\$[^$\n]*\$", text):
         before, after = text[match.start() - 1], text[match.end() : match.end() + 1]

@@ -128,7 +128,7 @@ def test_eq_62_64_balance_of_harmonics(values: Dict[str, float]) -> None:
 
 
 def test_eq_60_62_63_64_limit_without_coupling() -> None:
-    """At β = 0 the ν, ρ* of (60), ξ of (62), α, α0 of (64) and the phasor (63) are those of section 6, (34) and (43)."""
+    """At β = 0 the ν, ρ* of (60), ξ of (62), α, α0 of (64) and the phasor (63) agree with section 6, (34) and (43)."""
     known = {"beta": beta}
     nu = sympy.limit(eq(60)("nu", known), beta, 0)
     rho = eq(60)("rho_ast", {"nu": nu})
@@ -223,7 +223,7 @@ def test_eq_67_half_cycle_map_by_differences(values: Dict[str, float]) -> None:
 
 
 def test_eq_54_67_limit_without_coupling() -> None:
-    """At β → 0 the trace of (67) is that of (54)."""
+    """At β → 0 the trace of (67) is the trace of (54)."""
     k = numbers({"kappa": 0.75})
     k.update(beta=mpmath.mpf("1e-7"), C=mpmath.mpf("1.4"), y_3=mpmath.mpc(0), q=mpmath.mpf(0))
     k["nu"] = evaluated(60, "nu", k)

@@ -1,5 +1,5 @@
-//! Runs the real `vibro` with a machine's file: what it says of a machine, the files of a motion,
-//! what it refuses.
+//! Runs the real `vibro` with a machine's file: the summary of a machine, the files of a motion,
+//! and errors.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -41,8 +41,8 @@ fn check_tells_bodies_elements_equilibrium_and_frequencies() {
     }
 }
 
-/// An acceleration a sin(ωt + φ) from v = 0 has the mean speed a cos φ/ω; with its negative as v,
-/// none.
+/// An acceleration a sin(ωt + φ) from v = 0 has the mean speed a cos φ/ω; with the opposite
+/// initial v, the mean speed is 0.
 #[test]
 fn check_says_with_what_mean_speed_a_prescribed_acceleration_drifts() {
     let text = "name = \"D\"\n[body.table]\nmotion = { acceleration = { amplitude = \"20 m/s2\", frequency = \"25 Hz\" } }\n\
@@ -128,13 +128,13 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     ];
     let other = command(&out, &arguments).output().unwrap();
     let error = String::from_utf8(other.stderr).unwrap();
-    // The refusal names the difference alone.
+    // The error names only the difference.
     let words =
         "of another run; they differ in\n    body.box.mass: 12 there, 13 here\n  allowed: another --out";
     assert!(other.status.code() == Some(2) && error.contains(words), "{error}");
 }
 
-/// Ten samples meet no contact with the buffer, each of which lasts a millisecond.
+/// Ten samples fall on no contact with the buffer; a contact lasts a millisecond.
 #[test]
 fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
     let run = |samples| {
@@ -168,7 +168,7 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
     let out = folder("assembly-contacts");
     let told = drawn(&out, &["run", &path, "--until", "2", "--samples", "2"]);
     assert!(told.contains("contacts, largest force 5 N, largest impulse 1.5 N·s"), "{told}");
-    // The ball falls by 0.2 m, so that the largest |v| is that at the first impact.
+    // The ball falls by 0.2 m, so that the largest |v| is the |v| at the first impact.
     assert!(told.contains("ball: largest |s| 0.2 m, largest |v| 2 m/s"), "{told}");
     let rows = table(&out, "contacts.csv");
     let number =
@@ -180,7 +180,7 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
         assert!(bounce["element"] == "stop.floor" && number(bounce, "closing_speed") > 0.0, "{bounce:?}");
     }
     let lost: f64 = rows.iter().map(|row| number(row, "energy_lost")).sum();
-    // Bounces below 1e-9 of the first are ended at once.
+    // Bounces below 1e-9 of the first bounce are ended at once.
     assert!((lost - 1.0).abs() < 1e-8, "{lost}");
 }
 
@@ -194,7 +194,7 @@ fn times_from_a_file_are_the_rows() {
         rows.iter().map(|r| r["time"].as_str()).collect::<Vec<_>>(),
         ["0", "0.1", "0.1", "0.30000000000000004"]
     );
-    // Beside an end the motion goes on to it.
+    // The motion continues to the end given by `--until`.
     let out = folder("assembly-times-until");
     drawn(&out, &["run", &machine("bouncing_ball.toml"), "--times", &times, "--until", "0.4"]);
     assert_eq!(table(&out, "states.csv").last().map(|row| row["time"].as_str()), Some("0.4"));
@@ -231,7 +231,7 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
     }
     let parameters = file("assembly-parameters.toml", "[groups]\nkappa = 0.6\n").display().to_string();
     for (arguments, words) in [
-        // What the file is comes before what the command needs.
+        // The error about the kind of file comes before errors of the command.
         (vec!["run", &parameters], "is a parameter file of the paper's machine"),
         (vec!["run", &ball], "--until"),
         (vec!["run", &ball, "--until", "2 Hz"], "allowed is a finite time above 0"),
@@ -251,7 +251,7 @@ fn both(out: &Path, arguments: &[&str]) -> (String, String) {
     (told, noted)
 }
 
-/// The file has `gap = "4 mm"`, so that 3 is 3 mm, wherever the option stands.
+/// The file has `gap = "4 mm"`, so that 3 means 3 mm, for every position of the option.
 #[test]
 fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
     let (damper, out) = (machine("damper_with_buffer.toml"), folder("assembly-bare"));
@@ -265,7 +265,7 @@ fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
         let words = "note: stop.steel.gap=3 is read in mm, the unit in which that parameter was written\n";
         assert_eq!(noted, words);
     }
-    // An axis in the file's unit, and a list in that of `--set`.
+    // An axis in the file's unit, and a list in the unit of `--set`.
     let sweep = |vary: &str, set: &str| {
         let set = ["--set", set];
         let rest = ["--discard", "2", "--periods", "4", "--output", "amplitude.box.s", "--replace"];
@@ -280,7 +280,7 @@ fn second_method_a_bare_number_is_in_the_files_unit_and_said() {
     assert!(values == ["0.003", "0.005"] && noted.is_empty(), "{values:?} {noted}");
 }
 
-/// A record of 3,000 knots on a body without a stop has no other events.
+/// A record of 3,000 knots on a body without a stop causes no other events.
 #[test]
 fn knots_are_counted_and_listed_where_they_are_asked_for() {
     let knots: String = (1..=3000).map(|k| format!("{},{}\n", f64::from(k) / 1000.0, k % 2)).collect();
@@ -351,7 +351,7 @@ fn derivatives_are_the_librarys_and_name_what_has_none() {
     let rows = table(&out, "derivatives.csv");
     assert_eq!(rows.len(), 4);
     let of = |row: &std::collections::HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
-    // At h = 5 after 1 s, t = √(2h/g), with u = 10; from there h - u/2 (1.5 - t) + g (1.5 - t)²/2.
+    // Impact at h = 5 after 1 s, t = √(2h/g), u = 10; then h - u/2 (1.5 - t) + g (1.5 - t)²/2.
     let by_gap = 1.0 - 0.5 * (1.0 * 0.5 - 10.0 * 0.1) - 10.0 * 0.5 * 0.1;
     assert!((of(&rows[3], "ball.s/stop.floor.gap") - by_gap).abs() < 1e-14, "{rows:?}");
     assert_eq!(rows[1]["ball.s/stop.floor.gap"], "0");
@@ -458,9 +458,9 @@ fn check_says_what_blocks_have_to_do_with_equilibrium_and_frequencies() {
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
-    // What a sampled block keeps is no coordinate.
+    // The state of a sampled block is not a coordinate.
     assert!(!text.contains("0 Hz:"), "{text}");
-    // k = 100 N/m, and 44 N/m of the loop: 12 rad/s.
+    // k = 100 N/m plus 44 N/m of the loop: 12 rad/s.
     let continuous =
         CONTROLLED.replace("sample = 0.01\ndelay = 0.005", "").replace("limits = { u = [-1, 1] }", "");
     let continuous =

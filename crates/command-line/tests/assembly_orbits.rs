@@ -1,5 +1,5 @@
-//! `vibro orbit FILE` and `vibro orbits FILE`: the page docs/machine-studies.md against
-//! closed forms, tables and refusals.
+//! `vibro orbit FILE` and `vibro orbits FILE`: the page docs/machine-studies.md compared with
+//! closed forms and tables; errors.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -14,9 +14,9 @@ use std::process::{Command, Output};
 
 /// Rounding of an orbit's numbers, relative.
 const ROUNDING: f64 = 1e-11;
-/// Rounding of a fold's parameter along a curve, where the equations are singular by definition.
+/// Rounding of a fold's parameter along a curve; the equations are singular at a fold.
 const LOCATED: f64 = 1e-9;
-/// Share of a picture's points that may come or go with the last digits of the starts.
+/// Share of a picture's points that may differ because of the last digits of the starts.
 const POINTS: f64 = 0.1;
 
 fn vibro(line: &str) -> Output {
@@ -51,7 +51,7 @@ fn closed_form_of_the_page_and_its_picture() {
 
     // Two impacts a period at the speed of flight V.
     let (a, d, omega, r): (f64, f64, f64, f64) = (1e-3, 3e-3, TAU * 25.0, 0.4 / 1.6);
-    // (π V - d)²/4 + (r V)² = A², of which the larger root is stable.
+    // (π V - d)²/4 + (r V)² = A²; the larger root is stable.
     let (square, linear, rest) = (PI * PI / 4.0 + r * r, -PI * d / 2.0, d * d / 4.0 - a * a);
     let flight = omega * (-linear + (linear * linear - 4.0 * square * rest).sqrt()) / (2.0 * square);
     // The joint moves at -r V at the impact.
@@ -83,7 +83,7 @@ fn closed_form_of_the_page_and_its_picture() {
     }
     let kept = std::fs::read_to_string(kept).unwrap();
     assert_eq!(texts(&drawn), texts(&kept), "the picture is stale; VIBRO_IMPACT_UPDATE=1 writes it anew");
-    // Where the last digit of a start decides, a branch has a point more or less.
+    // Where the last digit of a start decides, a branch may have one point more or less.
     let share = drawn.len() as f64 / kept.len() as f64;
     assert!((share - 1.0).abs() < POINTS, "{share}");
 }
@@ -106,7 +106,7 @@ fn invariant_a_motion_stays_on_the_orbit_whose_start_was_written() {
     let column = header.iter().position(|name| name == "box.s").unwrap();
     let value = |row: &Vec<String>| row[column].parse::<f64>().unwrap();
     assert!((value(&rows[0]) - value(&rows[3])).abs() < 1e-12, "{rows:?}");
-    // What the load puts in is what the others take.
+    // The energy that the load supplies is the energy that the other elements take.
     let (_, energies) = table(&orbit.join("orbit-energies.csv"));
     let sum: f64 = energies
         .iter()

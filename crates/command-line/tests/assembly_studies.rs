@@ -1,5 +1,5 @@
-//! Runs the real `vibro bifurcation|lyapunov|sweep FILE`: against the library, in shards, and what
-//! it refuses.
+//! Runs the real `vibro bifurcation|lyapunov|sweep FILE`: compared with the library, in shards;
+//! and errors.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -54,8 +54,8 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
         // The gap is written in mm, so that it has a column in mm.
         assert_eq!(value("stop.steel.gap [mm]"), 4.0);
     }
-    // A buffer pressed far in at the start leaves no equilibrium; such a design has a row with the
-    // reason.
+    // If the start presses a buffer far in, no equilibrium exists; such a design has a row with
+    // the reason.
     assert!(rows.iter().all(|row| row["reason"].is_empty() != row["amplitude.box.s"].is_empty()));
 }
 
@@ -80,7 +80,7 @@ fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
         ["--output", "amplitude.box.s,power.buffer", "--discard", "20", "--periods", "6", "--again", "20000"];
     let said = drawn(&out, &[&line[..], &over, &rest].concat());
     assert!(said.contains("best by amplitude.box.s: "), "{said}");
-    // Nothing is decided where no design can be measured again.
+    // No verdict is possible if no design can be measured again.
     let few = [&line[..], &over, &rest[..6], &["--again", "1"]].concat();
     let undecided = drawn(&folder("assembly-undecided"), &few);
     assert!(undecided.contains("best by amplitude.box.s: undecided between "), "{undecided}");
@@ -91,7 +91,7 @@ fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     let least = rows.iter().map(|row| number(row, "amplitude.box.s.max")).fold(f64::INFINITY, f64::min);
     let best = rows.iter().find(|row| number(row, "amplitude.box.s.max") == least).unwrap();
     assert!(number(best, "periods") >= 24.0 && number(best, "between") >= 1.0, "{best:?}");
-    // Digits that the spread leaves, in m on the screen and in mm in the picture.
+    // Digits significant given the spread, in m on the screen and in mm in the picture.
     let spread = number(best, "amplitude.box.s.spread");
     let power = spread.log10().floor();
     let decimals = |power: f64| {
@@ -113,7 +113,7 @@ fn a_sweep_of_which_every_design_fails_says_so_by_its_exit() {
     std::fs::write(&path, text).unwrap();
     let path = path.display().to_string();
     for output in ["class", "amplitude.a.s"] {
-        // The start at 0 lies beyond the stop.
+        // The start at 0 is beyond the stop.
         let line = ["sweep", &path, "--vary", "stop.s.gap=-20mm,-30mm", "--output", output];
         let found = command(&folder(&format!("assembly-failed-{output}")), &line).output().unwrap();
         let error = String::from_utf8_lossy(&found.stderr).into_owned();
@@ -166,8 +166,8 @@ fn closed_form_exponent_of_an_oscillator() {
     let out = folder("assembly-exponent");
     drawn(&out, &["lyapunov", &path.display().to_string(), "--periods", "160"]);
     let row = &table(&out, "lyapunov.csv")[0];
-    // δ'' + 4 δ' + 400 δ = 0 shrinks with e^-2t; its length swings by some percent of one e-fold in
-    // 25 s.
+    // δ'' + 4 δ' + 400 δ = 0 decays with e^-2t; its length oscillates by some percent of one
+    // e-fold in 25 s.
     let exponent: f64 = row["exponent"].parse().unwrap();
     assert!((exponent + 2.0).abs() < 4e-3 && row["class"] == "1T", "{row:?}");
 }
@@ -305,13 +305,13 @@ fn second_method_exponents_over_a_plane_are_those_of_a_diagram() {
     let rows = table(&out, "lyapunov-load.f.amplitude-spring.k.damping.csv");
     assert_eq!(rows.len(), 6);
     for row in rows {
-        // A variation shrinks with e^(-c t / 2m), whatever the load.
+        // A variation decays with e^(-c t / 2m), whatever the load.
         let number = |name: &str| row[name].parse::<f64>().unwrap();
         assert!((number("exponent") + number("spring.k.damping") / 4.0).abs() < 2e-2, "{row:?}");
     }
 }
 
-/// The study varies the frequency, so that it has no single period.
+/// The study varies the frequency, so it has no single period.
 #[test]
 fn a_study_of_a_frequency_names_no_period_as_its_own() {
     let vary = ["--vary", "load.shaker.frequency=9:10:2", "--discard", "2", "--keep", "2"];

@@ -1,5 +1,5 @@
-//! Runs the real `vibro`: first lines, tables against the library, pictures, exit codes, error
-//! texts.
+//! Runs the real `vibro`: first lines, tables compared with the library, pictures, exit codes,
+//! error messages.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -9,7 +9,7 @@ use std::path::Path;
 use vibro_impact::steady::{exact_orbit, multiple_scales, strong_coupling};
 use vibro_studies::paper::ParameterSet;
 
-/// A valid PNG with something on it, and an SVG with text and shapes.
+/// Requires a valid PNG that is not blank, and an SVG with text and shapes.
 fn check_picture(out: &Path, stem: &str) {
     let (width, height, pixels) = pixels(&out.join(format!("{stem}.png")));
     assert!(width >= 900 && height >= 500, "{stem}: {width} x {height}");
@@ -176,7 +176,7 @@ fn responses_end_where_the_library_says() {
     let values: Vec<f64> = stable.map(|r| r["value"].parse().unwrap()).collect();
     let (low, high) = values.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
     // The admissible forces by docs/theory.md (46), (49) and (56): 0.891 … 2.136. The last stable
-    // point is the one before the located end.
+    // point is the point before the located end.
     assert!((low - 0.891).abs() < 1e-3 && (2.10..=2.1356).contains(&high), "{low} {high}");
     let special = |name: &str, theory: &str| {
         let row =
@@ -250,8 +250,8 @@ fn comparisons_find_the_papers_errors() {
     }
 }
 
-/// At f10 = 2.7 the theory's motion is unstable and the simulated one has three impacts a period:
-/// both are stated, and no errors.
+/// At f10 = 2.7 the theory's motion is unstable and the simulated motion has three impacts per
+/// period: both are reported, without errors.
 #[test]
 fn motions_of_different_kinds_are_not_compared_in_per_cent() {
     let out = folder("cli-another-motion");

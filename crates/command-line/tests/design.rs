@@ -1,4 +1,4 @@
-//! `vibro design`: its files and words against the closed form of an absorber, and refusals.
+//! `vibro design`: its files and words compared with the closed form of an absorber; errors.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -53,7 +53,7 @@ fn closed_form_the_damping_at_a_limit_of_the_force_in_words_table_and_file() {
     };
     assert!((after("best: amplitude.engine.s = ") / (1e3 * amplitude) - 1.0).abs() < SHOWN, "{text}");
     assert!((after("spring.mount.damping = ") / exact - 1.0).abs() < SHOWN, "{text}");
-    // The file is the user's but for one number, and a first line with the verdict.
+    // The best file is the user's except for one number, and a first line with the verdict.
     let best = std::fs::read_to_string(out.join("best.toml")).unwrap();
     let lines: Vec<&str> = best.lines().collect();
     assert_eq!(lines[0], "# vibro design: decided");

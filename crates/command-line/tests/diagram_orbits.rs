@@ -1,5 +1,5 @@
-//! Runs the real `vibro bifurcation --orbits`: the branches over a diagram against the simulated
-//! motions of the diagram.
+//! Runs the real `vibro bifurcation --orbits`: the branches over a diagram compared with the
+//! diagram's simulated motions.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -34,8 +34,8 @@ fn stable_maxima(curves: &[Row], period: &str, value: f64) -> Vec<f64> {
 #[test]
 fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
     let out = folder("diagram-orbits");
-    // Values lie thousandths off the doublings, so that transients die out; the last ones are of
-    // another family.
+    // Values are thousandths away from the period doublings, so that transients decay; the last
+    // values belong to another family.
     let range = ["--range", "f10=2.2:2.56", "--resolution", "19", "--discard", "400", "--keep", "100"];
     let said = drawn(&out, &[&["bifurcation", "--orbits"][..], &range].concat());
     assert!(
@@ -57,8 +57,8 @@ fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
             assert!(apart < CHORD, "{value} {direction}: {maximum} is {apart} from every curve");
         }
     }
-    // The windows of the grid lie within the stable ranges of their rows, which reach no further
-    // than the next row.
+    // The windows of the grid lie within the stable ranges of their rows, which do not extend
+    // beyond the next row.
     let step = 0.02;
     for window in table(&out, "bifurcation-orbits-windows.csv").iter().filter(|w| w["class"] == "2T") {
         let [from, to, first, last] =
@@ -71,7 +71,7 @@ fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
 #[test]
 fn invariant_settled_rows_of_a_block_without_a_spring_lie_on_stable_branches() {
     let out = folder("diagram-orbits-free");
-    // The symmetric motion and the one after it has lost its symmetry.
+    // The symmetric motion, and the next one, which has lost its symmetry.
     let range = [
         "--range",
         "f10=1.5:2.3",

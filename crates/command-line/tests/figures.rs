@@ -22,7 +22,7 @@ const COUNTS: [usize; 3] = [50, 500, 5000];
 /// Half the stroke of a curve and the smoothing of edges, in pixels of the PNG.
 const EDGE: usize = 3;
 
-/// A curve that turns by nearly half a circle at each value, as exponents may.
+/// A curve that reverses by nearly half a circle at each value, as exponents may.
 fn jagged(count: usize) -> Path {
     let height = |i: usize| (i as f64 * 0.618_034).fract() * if i.is_multiple_of(2) { 0.9 } else { -0.9 };
     (0..count).map(|i| (i as f64 / (count - 1) as f64, height(i))).collect()
@@ -34,7 +34,7 @@ fn figure(layers: Vec<Layer>) -> Figure {
     Figure { panels: vec![panel], columns: 1, panel: (1700, 1150), ..Figure::default() }
 }
 
-/// The pixels of a figure's PNG: width, height, RGB rows from above.
+/// The pixels of a figure's PNG: width, height, RGB rows from the top.
 fn drawn(figure: &Figure) -> (usize, usize, Vec<u8>) {
     let file = canvas::png(figure).unwrap();
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
@@ -76,7 +76,7 @@ fn jagged_curves_stay_inside_their_panel() {
     }
 }
 
-/// Of many values no more is written than the picture can show, and every number is finite.
+/// For many values, a file contains no more than the picture can show, and only finite numbers.
 #[test]
 fn invariant_files_of_many_values_are_small_and_finite() {
     // Largest file, bytes: a browser opens it at once.
@@ -118,8 +118,8 @@ fn invariant_files_of_many_values_are_small_and_finite() {
 }
 
 /// A datum of a diagram keeps a border of one pixel at any size (counted in a browser by
-/// fmu-build/tests/page.rs); cells that cover a plane have no border, which would hide neighbours.
-/// A curve of one point is a dot.
+/// fmu-build/tests/page.rs). Cells that cover a plane have no border, because it would hide
+/// neighbours. A curve of one point is a dot.
 #[test]
 fn invariant_no_datum_of_a_picture_vanishes() {
     let cells = |first: Option<Colour>| Shape::Cells {
@@ -147,8 +147,8 @@ fn texts(drawing: &Figure) -> Vec<String> {
     texts.map(String::from).collect()
 }
 
-/// A curve without room for its name in a crowded panel is named in another panel with its colour,
-/// and needs no entry in the legend.
+/// If a curve has no room for its name in a crowded panel and is named in another panel with its
+/// colour, it needs no entry in the legend.
 #[test]
 fn a_name_beside_a_curve_of_one_panel_is_in_no_shared_legend() {
     let curve = || Layer::line("", BOX, Dash::Solid, jagged(50)).labelled("box x₁");
@@ -182,11 +182,11 @@ fn contrast(a: Colour, b: Colour) -> f64 {
     a.max(b) / a.min(b)
 }
 
-/// Grey shows nothing but lightness, so colours that differ in it are told apart by eyes of any
-/// kind and in any print.
+/// Grey shows only lightness, so colours of different lightness are distinguishable for all eyes
+/// and in any print.
 #[test]
 fn invariant_colours_are_told_apart_by_their_lightness() {
-    // WCAG 2.2, 1.4.11: what graphics need on their background.
+    // WCAG 2.2, 1.4.11: minimum contrast of graphics with their background.
     const ON_PAPER: f64 = 3.0;
     // Contrast between neighbouring lines: about a fifth of the perceptual range from grey to
     // black.
@@ -239,7 +239,7 @@ fn check_bodies(study: &Study, count: &mut BTreeMap<Colour, usize>) {
                 None => {}
             }
         }
-        // A curve without a name has the colour of one that has a name in the same panel.
+        // A curve without a name has the colour of a named curve in the same panel.
         let named: Vec<_> = panel.layers.iter().filter(|l| l.label.is_some() || l.name.is_some()).collect();
         for layer in panel.layers.iter().filter(|l| BODIES.contains(&l.colour)) {
             assert!(named.iter().any(|n| n.colour == layer.colour), "{}, {}", study.name, panel.title);
@@ -301,7 +301,7 @@ fn invariant_a_body_has_its_colour_and_no_other_line_has_it() {
     }
 }
 
-/// In SI no axis is in units of L, and the numbers at the ticks are the data in the unit told.
+/// In SI no axis is in units of L, and the numbers at the ticks are the data in the stated unit.
 #[test]
 fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     let set = machine();
@@ -310,7 +310,7 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     assert_eq!(panel.y.label, "amplitude of x₁ (mm)");
     // Factor of L = 5 mm.
     assert!((panel.y.factor.unwrap() / 5.0 - 1.0).abs() < 1e-12);
-    // Along the gap itself the data are in units of the machine's own gap, not of each point's.
+    // For a varying gap, the data are in units of the machine's own gap, not of each point's gap.
     let gap = Name::find("stop.gap").unwrap();
     let kappa = Name::find("kappa").unwrap();
     let along =
@@ -327,8 +327,8 @@ fn closed_form_amplitudes_in_si_are_those_in_units_of_the_gap() {
     assert!(compared > 20, "{compared}");
 }
 
-/// The picture in the FMU's page is the program's. Words are compared: curves may differ in last
-/// digits.
+/// The picture in the FMU's page equals the program's picture. Words are compared, because curves
+/// may differ in last digits.
 #[test]
 fn golden_the_response_in_the_page_of_the_fmu() {
     let study = studies::paper::force(&ParameterSet::basic(), (0.0, 4.0), (&[0.4], &[-0.4]), None).unwrap();

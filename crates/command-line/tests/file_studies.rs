@@ -1,5 +1,5 @@
-//! `vibro response FILE` and the other studies of a machine's file that stand on its orbits: tables
-//! against closed forms, refusals by name.
+//! `vibro response FILE` and the other studies of a machine's file that use its orbits: tables
+//! compared with closed forms, errors by name.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -74,7 +74,7 @@ fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_tou
     let line = ["response", &file, "--vary", "load.shaker.frequency=1.5Hz:6Hz", "--of", "amplitude.box.s"];
     let said = drawn(&out.join("r"), &[&line[..], &["--seeds", "8"]].concat());
     assert!(said.contains("branch 0: 1T [no event], from EP 1.5 Hz to GR stop.wall"), "{said}");
-    // What an interrupted one would go on from.
+    // An interrupted study would continue these parts.
     assert!(!out.join("r/response-paths").exists());
     let rows = table(&out.join("r"), "response.csv");
     let free: Vec<_> = rows.iter().filter(|row| row["word"].is_empty()).collect();
@@ -83,7 +83,7 @@ fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_tou
         let expected = amplitude(number(row, "load.shaker.frequency"));
         assert!((number(row, "amplitude.box.s") / expected - 1.0).abs() < ROUNDING, "{row:?}");
     }
-    // The wall is touched where the amplitude is the gap of 1 cm: |k - m w² + i c w| = F/gap.
+    // The wall is touched if the amplitude is the gap of 1 cm: |k - m w² + i c w| = F/gap.
     let (b, c): (f64, f64) = (2.0 * 2.0 - 2.0 * 400.0, 400.0 * 400.0 - (2.0f64 / 0.01).powi(2));
     let roots = [-1.0, 1.0].map(|sign| (0.5 * (-b + sign * (b * b - 4.0 * c).sqrt())).sqrt() / TAU);
     let special = table(&out.join("r"), "special-points.csv");
@@ -93,7 +93,7 @@ fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_tou
         assert!(nearest.fold(f64::INFINITY, f64::min) < ROUNDING, "{root}: {special:?}");
     }
     assert!(Path::new(&out.join("r/response.svg")).exists());
-    // Unstable parts too, with the stability named.
+    // Unstable parts are included, with their stability.
     assert!(rows.iter().any(|row| row["stability"] == "unstable"));
 
     for (words, named) in [
@@ -110,11 +110,11 @@ fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_tou
     assert!(error.contains("an option of a machine's file"), "{error}");
 }
 
-/// Largest place of the linear motion from a start at time 0, by samples of it, m.
+/// Maximum of the linear motion from a start at time 0, by samples, m.
 fn highest([place, rate]: [f64; 2], frequency: f64) -> f64 {
     let (omega, decay) = (TAU * frequency, 1.0);
     let own = (400.0f64 - decay * decay).sqrt();
-    // x = p cos w t + q sin w t + e^(-d t) (a cos + b sin), of the drive 2 sin w t.
+    // x = p cos w t + q sin w t + e^(-d t) (a cos + b sin), for the drive 2 sin w t.
     let (re, im) = (400.0 - omega * omega, 2.0 * omega);
     let size = re * re + im * im;
     let (p, q) = (-2.0 * im / size, 2.0 * re / size);
@@ -130,7 +130,7 @@ fn highest([place, rate]: [f64; 2], frequency: f64) -> f64 {
 
 #[test]
 fn second_method_starts_whose_linear_motion_keeps_clear_of_the_wall_lead_to_the_orbit_without_impacts() {
-    /// Part of the gap within which samples do not tell whether the wall is touched.
+    /// Relative distance to the gap within which samples do not show whether the wall is touched.
     const UNSURE: f64 = 1e-3;
     let (out, file) = file("file-basin", OSCILLATOR);
     let plane = ["--start", "box.s=-10mm:9.9mm:12", "--start", "box.v=-0.5:0.5:12"];
@@ -154,7 +154,7 @@ fn second_method_starts_whose_linear_motion_keeps_clear_of_the_wall_lead_to_the_
     }
     assert!(clear > 10 && cells.iter().any(|cell| cell["attractor"] == loud["attractor"]), "{clear}");
 
-    // Shards have the bytes of the whole.
+    // Shards are bit-identical to the whole.
     for shard in ["1/2", "2/2"] {
         drawn(&out.join(&shard[..1]), &[&line[..], &["--shard", shard]].concat());
     }
@@ -184,7 +184,7 @@ fn closed_form_sections_of_the_rattle_at_a_flank_and_of_a_linear_motion_at_a_pha
     let (out, file) = file("file-section", RATTLE);
     let said = drawn(&out.join("flank"), &["section", &file, "--section", "right", "--keep", "20"]);
     assert!(said.contains("events of stop.right: 20 points") && said.contains("1 distinct"), "{said}");
-    // (π V/w - d)²/4 + (r V/w)² = A² with V the speed of flight; flanks close at V (1 + r).
+    // (π V/w - d)²/4 + (r V/w)² = A² with the speed of flight V; flanks close at V (1 + r).
     let (a, d, r): (f64, f64, f64) = (1e-3, 3e-3, 0.25);
     let (square, linear, rest) = (PI * PI / 4.0 + r * r, -PI * d / 2.0, d * d / 4.0 - a * a);
     let flight = TAU * 25.0 * (-linear + (linear * linear - 4.0 * square * rest).sqrt()) / (2.0 * square);
@@ -220,7 +220,7 @@ fn closed_form_sections_of_the_rattle_at_a_flank_and_of_a_linear_motion_at_a_pha
 
 #[test]
 fn second_method_a_spectrum_has_the_multipliers_of_the_orbit() {
-    /// Multipliers beside the orbit differ in proportion to the distance, 1e-9 of its size.
+    /// Errors of multipliers are proportional to the distance from the orbit, 1e-9 of its size.
     const BESIDE: f64 = 1e-8;
     let (out, file) = file("file-spectrum", RATTLE);
     let said = drawn(&out.join("all"), &["lyapunov", &file, "--spectrum", "--periods", "20"]);
@@ -295,7 +295,7 @@ fn invariant_the_force_of_a_rigid_stop_has_no_derivatives_and_a_period_lost_in_r
 #[test]
 fn closed_form_an_unstable_orbit_is_found_by_its_word_and_words_that_cannot_close_are_refused() {
     let (out, file) = file("file-word", OSCILLATOR);
-    // At 3 Hz the motion settles on 2T; the orbit with one impact a period is unstable.
+    // At 3 Hz the motion settles on 2T; the orbit with one impact per period is unstable.
     let line = ["orbit", &file, "--word", "impact wall", "--period", "1T"];
     let said = drawn(&out.join("o"), &line);
     assert!(said.contains("1 period of the drive") && said.contains("unstable"), "{said}");
@@ -349,8 +349,8 @@ fn closed_form_branches_over_a_diagram_and_the_rows_they_explain() {
     assert!(said.contains("28 of 28 periodic rows of both directions lie on a stable branch"), "{said}");
     let rows = table(&out.join("d"), "bifurcation-orbits-rows.csv");
     assert!(rows.len() == 28 && rows.iter().all(|row| row["not_covered"].is_empty()));
-    // Below the touch at 3.879 Hz the wall is hit, above the fold at 5.002 Hz it is not; in between
-    // a motion may do either, and rising it hits.
+    // Below the touch at 3.879 Hz the wall is hit, above the fold at 5.002 Hz it is not. In
+    // between, both are possible, and with rising frequency the wall is hit.
     for row in &rows {
         let (value, hits) = (number(row, "load.shaker.frequency"), row["word"] == "impact wall");
         let rising = row["direction"] == "rising";
@@ -366,14 +366,14 @@ fn closed_form_branches_over_a_diagram_and_the_rows_they_explain() {
     assert!(free.len() > 5);
     for row in free {
         let expected = amplitude(number(row, "load.shaker.frequency"));
-        // Maxima are told to seven digits.
+        // Maxima are printed with seven digits.
         assert!((number(row, "box.s_maxima") / expected - 1.0).abs() < 1e-6, "{row:?} {expected}");
     }
     for words in [&["--at-section"][..], &["--pair", "stop.wall.gap,stop.wall.restitution"]] {
         let (_, error) = refused(&[&line[..], words].concat());
         assert!(error.contains("'--orbits' cannot be used with"), "{error}");
     }
-    // Killed while branches are followed: the diagram and the branches go on to the same bytes.
+    // Killed while branches are followed: diagram and branches continue to the same bytes.
     let (broken, study) = (out.join("k"), "bifurcation");
     // The diagram's parts: one in each direction.
     let count = 2;

@@ -1,5 +1,5 @@
-//! Runs the real `vibro` twice in one folder: no run's files are lost by another run, by Ctrl-C or
-//! by a second program at the same time.
+//! Runs the real `vibro` twice in one folder: no run's files are lost through another run, through
+//! Ctrl-C or through a second program at the same time.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -50,7 +50,7 @@ fn a_run_with_other_parameters_is_refused_and_keeps_the_parts_of_the_first() {
     ] {
         assert!(error.contains(word), "{word}: {error}");
     }
-    // Other options are another study too.
+    // Other options make another study too.
     let error = refused(&out, &["basin", "--resolution", "16", "--discard", "61"]);
     assert!(error.contains("--discard: 60 there, 61 here"), "{error}");
     // `--replace` is for results, not for parts.

@@ -1,5 +1,5 @@
-//! The pages of docs/gallery: commands work, pictures are those that the commands draw, quoted
-//! lines are in the files. `VIBRO_IMPACT_UPDATE=1` writes the pictures anew.
+//! The pages of docs/gallery: commands work, pictures equal the commands' output, quoted lines are
+//! in the files. `VIBRO_IMPACT_UPDATE=1` rewrites the pictures.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use vibro::gallery::EXAMPLES;
 
-/// Tolerance of a picture's coordinates, which have few digits: another mathematical library moves
-/// them by less.
+/// Tolerance of a picture's coordinates, which have few digits: another mathematical library
+/// changes them by less.
 const MOVED: f64 = 2.0;
-/// Share of a picture's numbers that may differ by more, where chaotic motion amplifies last
-/// digits.
+/// Share of a picture's numbers that may differ by more than [`MOVED`], because chaotic motion
+/// amplifies last digits.
 const CHAOTIC: f64 = 0.3;
 
 fn root() -> PathBuf {
@@ -24,16 +24,16 @@ fn root() -> PathBuf {
 /// distribution of the numbers is compared.
 const CHAOS: [&str; 1] = ["paper_machine"];
 
-/// Pictures whose commands follow branches for 7 s to 17 s of processor time each.
+/// Pictures whose commands follow branches, for 7 s to 17 s of processor time each.
 const LONG: [&str; 3] = ["damper_with_buffer_response", "gear_backlash_response", "valve_train_response"];
 
-/// The text between a fence with this info and the next.
+/// The text from a fence with this info string to the next fence.
 fn block<'a>(page: &'a str, info: &str) -> &'a str {
     let (_, rest) = page.split_once(&format!("```{info}\n")).expect("a block");
     rest.split_once("\n```").expect("its end").0
 }
 
-/// What `vibro draw` draws of an example.
+/// The output of `vibro draw` for an example.
 fn sketched(name: &str) -> String {
     let (out, file) = (folder(&format!("gallery-sketch-{name}")), format!("examples/assembly/{name}.toml"));
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
@@ -45,7 +45,7 @@ fn sketched(name: &str) -> String {
     std::fs::read_to_string(svg).unwrap()
 }
 
-/// Compares a page's picture with what its command draws, or writes it anew.
+/// Compares a page's picture with the output of its command, or rewrites the picture.
 fn compare(gallery: &Path, name: &str, command: &str, update: bool) {
     let line = command.strip_prefix("vibro ").expect("a command of vibro");
     let (line, _) = line.split_once(" --out ").expect("a folder");
@@ -63,7 +63,7 @@ fn compare(gallery: &Path, name: &str, command: &str, update: bool) {
     }
     let before = std::fs::read_to_string(&kept).expect("a picture; VIBRO_IMPACT_UPDATE=1 writes it");
     let (mut old, mut new) = (numbers(&before), numbers(&now));
-    // Rounding decides how many points a followed branch has, too.
+    // Rounding also decides the number of points of a followed branch.
     if CHAOS.contains(&name) || name.ends_with("_response") {
         old.sort_by(f64::total_cmp);
         new.sort_by(f64::total_cmp);
@@ -133,7 +133,7 @@ fn golden_pictures_of_long_commands_are_what_they_draw() {
     }
 }
 
-/// Words of the tutorial's commands that are replaced so that the test is quick.
+/// Words of the tutorial's commands and their replacements, which make the test quick.
 const SHORTENED: [(&str, &str); 3] =
     [("130mm:200", "130mm:4 --discard 20 --keep 4"), ("130mm:40", "130mm:2"), ("130mm:25", "130mm:2")];
 

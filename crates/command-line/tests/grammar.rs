@@ -1,5 +1,5 @@
-//! Runs the real `vibro`: one grammar of units, starts and loads for all commands, and what help
-//! says of the model's limits.
+//! Runs the real `vibro`: one grammar of units, starts and loads for all commands, and the help on
+//! limits of the model.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -57,7 +57,7 @@ fn a_number_without_a_unit_is_in_the_unit_of_the_file_on_every_axis() {
     };
     const NOTE: &str = "is read in Hz, the unit in which that parameter was written";
     let hertz = [9.0, 9.5, 10.0, 10.5, 11.0];
-    // A sweep, by a range, a list, and over a band.
+    // Sweeps: by a range, by a list, and over a band.
     for (name, axis) in [("range", "drive.frequency=9:11:5"), ("list", "drive.frequency=9,9.5,10,10.5,11")] {
         let (folder, (screen, notes)) =
             with(name, &[&["sweep", "--vary", axis, "--output", "amplitude.x1"], &QUICK[..]].concat());
@@ -118,7 +118,7 @@ fn a_number_without_a_unit_is_in_the_unit_of_the_file_on_every_axis() {
         with("plane", &[&plane[..], &["--resolution", "2", "--discard", "5", "--periods", "0"]].concat());
     let name = "isoperiodic-drive.frequency-stop.gap.csv";
     assert_eq!(numbers(&folder, name, "stop.gap [mm]"), [40.0, 40.0, 60.0, 60.0]);
-    // And --set, after the file and after another --set.
+    // `--set` after the file and after another `--set`.
     let set = ["sweep", "--set", "drive.frequency=10.65", "--vary", "block.m=0.6", "--output", "impacts"];
     let (_, (screen, notes)) = with("set", &[&set[..], &QUICK[..]].concat());
     assert!(
@@ -183,7 +183,7 @@ fn starts_have_one_grammar_in_every_command() {
     let (si, scaled) = (with("plane-si", &plane("block.v=0.2")), with("plane-l", &plane("block.v=20cm/s")));
     let name = "isoperiodic-block.m-stop.gap.csv";
     assert_eq!(bytes(&si, name), bytes(&scaled, name));
-    // The same coordinate twice is refused by both names, everywhere.
+    // Giving a coordinate twice is refused with both names, by every command.
     for command in ["run", "sweep", "basin", "bifurcation", "isoperiodic"] {
         let (code, error) = refused(&[command, "--start", "x2=.1,block.s=.3"]);
         assert!(code == 2 && error.contains("x2 and block.s"), "{command}: {error}");
@@ -206,15 +206,15 @@ fn loads_have_one_grammar_in_every_command() {
     let none = with("none", &sweep(&[]));
     assert_eq!(bytes(&load, "sweep.csv"), bytes(&parameter, "sweep.csv"));
     assert_ne!(bytes(&load, "sweep.csv"), bytes(&none, "sweep.csv"));
-    // Loads on a body add up, and a load is an axis.
-    // Each row as it is found first.
+    // Loads on a body add up, and a load can be an axis.
+    // Rows of the first measurement.
     let once = ["--again", "0"];
     let vary = ["--vary", "load.block=-6N:0N:3", "--load", "box=1N", "--load", "box=-1N"];
     let axis = with("axis", &[&sweep(&vary)[..], &once].concat());
     assert_eq!(numbers(&axis, "sweep.csv", "load.block"), [-6.0, -3.0, 0.0]);
     let last = |folder: &Path| table(folder, "sweep.csv").last().unwrap()["amplitude.x2"].clone();
     assert_eq!(last(&axis), last(&none));
-    // Every command that simulates takes them.
+    // Every command that simulates accepts loads.
     let few = ["--discard", "5", "--keep", "4"];
     let diagram = with("diagram", &[&["bifurcation", "--vary", "load.block=-6N:6N:3"], &few[..]].concat());
     assert_eq!(numbers(&diagram, "bifurcation-points.csv", "load.block")[..3], [-6.0, 0.0, 6.0]);
@@ -239,7 +239,7 @@ fn loads_have_one_grammar_in_every_command() {
     assert!(rows.iter().all(|row| row["exact_orbit"] == "undefined" || row["load.block"] == "0"), "{rows:?}");
     let run = with("run", &["run", "--load", "block=-5.9N", "--periods", "2", "--discard", "0"]);
     assert!(!table(&run, "run.csv").is_empty());
-    // A file is for `run`; theories know no loads.
+    // Only `run` accepts a file; theories do not support loads.
     for command in ["sweep", "bifurcation", "lyapunov", "basin", "isoperiodic", "orbits", "orbit"] {
         let (code, error) = refused(&[command, "--load", "box=record.csv"]);
         assert!(

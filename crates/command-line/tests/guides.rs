@@ -1,5 +1,5 @@
-//! The commands of the recipes of docs/paper-machine.md, as they stand there, against closed forms
-//! and the library.
+//! The commands of the recipes of docs/paper-machine.md, unchanged, compared with closed forms and
+//! the library.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -42,7 +42,7 @@ fn differences(last: &[f64], simulator: &Simulator) -> [f64; 3] {
     std::array::from_fn(|i| (last[1 + i] - simulator.state().x[i]).abs())
 }
 
-/// Two flanks of one speed a period: the part is thrown from each to the other.
+/// Two flanks of the same speed in each period: the part is thrown from one to the other.
 #[test]
 fn golden_what_coding_assistants_are_told() {
     let guide = Guide::at("../../AGENTS.md");
@@ -71,7 +71,7 @@ fn closed_form_of_the_recipes() {
         assert!((row[1] - closed).abs() < LINEAR * amplitude, "{row:?} {closed}");
     }
 
-    // The record: the library under the same interpolant.
+    // The record, compared with the library with the same interpolant.
     let samples = [(0.0, 0.0), (0.01, 900.0), (0.02, 1200.0), (0.03, 450.0), (0.04, 0.0)];
     let record = Load::new(Body::Box, &samples, Interpolation::Linear).unwrap();
     let silent = Parameters { drive_amplitude: 0.0, ..p };
@@ -82,19 +82,19 @@ fn closed_form_of_the_recipes() {
     let last = rows.last().unwrap();
     assert!(last[0] == 1.0 && differences(last, &simulator).iter().all(|d| *d < ROUNDING), "{last:?}");
 
-    // Tilted: springs and weights, with the rounded weights of the files.
+    // Tilted: springs and weights, with the weights as rounded in the files.
     let rows = guide::rows("recipes", "tilted/run.csv");
     let last = rows.last().unwrap();
     assert!((last[1] + (20.4417 + 2.04417) / 48e3).abs() < ROUNDING && last[4] == -0.015, "{last:?}");
 
-    // Standing: the heavy block meets the lower stop more often than the upper one; lying, both
-    // alike.
+    // Standing: the heavy block hits the lower stop more often than the upper one; lying, both
+    // equally often.
     let rows = guide::rows("recipes", "standing/sweep.csv");
     assert!(rows.len() == 7 && rows[0][0] == -11.772 && rows[6][0] == 0.0, "{rows:?}");
     let more_below = |row: &Vec<f64>| row[3] - row[2];
     assert!(more_below(&rows[0]) > 0.0 && more_below(&rows[6]).abs() < more_below(&rows[0]), "{rows:?}");
 
-    // Off centre: the library under constant loads.
+    // Off centre, compared with the library with constant loads.
     let coupled = Parameters { coupling_stiffness: 2000.0, ..p };
     let mut loads = Loads::default();
     (loads.derivatives[1][0], loads.derivatives[2][0]) = (-4.0, 4.0);
@@ -110,7 +110,7 @@ fn closed_form_of_the_recipes() {
 #[test]
 fn closed_form_of_the_page_of_derivatives() {
     Guide::read("derivatives.md").perform("derivatives", &[]);
-    // The last impact before 2 s of the ball is the third: 2 (1 + 2e) t₁ by e.
+    // The last impact of the ball before 2 s is the third: 2 (1 + 2e) t₁; derivative by e.
     let (events, by) = (
         guide::rows("derivatives", "ball/events.csv"),
         guide::rows("derivatives", "ball/event-derivatives.csv"),
@@ -118,7 +118,7 @@ fn closed_form_of_the_page_of_derivatives() {
     assert_eq!(events.len(), by.len());
     let t = (2.0 / 9.81f64).sqrt();
     assert!((by[2][1] - 2.0 * (1.0 + 2.0 * 0.9) * t).abs() < LINEAR, "{by:?}");
-    // The start's own number moves the start alone.
+    // The derivative by the start's number is 1 at the start, for this number alone.
     let first = &guide::rows("derivatives", "second/derivatives.csv")[0];
     // time; s, v, a of the box; s, v of the block.
     assert_eq!(first[..6], [0.5, 0.0, 0.0, 0.0, 0.0, 1.0]);

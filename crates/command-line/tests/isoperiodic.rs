@@ -1,4 +1,4 @@
-//! Planes by simulation: against single runs, the exact orbit, and their own table and picture.
+//! Planes by simulation, compared with single runs, the exact orbit, their own table and picture.
 
 use std::collections::HashMap;
 use vibro::studies;
@@ -39,14 +39,14 @@ fn second_method_points_of_a_plane_one_by_one() {
     let plane = found(&r);
     let theory = plane::plane(&ParameterSet::basic(), r.x, r.y, Method::ExactOrbit, &|| ()).unwrap();
     let mut periods = std::collections::BTreeSet::new();
-    /// m/s; far more than rounding, far less than a basin of attraction that one can see.
+    /// m/s; much more than rounding, much less than a visible basin of attraction.
     const BESIDE: f64 = 1e-9;
     let (mut compared, mut open) = (0, 0);
     for (i, point) in plane.points.iter().enumerate() {
         assert_eq!(point.theory, theory.classes[i], "point {i}");
         let motion = point.motion.expect("not refused");
-        // The reference is one simulator in one run, and a second one from a neighbouring start:
-        // where these two end differently, rounding decides the batch's end too.
+        // The reference is one simulator in one run, and a second one from a neighbouring start.
+        // If these two end differently, rounding decides the end of the batch too.
         let p = *at(&r, i).parameters();
         let alone = |beside: f64| {
             let State { x, mut v } = moving_block(&p);
@@ -62,7 +62,7 @@ fn second_method_points_of_a_plane_one_by_one() {
             assert_eq!(motion.impacts, alone.impacts, "point {i}");
             periods.insert(period);
         }
-        // Exponents exist where there are impacts and no period.
+        // Exponents exist if there are impacts and no period.
         let impacts = motion.impacts != [0.0; 2];
         let periodic = matches!(motion.class, MotionClass::Periodic(_));
         assert_eq!(motion.exponent.is_some(), impacts && !periodic, "point {i}: {motion:?}");
@@ -73,7 +73,7 @@ fn second_method_points_of_a_plane_one_by_one() {
             let undecided = motion.exponent.is_some_and(|[e, error]| e.abs() - threshold <= 6.0 * error);
             assert!(undecided, "point {i}: {motion:?}");
         }
-        // Chaos requires an exponent that is certainly positive.
+        // Chaos requires an exponent that is significantly positive.
         let positive = motion.exponent.is_some_and(|[e, error]| e - 6.0 * error > threshold);
         assert_eq!(motion.class == MotionClass::Chaotic, positive, "point {i}: {motion:?}");
     }
@@ -86,8 +86,8 @@ fn second_method_points_of_a_plane_one_by_one() {
 
 #[test]
 fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
-    /// Half-period multipliers so far inside the circle let rounding of the start die out within
-    /// the discarded periods; so far outside, it grows past all tolerances.
+    /// Half-period multipliers this far inside the circle let rounding of the start decay within
+    /// the discarded periods; this far outside, it grows beyond all tolerances.
     const INSIDE: f64 = 0.97;
     let (x, y) = (axis("sigma1", (-2.0, 2.0), 17), axis("f10", (0.4, 4.0), 16));
     let on_orbit = found(&request(x, y, StartRule::Orbit, 100));
@@ -106,7 +106,7 @@ fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
     }
     assert!(well_inside > 60, "{well_inside}");
     // From the default start some motions end on other attractors, but none ends on an orbit that
-    // the theory calls unstable.
+    // is unstable in theory.
     let kicked = found(&request(x, y, StartRule::default(), 300)).agreement();
     assert_eq!(kicked.predicted, kicked.two_impact, "{kicked:?}");
     assert!(
@@ -117,7 +117,7 @@ fn second_method_the_stable_exact_orbit_is_kept_and_no_other_is_met() {
 
 #[test]
 fn closed_form_parts_without_a_system_are_left_out() {
-    // 1 + ε σ1 > 0: a drive that turns forwards.
+    // 1 + ε σ1 > 0: a drive that rotates forwards.
     let r = request(axis("sigma1", (-12.0, -6.0), 7), axis("f10", (0.5, 1.0), 2), StartRule::default(), 20);
     for (i, point) in found(&r).points.iter().enumerate() {
         assert_eq!(point.motion.is_none(), r.x.value(i % 7) <= -10.0, "point {i}");
@@ -141,7 +141,7 @@ fn pictures_show_what_the_table_holds() {
     for (i, row) in rows.iter().enumerate() {
         assert_eq!((number(row, "kappa"), number(row, "f10")), (r.x.value(i % 9), r.y.value(i / 9)));
     }
-    // More impacts never have a lighter colour; two and three have colours of their own.
+    // More impacts never have a lighter colour; two and three impacts have separate colours.
     let all = |row: &HashMap<String, String>| number(row, "impacts_upper") + number(row, "impacts_lower");
     let mut impacts: Vec<(f64, u8)> = rows.iter().map(all).zip(cells(1)).collect();
     impacts.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -150,7 +150,7 @@ fn pictures_show_what_the_table_holds() {
         let own = impacts.iter().find(|c| c.0 == whole).unwrap().1;
         assert!(impacts.iter().all(|c| (c.1 == own) == (c.0 == whole)), "{whole}: {impacts:?}");
     }
-    // The symmetric motion with two impacts per period has one colour, and so has chaos.
+    // The symmetric motion with two impacts per period has a single colour, and so does chaos.
     let two_impact = |row: &HashMap<String, String>| {
         row["class"] == "1T" && row["symmetric"] == "true" && row["rests"] == "false" && all(row) == 2.0
     };
@@ -161,7 +161,7 @@ fn pictures_show_what_the_table_holds() {
         let colour = cells(0)[own.iter().position(|o| *o).unwrap()];
         assert_eq!(cells(0).iter().map(|c| *c == colour).collect::<Vec<_>>(), own);
     }
-    // The limit of stability has an edge between each pair of neighbours of which one is stable.
+    // The limit of stability has an edge between each pair of a stable and an unstable neighbour.
     let Shape::Lines { pieces, .. } = &panels[0]
         .layers
         .iter()

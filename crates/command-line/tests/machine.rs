@@ -1,5 +1,5 @@
-//! Runs the real `vibro` with other parameters of the 3-DOF machine: set values, units, axes of any
-//! parameter, templates, refusals.
+//! Runs the real `vibro` with other parameters of the 3-DOF machine: set values, units, axes of
+//! any parameter, templates, refusals.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -26,7 +26,7 @@ drive.amplitude = "75 N"
 drive.frequency = "10.4 Hz"
 "#;
 
-/// All words of a picture in one line.
+/// All words of a picture on one line.
 fn words(out: &Path, stem: &str) -> String {
     let svg = std::fs::read_to_string(out.join(format!("{stem}.svg"))).expect("an SVG file");
     let texts = svg.split('<').filter_map(|tag| tag.split_once('>')).map(|tag| tag.1);
@@ -66,7 +66,7 @@ fn a_response_draws_the_machine_that_was_given() {
     let detunings = members(&out, "response-force.csv", "sigma1");
     assert!(matches!(detunings[..], [s] if (s - sigma1).abs() < 1e-12), "{detunings:?} {sigma1}");
     let text = words(&out, "response-frequency");
-    // The caption has the machine in SI, without the parameters that differ between or along the
+    // The caption has the machine in SI, without the parameters that vary between or along the
     // curves.
     assert!(text.contains("k₁ = 48 kN/m") && text.contains("₁₀ = 3.125"), "{text}");
     assert!(!text.contains("F₁₀ =") && !text.contains("₁₀ = 2.5"), "{text}");
@@ -114,7 +114,7 @@ fn second_method_stability_marks_the_machine_that_was_given() {
         let g = set.groups();
         let motion = multiple_scales::fixed_points(g).unwrap().unwrap().upper;
         assert!(said.contains(&format!("this set's own force: C = {:.5}", motion.c)), "{said}");
-        // xi = k1 L/F10 by the machine itself.
+        // xi = k1 L/F10, computed from the machine.
         let p = set.parameters();
         let xi = p.box_stiffness * p.stop_gap / p.drive_amplitude;
         assert!(said.contains(&format!("xi = {xi:.5}")), "{said}");
@@ -158,7 +158,7 @@ fn a_template_is_a_parameter_file() {
         let (out, file) = machine("cli-template", &text);
         drawn(&out, &["steady", "--config", &file]);
         let rows = table(&out, "steady.csv");
-        // The default machine's.
+        // The default machine.
         assert!((number(&rows, "C", "multiple scales", "upper") - 1.340127767).abs() < 1e-9, "{form}");
     }
 }
@@ -166,7 +166,7 @@ fn a_template_is_a_parameter_file() {
 #[test]
 fn axes_are_of_any_parameter_with_units() {
     let (out, file) = machine("cli-axes", MACHINE);
-    // The folder holds results of other options by then.
+    // The folder already contains results of other options.
     let with = |arguments: &[&str]| drawn(&out, &[arguments, &["--config", &file, "--replace"]].concat());
     let values = |file: &str, name: &str| -> Vec<f64> {
         table(&out, file).iter().map(|r| r[name].parse().unwrap()).collect()
@@ -179,7 +179,7 @@ fn axes_are_of_any_parameter_with_units() {
     assert!(text.contains("ω₁/2π (Hz)") && text.contains("this set: ω₁/2π = 10.4 Hz"), "{text}");
     assert!(text.contains("m₂ = 1.2 kg") && !text.contains(", ω₁"), "{text}");
     assert!(text.contains("x₂ (mm)") && !text.contains("units of L"), "{text}");
-    // The block of one value may be past the stops of the next.
+    // The block's position at one value may be beyond the stops at the next value.
     with(&["bifurcation", "--vary", "L=1mm:9mm:9", "--discard", "20", "--keep", "9"]);
     assert_eq!(table(&out, "bifurcation-points.csv").len(), 2 * 9);
     with(&["plane", "--pair", "block.m,stop.gap", "--vary", "stop.gap=1mm:20mm:12", "--resolution", "10"]);
@@ -214,7 +214,7 @@ fn axes_are_of_any_parameter_with_units() {
     assert!(!text.contains("units of L"), "{text}");
 }
 
-/// Amplitudes of any coordinate against the response's complete table.
+/// Amplitudes of any coordinate, compared with the response's complete table.
 #[test]
 fn closed_form_a_response_is_of_any_coordinate() {
     let (out, file) = machine("cli-of", MACHINE);
@@ -246,7 +246,7 @@ fn closed_form_a_response_is_of_any_coordinate() {
     assert!(code == 2 && error.contains("x4") && error.contains("one of x1, x2, x3, w"), "{error}");
 }
 
-/// A range is labelled in the unit in which it was written, whatever the unit of the machine's own
+/// A range is labelled in the unit in which it was given, whatever the unit of the machine's own
 /// value.
 #[test]
 fn labels_are_in_the_unit_that_was_written() {
@@ -256,7 +256,7 @@ fn labels_are_in_the_unit_that_was_written() {
     assert!(text.contains("L (mm)") && text.contains("5 10 15 20 25 30"), "{text}");
     drawn(&out, &["plane", "--pair", "k1,f10", "--vary", "k1=1:2:8", "--resolution", "6", "--replace"]);
     assert!(words(&out, "plane").contains("k₁ (N/m)"));
-    // Shards keep the unit for the computer that merges them.
+    // Shards store the unit for the computer that merges them.
     let (one, two) = (folder("cli-unit-1"), folder("cli-unit-2"));
     let work = ["bifurcation", "--vary", "drive.frequency=0.15Hz:0.17Hz:20", "--discard", "9", "--keep", "9"];
     for (out, share) in [(&one, "1/2"), (&two, "2/2")] {
@@ -286,7 +286,7 @@ fn the_response_along_the_frequency_is_that_along_its_detuning() {
     let by_frequency = breaking("response-drive.frequency.csv", &|v| v / std::f64::consts::TAU);
     let by_detuning =
         breaking("response-frequency.csv", &|s| (1.0 + 0.1 * s) * omega10 / std::f64::consts::TAU);
-    // Both locate equal special points, to the tolerance of their search.
+    // Both locate the same special points, to the tolerance of their search.
     assert!(
         by_frequency > 0.0 && (by_frequency / by_detuning - 1.0).abs() < 1e-6,
         "{by_frequency} {by_detuning}"

@@ -1,5 +1,5 @@
-//! Runs the real `vibro` with a machine's file and for the paper's machine: what help says, which
-//! options are refused, and spellings of older versions.
+//! Runs the real `vibro` with a machine's file and for the paper's machine: help texts, refused
+//! options, and spellings of older versions.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -13,7 +13,7 @@ fn machine(name: &str) -> String {
     format!("{}/../../examples/assembly/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Words of help texts on the paper's machine, which the help of a command with a FILE has not.
+/// Words of help on the paper's machine, which help of commands with a FILE must not contain.
 const PAPERS_WORDS: [&str; 11] = [
     "with FILE",
     "With FILE",
@@ -47,7 +47,7 @@ fn help_of_a_command_is_of_its_own_machine_alone() {
         }
         assert!(of_file.contains(&format!("Usage: vibro {command} [OPTIONS] <FILE>\n")), "{of_file}");
         assert!(of_file.contains("NUMBERS") && of_paper.contains("LIMITS of the paper's"));
-        // One motion of a file needs no threads, and no run leaves unfinished parts.
+        // A single motion of a file needs no threads, and no run leaves unfinished parts.
         let is_run = command == "run";
         assert!(of_paper.contains("--threads") && of_file.contains("--threads") != is_run, "{of_file}");
         assert!(of_file.contains("--discard-unfinished") != is_run, "{of_file}");
@@ -107,7 +107,7 @@ fn help_lists_commands_with_a_file_and_an_example_of_each_before_the_papers_mach
     }
 }
 
-/// What `vibro` prints, and its notes.
+/// The output of `vibro`, and its notes.
 fn told(out: &Path, words: &[&str]) -> (bool, String, String) {
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
     let done = vibro.args(words).current_dir(out).output().unwrap();
@@ -120,7 +120,7 @@ fn second_method_old_spellings_do_what_the_new_ones_do_and_say_them() {
     let out = folder("machine-file-spellings");
     std::fs::create_dir_all(&out).unwrap();
     for command in OF_PAPER.into_iter().chain(OF_BOTH) {
-        // Each is refused after the note, but for the template.
+        // Each command is refused after the note, except the template.
         let wrong = if command == "template" { &["--si"][..] } else { &["--set", "speed=1"] };
         let needed: &[&str] = match command {
             "locus" => &["--from", "no.csv", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.6"],
@@ -140,7 +140,7 @@ fn second_method_old_spellings_do_what_the_new_ones_do_and_say_them() {
     assert!(told(&out, &[&["paper"], &line[..], &["new"]].concat()).0);
     let table = |folder: &str| std::fs::read(out.join(folder).join("steady.csv")).unwrap();
     assert!(table("old") == table("new"));
-    // Both write one result, so that neither folder refuses the other's command.
+    // Both write the same result, so that neither folder refuses the other's command.
     assert!(told(&out, &[&line[..], &["new"]].concat()).0);
 }
 
@@ -212,7 +212,7 @@ fn a_file_of_the_other_machine_is_refused_with_the_way_to_name_it() {
     assert!(code == 2 && error.contains("`vibro run FILE`"), "{error}");
 }
 
-/// Words of a text that may name a number, an element, a quantity or an output of a machine.
+/// Words of a text that look like names of numbers, elements, quantities or outputs of a machine.
 fn dotted(text: &str) -> impl Iterator<Item = &str> {
     let words = text.split(|c: char| !(c.is_alphanumeric() || "._".contains(c)));
     words.map(|word| word.trim_matches('.')).filter(|word| word.contains('.'))
@@ -250,9 +250,9 @@ fn second_method_help_names_what_the_machine_of_its_first_example_has() {
     assert!(count > 60, "{count}");
 }
 
-/// The examples of help texts with the machine of the first one, line by line. The folder of results
-/// holds damaged manifests, so that a study is refused once all of its arguments are read, before
-/// it begins.
+/// The examples of help texts, line by line, with the machine of the first example. The results
+/// folder contains damaged manifests, so that a study is refused after all of its arguments are
+/// read, before it begins.
 #[test]
 fn examples_of_help_are_read_to_the_end() {
     let home = folder("machine-file-examples");
@@ -267,8 +267,8 @@ fn examples_of_help_are_read_to_the_end() {
         let line =
             line.split("    (").next().unwrap().replace("--out my-machine", "").replace("--out one", "");
         let words: Vec<&str> = line.split_whitespace().map(|word| word.trim_matches('\'')).collect();
-        // These need a record, a table of special points, or no folder of results; a limit with a
-        // space between quotes is two words here.
+        // These need a record, a table of special points, or no results folder; a quoted limit
+        // with a space is two words here.
         if ["new", "fit", "locus"].contains(&words[0]) || line.contains("--list") || line.contains('\'') {
             continue;
         }
@@ -278,7 +278,7 @@ fn examples_of_help_are_read_to_the_end() {
         count += 1;
     }
     assert!(count >= 12, "{count}");
-    // The search of an orbit shows only by its end whether there is one.
+    // An orbit search knows only at its end whether there is an orbit.
     let orbit = text.lines().find(|line| line.starts_with("  vibro orbit ")).expect("an example");
     let words: Vec<&str> = orbit.split_whitespace().skip(1).collect();
     let (done, _, error) = told(&home, &words);
@@ -327,7 +327,7 @@ fn results_of_a_machines_file_have_the_names_of_their_commands() {
     let names: Vec<String> = names.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     assert!(names.iter().any(|name| name == "run.manifest.toml"), "{names:?}");
     assert!(names.iter().filter(|name| name.starts_with("run-")).count() == 1, "{names:?}");
-    // The manifest of a motion had another name in version 0.3: such a motion is not overwritten.
+    // The manifest of a motion had another name in version 0.3: it must not be overwritten.
     std::fs::write(here.join("old/states.csv"), "time\n").unwrap();
     let (done, _, error) = told(&here, &[&run[..], &["--out", "old"]].concat());
     assert!(!done && error.contains("holds states.csv without run.manifest.toml"), "{error}");

@@ -1,5 +1,5 @@
-//! Memory of a large plane, as the system counts it. The test is alone in its program, so that
-//! nothing else is counted.
+//! Memory of a large plane, as counted by the operating system. The test has its own program, so
+//! that nothing else is counted.
 #![cfg(target_os = "linux")]
 
 use vibro::studies;
@@ -22,11 +22,11 @@ fn most_held() -> usize {
 fn a_plane_takes_the_memory_per_point_that_is_reckoned_with() {
     const SIDE: usize = 400;
     const POINTS: usize = SIDE * SIDE;
-    /// Memory of threads, tables of systems and the allocator, independent of the number of points,
-    /// bytes.
+    /// Memory of threads, tables of systems and the allocator, independent of the number of
+    /// points, bytes.
     const FIXED: usize = 6 << 20;
     let axis = |name, range| ParameterAxis::new(find_group(name).unwrap(), range, SIDE).unwrap();
-    // Where 1 + ε σ1 < 0 there is no system, so that nothing is simulated.
+    // If 1 + ε σ1 < 0, the system does not exist, so nothing is simulated.
     let (x, y) = (axis("sigma1", (-12.0, -11.0)), axis("f10", (0.5, 4.0)));
     let request = IsoperiodicRequest { x, y, start: StartRule::default(), discard: 0, exponents: None };
     let set = ParameterSet::basic();
@@ -37,7 +37,7 @@ fn a_plane_takes_the_memory_per_point_that_is_reckoned_with() {
     let reckoned = 2 * size_of::<PlanePoint>() * POINTS;
     assert!(parts < reckoned + FIXED, "{parts} of {reckoned}");
     assert!(parts > reckoned / 2, "{parts} of {reckoned}: not counted");
-    // The longest possible rows. A second copy of the table would exceed what is counted.
+    // The longest possible rows. A second copy of the table would exceed the counted memory.
     for point in &mut plane.points {
         let exponent = Some([0.123_456_789_012_345_67, 0.001_234_567_890_123_456_7]);
         let impacts = [1.0 / 3.0, 2.0 / 3.0];

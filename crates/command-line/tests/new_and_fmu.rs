@@ -29,7 +29,7 @@ fn new_writes_every_machine_of_the_gallery_as_it_stands_there_and_overwrites_not
         let (code, told) = refused(&["new", example.name, &path.display().to_string()]);
         assert!(code == 2 && told.contains("is there already and is not overwritten"), "{told}");
     }
-    // Without a second name it is in the present folder; a record beside it is not overwritten.
+    // Without a second name the current folder is used; a record there is not overwritten.
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
     assert!(
         vibro.args(["new", "damper_with_buffer"]).current_dir(&out).output().unwrap().status.code()
@@ -46,7 +46,7 @@ fn new_writes_every_machine_of_the_gallery_as_it_stands_there_and_overwrites_not
     );
 }
 
-/// A machine has one name: of its page, of its file, and in it, where words begin with capitals.
+/// A machine has one name: of its page, of its file, and in the file, where it is capitalised.
 #[test]
 fn machines_of_the_gallery_have_the_name_of_their_page_and_names_of_version_0_3_say_it() {
     let out = folder("new-old-names");
@@ -86,7 +86,7 @@ fn fmu_packs_around_the_library_that_is_named_and_says_how_to_get_one() {
             assert_eq!(told.contains("in place of the file that was there"), again, "{told}");
         }
     }
-    // Neither version has replaced the other.
+    // Neither version has overwritten the other.
     for (fmi, name) in archives {
         let entries = archive::read_all(&out.join(name)).unwrap();
         let description = String::from_utf8(entries["modelDescription.xml"].clone()).unwrap();

@@ -1,12 +1,12 @@
-//! Runs the real `vibro orbits`, `orbit` and `locus`: the closed form, tables that other studies
-//! start from, the same bytes for any number of threads, bad input.
+//! Runs the real `vibro orbits`, `orbit` and `locus`: the closed form, tables from which other
+//! studies start, the same bytes for any number of threads, bad input.
 
 #[path = "common/mod.rs"]
 mod command;
 
 use command::{begun, command as vibro, drawn, folder, killed, parts, refused, table};
 
-/// Fifteen digits are written, and points are located to about as many.
+/// Fifteen digits are written, and points are located with about as many.
 const LOCATION: f64 = 1e-11;
 
 #[test]
@@ -16,7 +16,7 @@ fn closed_form_of_the_branch_with_a_word_and_its_curve_in_two_parameters() {
     let rows = table(&out, "special-points.csv");
     let find =
         |label: &str| rows.iter().position(|r| r["label"] == label).unwrap_or_else(|| panic!("{label}"));
-    // The symmetry breaks at the value of the closed form.
+    // The symmetry breaks at the closed form's value.
     let breaking = find("BP");
     assert!((rows[breaking]["value"].parse::<f64>().unwrap() - 2.039_588_865_238_452).abs() < LOCATION);
     assert_eq!((&*rows[breaking]["stable_before"], &*rows[breaking]["stable_after"]), ("true", "false"));
@@ -62,7 +62,7 @@ fn an_interrupted_tree_goes_on_to_the_same_bytes() {
     killed(begun(&out, &[&TREE[..], &["--threads", "1"]].concat(), "orbits", 2));
     let kept = parts(&out, "orbits").len();
     assert!(kept >= 2 && !out.join("branches.csv").exists());
-    // Another tree is refused and leaves the parts.
+    // Another tree is refused and does not touch the parts.
     let other = [&TREE[..], &["--mark", "2.5"]].concat();
     let refusal = vibro(&out, &other).output().expect("vibro runs");
     let message = String::from_utf8_lossy(&refusal.stderr).into_owned();
@@ -95,7 +95,7 @@ fn rows_are_chosen_by_label_and_value_and_one_that_fails_leaves_the_others() {
         labels.dedup();
         (labels, said)
     };
-    // The symmetry breaks at 2.03958…, as far as it is written.
+    // The symmetry breaks at 2.03958…, to the written digits.
     assert_eq!(curves("locus-value", &[":BP@2.04"]).0, ["BP"]);
     assert_eq!(curves("locus-any", &[":@2.0396", ":LP"]).0, ["BP", "LP"]);
     let (message, row) = (
@@ -158,7 +158,7 @@ fn a_curve_that_ends_at_a_touch_says_so_in_table_picture_and_words() {
 
 #[test]
 fn an_orbit_that_is_a_shorter_one_passed_twice_is_said_to_be_that() {
-    // UL doubles its period at 2.373: before it there is no ULUL of its own.
+    // UL doubles its period at 2.373: below this value no separate ULUL orbit exists.
     let (once, twice) = (folder("orbit-once"), folder("orbit-twice"));
     drawn(&once, &["orbit", "--word", "UL", "--set", "f10=2.2"]);
     let said = drawn(&twice, &["orbit", "--word", "ULUL", "--period", "2", "--set", "f10=2.2"]);
@@ -169,11 +169,11 @@ fn an_orbit_that_is_a_shorter_one_passed_twice_is_said_to_be_that() {
         let [a, b] = [a, b].map(|row| row["modulus"].parse::<f64>().unwrap());
         assert!((a - b).abs() < 1e-9, "{a} {b}");
     }
-    // Beyond it there is one, which comes first.
+    // Above it there is one, which comes first.
     let said =
         drawn(&folder("orbit-own"), &["orbit", "--word", "ULUL", "--period", "2", "--set", "f10=2.43"]);
     assert!(said.contains("ULUL+ (period 2T)") && !said.contains("passed 2 times;"), "{said}");
-    // A whole word of a symmetric orbit.
+    // The whole word of a symmetric orbit.
     let half = folder("orbit-half");
     let said = drawn(&half, &["orbit", "--word", "UL", "--set", "f10=1.5"]);
     assert!(
@@ -215,7 +215,7 @@ fn orbits_of_a_block_without_a_spring_by_word_branch_and_tree() {
     let out = folder("orbit-free");
     let said = drawn(&out, &with(&["orbit", "--word", "U-"]));
     assert!(said.contains("of half the period"), "{said}");
-    // Under gravity the upper stop is met later than half a period after the lower one.
+    // Under gravity the upper stop is hit later than half a period after the lower one.
     let said = drawn(&folder("orbit-falls"), &with(&["orbit", "--word", "UL", "--load", "block=-1"]));
     assert!(said.contains("UL+ (period 1T)"), "{said}");
     let tree = folder("orbits-free");
@@ -262,7 +262,7 @@ fn one_orbit_with_its_impacts_and_multipliers() {
     assert_eq!(impacts.iter().map(|r| r["stop"].clone()).collect::<Vec<_>>(), ["1", "1", "-1"]);
     assert_eq!(table(&out, "orbit-multipliers.csv").len(), 6);
     assert!(out.join("orbit.png").exists());
-    // The settled motion is the same orbit; a load that does nothing changes nothing.
+    // The settled motion is the same orbit; a load of 0 changes nothing.
     let settled = folder("orbit-settled");
     drawn(&settled, &["orbit", "--set", "f10=2.7", "--load", "box=0"]);
     assert_eq!(table(&settled, "orbit-impacts.csv").len(), 3);

@@ -1,5 +1,4 @@
-//! `vibro check` of every kind of element with every kind of body
-//! (`crates/pack/tests/pairs/main.rs`).
+//! `vibro check` of every combination of element and body (`crates/pack/tests/pairs/main.rs`).
 
 #[path = "../../pack/tests/pairs/machines.rs"]
 mod machines;

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// How the pages call the program. The recipes of `docs/paper-machine.md` and
+/// The pages' call of the program. The recipes of `docs/paper-machine.md` and
 /// `docs/design-a-damper.md` call it `vibro`; `guides.rs` and `tutorial.rs` run their commands.
 const CALL: &str = "cargo run --release -p vibro -- ";
 /// Command that `studies.rs` runs.
 const ELSEWHERE: &str = "paper reproduce --quick";
-/// The pages show the program's 17 commands, and some of them twice.
+/// The pages show the program's 17 commands, some of them twice.
 const AT_LEAST: usize = 17;
 
 /// README.md and the pages in docs/.
@@ -36,7 +36,7 @@ fn every_vibro_command_of_the_pages_works() {
     let mut count = 0;
     for page in pages() {
         let text = std::fs::read_to_string(&page).expect("the page can be read");
-        // What one command of a page writes, a later one reads.
+        // Later commands of a page read the files of earlier ones.
         let name = page.file_stem().expect("a page has a name");
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pages").join(name);
         // Absent on the first run.

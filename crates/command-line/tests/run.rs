@@ -1,4 +1,4 @@
-//! Runs the real `vibro run`: its files, its account, loads from files, what it refuses.
+//! Runs the real `vibro run`: its files, its summary, loads from files, errors.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -9,7 +9,7 @@ use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::Pause;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// The run reaches its rows in steps of another length than the plain advance.
+/// The run reaches its rows in different steps than a plain advance.
 const ROUNDING: f64 = 1e-10;
 
 fn columns(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
@@ -82,8 +82,8 @@ fn second_method_a_load_from_a_file_is_the_librarys() {
 
 #[test]
 fn closed_form_of_units_in_duration_and_start() {
-    // Without load, drive and coupling the block flies freely from x2 = 5 mm with 0.2 m/s, and the
-    // gap is wide.
+    // Without load, drive and coupling the block flies freely from x2 = 5 mm with 0.2 m/s, in a
+    // wide gap.
     let out = folder("run-units");
     let set = ["drive.amplitude=0", "coupling.k=0", "stop.gap=2", "box.m=1"].map(|a| ["--set", a]).concat();
     let start = ["run", "--duration", "1500 ms", "--start", "block.s=5mm,block.v=20 cm/s"];
@@ -103,7 +103,7 @@ fn a_changed_record_is_another_study() {
     let given = format!("box={}", record.display());
     let out = folder("run-changing");
     drawn(&out, &["run", "--load", &given, "--duration", "2"]);
-    // Equal contents of another file, and an equal time in other words, make an equal study.
+    // A file with equal contents and an equal time written differently make an equal study.
     let copy = format!("box={}", file("run-moved.csv", "0,0\n1,0.5\n2,0\n").display());
     drawn(&out, &["run", "--load", &copy, "--duration", "2000ms"]);
     file("run-changing.csv", "0,0\n1,0.6\n2,0\n");
@@ -149,15 +149,15 @@ fn picture(out: &Path) -> (Vec<String>, usize) {
     (texts.map(String::from).collect(), svg.len())
 }
 
-/// Whether a picture says something, in a text of its own or as a part of one.
+/// Whether a picture contains words, as a separate text or within one.
 fn says(texts: &[String], words: &str) -> bool {
-    // A caption is broken into lines.
+    // A caption is split into lines.
     texts.join(" ").contains(words)
 }
 
 #[test]
 fn invariant_a_run_of_many_periods_is_an_envelope_and_its_picture_bounded() {
-    // Largest picture, bytes: that of 20 periods of chaos has some 100 kB.
+    // Largest picture, bytes: 20 periods of chaos take some 100 kB.
     const LARGEST: usize = 500_000;
     for (periods, window) in [("41", "in each drive period"), ("900", "in every 3 drive periods")] {
         let out = folder("run-many");
@@ -190,7 +190,7 @@ fn what_does_not_change_is_told_and_not_drawn() {
     let out = folder("run-damper");
     drawn(&out, &["run", "--config", machine]);
     let texts = picture(&out).0;
-    // The gap was written in m, but lengths are in mm, and speeds of about 1 m/s in m/s.
+    // The gap was given in m, but lengths are in mm, and speeds of about 1 m/s in m/s.
     for words in [
         "(a) Box and block",
         "displacement (mm)",
@@ -204,7 +204,7 @@ fn what_does_not_change_is_told_and_not_drawn() {
         !texts.iter().any(|t| t.starts_with("x₃, secondary") || t.contains("Impact speeds")),
         "{texts:?}"
     );
-    // A block in the middle that nothing reaches, and the box alone.
+    // A block in the middle that touches nothing; only the box moves.
     let few = ["--start", "box.v=0.01", "--set", "drive.amplitude=0N", "--periods", "5"];
     let out = folder("run-alone");
     drawn(&out, &[&["run", "--config", machine], &few[..]].concat());

@@ -1,5 +1,5 @@
-//! Runs the real `vibro` from starts: a motion goes on where another ended, numbers by name, and
-//! what is refused.
+//! Runs the real `vibro` from starts: a motion continues another motion, numbers by name, and
+//! errors.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -7,7 +7,7 @@ mod command;
 use command::{command, drawn, folder, refused, table};
 use std::collections::HashMap;
 
-/// Rounding of a state times the growth of errors over the time compared.
+/// Rounding of a state times the growth of errors over the compared time.
 const ROUNDING: f64 = 1e-9;
 
 fn damper() -> String {
@@ -40,9 +40,9 @@ fn invariant_a_run_goes_on_from_the_end_of_another() {
             assert!((one - other).abs() < ROUNDING * (1.0 + other.abs()), "{name}: {one} {other}");
         }
     }
-    // The state is given, so that no number of the machine has changed it yet.
+    // The state is given, so that it does not depend on any number of the machine.
     assert_eq!(table(&second, "derivatives.csv")[0]["box.s/body.box.mass"], "0");
-    // Numbers behind the file replace its own.
+    // Numbers after the file override the file's numbers.
     let still = format!("{end},box.v=0,time=0.75s");
     let third = run("starts-third", &["--until", "1s", "--samples", "5", "--start", &still]);
     let row = &table(&third, "states.csv")[0];
@@ -69,7 +69,7 @@ fn closed_form_numbers_of_a_start_have_units_and_what_is_not_named_is_the_files(
     };
     for (start, expected) in [
         ("a.s=5mm", (0.0, 0.005, 1.0)),
-        // In the unit in which the file writes it.
+        // In the unit that the file uses.
         ("a.s=5", (0.0, 0.005, 1.0)),
         ("body.a.v=20 cm/s,time=250ms", (0.25, 0.002, 0.2)),
         ("time=-1s", (-1.0, 0.002, 1.0)),
@@ -128,7 +128,7 @@ fn set_mends_a_file_whose_start_violates_a_gap() {
         let said = drawn(&out, &["check", &path, "--set", set]);
         assert!(said.contains("b: 1 kg; s = "), "{said}");
     }
-    // What is still wrong is said with its line, and a new fault without one.
+    // A remaining error is reported with its line, and a new error without one.
     let (_, error) = refused(&["check", &path, "--set", "body.b.start.s=4mm"]);
     assert!(
         error.contains("m.toml:10: stop.w.gap = 0.002: the start violates it with e = 0.004 m"),
@@ -139,8 +139,8 @@ fn set_mends_a_file_whose_start_violates_a_gap() {
     assert!(error.contains("error: stop.w.gap = 0.002: the start violates it"), "{error}");
 }
 
-/// A record of 20 mm/s² moves a table by ½ 0.02 10² = 1 m in its 10 s, at 0.1 m/s in the mean; a
-/// load of 5 Hz does not change that.
+/// A record of 20 mm/s² moves a table by ½ 0.02 10² = 1 m in its 10 s, at 0.1 m/s on average; a
+/// load of 5 Hz does not change this.
 #[test]
 fn closed_form_of_the_mean_speed_that_check_says_of_a_record_with_a_mean() {
     let text = "name = \"R\"\n[body.table]\nmotion = { acceleration = { table = [[0, 0.02], [10, 0.02]] } }\n[body.m]\nmass = 1.0\n\
@@ -150,7 +150,7 @@ fn closed_form_of_the_mean_speed_that_check_says_of_a_record_with_a_mean() {
     assert!(said.contains(words), "{said}");
 }
 
-/// Friction of 1.2 N on a spring of 8 kN/m holds within ±0.15 mm; a dashpot leads to one place.
+/// Friction of 1.2 N on a spring of 8 kN/m holds within ±0.15 mm; a dashpot gives one position.
 #[test]
 fn closed_form_of_where_motions_come_to_rest() {
     let text = "name = \"D\"\n[body.slide]\nmass = \"1 kg\"\n[spring.mount]\nbetween = [\"ground\", \"slide\"]\nstiffness = \"8 kN/m\"\n\
@@ -170,7 +170,7 @@ fn closed_form_of_where_motions_come_to_rest() {
     assert!(ends[0] < ends[1] && ends.iter().all(|s| s.abs() <= 1.2 / 8e3), "{said}");
     assert!(said.contains("basins of rest over slide.s and slide.v"), "{said}");
     assert!(cells.iter().all(|cell| cell["class"] == "rest"));
-    // A preload of 2 N moves the place by 2/8000 m.
+    // A preload of 2 N shifts the rest position by 2/8000 m.
     let damped = text.replace("\"8 kN/m\"", "\"8 kN/m\"\ndamping = 40.0\npreload = 2.0");
     let damped = damped
         .replace("[friction.guide]", "[stop.guide]")

@@ -1,6 +1,6 @@
-//! Long studies: the sweep against the exact orbit and known windows of the default set, the
-//! figures against their tables, and the real `vibro` interrupted, resumed, sharded, merged, on any
-//! number of threads.
+//! Long studies: the sweep compared with the exact orbit and known windows of the default set,
+//! figures compared with their tables, and the real `vibro` interrupted, resumed, sharded, merged,
+//! on any number of threads.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -43,7 +43,7 @@ fn golden_windows_of_the_default_set() {
     let options = lyapunov::SpectrumOptions { periods: 300, ..lyapunov::SpectrumOptions::default() };
     let (_, found) = sweep((0.6, 4.8), 85, Some(options)); // every 0.05
     let class = |value: f64| near(&found.up, value).class;
-    // Windows with rising f10 as an independent prototype found them, away from their ends.
+    // Windows with rising f10, away from their ends, as found by an independent prototype.
     for value in [0.6, 0.7, 0.8, 3.55, 3.7, 4.1, 4.8] {
         assert_eq!(class(value), MotionClass::Chaotic, "{value}");
     }
@@ -91,12 +91,12 @@ fn second_method_hysteresis_and_mirror_images() {
     for value in [2.2, 2.3, 2.7] {
         assert!(!apart[at(value)], "{value}");
     }
-    // Two impacts a period on the way up, three on the way down.
+    // Two impacts per period on the way up, three on the way down.
     let i = at(2.5);
     let (up, down) = (found.up[i].as_ref().unwrap(), found.down[i].as_ref().unwrap());
     assert!(apart[i]);
     assert_eq!((up.attractor.impacts, down.attractor.impacts.iter().sum::<f64>()), ([1.0, 1.0], 3.0));
-    // Beyond the symmetry breaking the motion is not its own mirror image, and a start from the
+    // Beyond the symmetry breaking the motion differs from its mirror image, and a start from the
     // image stays there.
     let p = found.up[at(2.2)].as_ref().unwrap();
     assert!(!p.attractor.is_symmetric());
@@ -189,7 +189,7 @@ fn assert_same(one: &Path, two: &Path) {
     }
 }
 
-/// Not blank: ink in some per cent of the picture.
+/// Not blank: ink in at least some percent of the picture.
 fn check_picture(path: &Path) {
     let (_, _, pixels) = pixels(path);
     let inked = pixels.chunks(3).filter(|p| *p != [255, 255, 255]).count();
@@ -242,7 +242,7 @@ const ASSEMBLY_EXPONENTS: [&str; 12] = [
     "--periods",
     "16",
 ];
-// Little is measured again: how long is no matter of shards.
+// Few rows are measured again, because shards do not affect how long that takes.
 const ASSEMBLY_SWEEP: [&str; 14] = [
     "sweep",
     DAMPER,
@@ -276,7 +276,7 @@ const BASIN: [&str; 7] = ["basin", "--set", "f10=2.48", "--resolution", "24", "-
 
 #[test]
 fn second_method_shards_threads_and_an_interruption_give_the_same_bytes() {
-    // The last element names the parts of those studies that are interrupted too.
+    // The last element names the parts, for studies that are interrupted too.
     for (name, work, parts) in [
         ("sweep", &SWEEP[..], None),
         ("orbits", &ORBITS, None),
@@ -321,7 +321,7 @@ fn interrupted_and_resumed(name: &str, work: &[&str], whole: &Path) {
     let finished = || parts(&broken, name);
     let kept = finished();
     assert!(!kept.is_empty() && kept.len() < 16, "{name}: {} parts", kept.len());
-    // Another machine's parts are neither taken nor deleted.
+    // Another machine's parts are neither used nor deleted.
     let change = if work.contains(&DAMPER) { "body.box.mass=13kg" } else { "kappa=0.7" };
     let other = command(&broken, &[work, &["--set", change]].concat()).output().unwrap();
     let error = String::from_utf8_lossy(&other.stderr).into_owned();
@@ -347,7 +347,7 @@ fn the_report_is_whole() {
     let one = folder("report");
     let text = drawn(&one, &["reproduce", "--quick"]);
     assert!(text.contains("statements of the paper") && text.contains("[agrees]"), "{text}");
-    // The branches cover the diagram's rows and bound its windows to more digits than the grid.
+    // The branches cover the diagram's rows and bound its windows with more digits than the grid.
     assert!(
         text.contains("periodic rows of both directions whose transient has ended lie on a stable branch"),
         "{text}"
@@ -359,7 +359,7 @@ fn the_report_is_whole() {
         html.contains("a reconstruction, not the paper&#39;s own data")
             || html.contains("a reconstruction, not the paper's own data")
     );
-    // Self-contained: pictures inside, nothing from outside.
+    // Self-contained: pictures are embedded, nothing is loaded.
     let pictures = html.matches("src=\"data:image/png;base64,").count();
     let drawn_files: Vec<_> = files(&one).into_iter().filter(|f| f.0.ends_with(".png")).collect();
     assert_eq!((pictures, html.matches("<img").count()), (drawn_files.len(), drawn_files.len()));
@@ -380,8 +380,7 @@ fn the_report_is_whole() {
     for file in drawn_files {
         check_picture(&one.join(file.0));
     }
-    // Each result has a manifest, and the names that are checked before the work are those that are
-    // written.
+    // Each result has a manifest, and the names checked before the work equal the written names.
     let ending = ".manifest.toml";
     let mut written: Vec<_> =
         files(&one).iter().filter_map(|f| Some(f.0.strip_suffix(ending)?.to_owned())).collect();

@@ -1,6 +1,6 @@
-//! Runs the real `vibro sweep`: its table against single motions and closed forms, its two formats,
-//! bad designs, bad input, and the same bytes for any number of threads and shards and after an
-//! interruption.
+//! Runs the real `vibro sweep`: its table compared with single motions and closed forms, its two
+//! formats, bad designs, bad input, and the same bytes for any number of threads and shards and
+//! after an interruption.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -25,7 +25,7 @@ fn swept(name: &str, arguments: &[&str]) -> std::path::PathBuf {
     out
 }
 
-/// Cells of the Parquet file by rows: text unchanged, numbers as Rust prints them, null as an empty
+/// Cells of the Parquet file by rows: text unchanged, numbers in Rust's format, null as an empty
 /// cell.
 fn parquet_rows(out: &Path) -> Vec<Vec<(String, String)>> {
     let reader = SerializedFileReader::new(File::open(out.join("sweep.parquet")).unwrap()).unwrap();
@@ -73,7 +73,7 @@ fn second_method_the_table_is_the_same_in_both_formats() {
     let text = "stop.gap,stop.restitution\n1000 mm,0.5\n0.9,1.5\n-1,0.5\n1.1,0.6\n";
     std::fs::write(&file, text).unwrap();
     let file = file.to_str().unwrap();
-    // Measured at these two values alone.
+    // Measured at only these two values.
     let over = ["--over", "drive.frequency=1,1.05", "--start", "v2=1", "--start", "x1=0.1"];
     let out = swept("sweep-formats", &[&["--design", file], &over[..], &QUICK[..]].concat());
     let csv = table(&out, "sweep.csv");
@@ -96,7 +96,7 @@ fn second_method_the_table_is_the_same_in_both_formats() {
         let number = |column: &str| row[column].parse::<f64>().unwrap();
         let [least, mean, largest] = ["min", "mean", "max"].map(|w| number(&format!("amplitude.x1.{w}")));
         assert!(0.0 < least && least <= mean && mean <= largest);
-        // Few periods leave motions that had not settled when they were measured.
+        // After few periods, some motions had not settled when they were measured.
         assert!(row["reason"].is_empty() || row["reason"].contains("not settled: "), "{row:?}");
         assert!([1.0, 1.05].contains(&number("amplitude.x1.max.drive.frequency")));
         assert!(["v2=1", "x1=0.1"].contains(&row["amplitude.x1.max.start"].as_str()));
@@ -111,7 +111,7 @@ fn units_and_symbols_name_the_same_sweep() {
         [&["--vary", vary[0], "--vary", vary[1], "--output", "impacts"], &QUICK[..]].concat()
     };
     let out = swept("sweep-units", &line(["L=900mm:1.1m:3", "m2=100g,120g"]));
-    // Columns in SI; those in the axes' units come after them.
+    // Columns in SI, followed by columns in the axes' units.
     let in_si = || {
         let text = std::fs::read_to_string(out.join("sweep.csv")).unwrap();
         let cut = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",");
@@ -119,10 +119,10 @@ fn units_and_symbols_name_the_same_sweep() {
     };
     let found = in_si();
     assert!(found.starts_with("stop.gap,block.m,impacts,reason\n0.9,0.1,"), "{found}");
-    // Equal values in other words are an equal run, whose result is overwritten.
+    // Equal values written differently make an equal run, whose result is overwritten.
     drawn(&out, &[&["sweep"], &line(["stop.gap=0.9:1.1:3", "block.m=0.1,0.12"])[..]].concat());
     assert_eq!(in_si(), found);
-    // Other values are another run.
+    // Different values make another run.
     let other = [&["sweep"], &line(["stop.gap=0.9:1.1:3", "block.m=0.1,0.13"])[..]].concat();
     let output = command(&out, &other).output().unwrap();
     let error = String::from_utf8(output.stderr).unwrap();
@@ -160,7 +160,7 @@ fn invariant_bytes_depend_neither_on_threads_nor_on_shards_nor_on_an_interruptio
         "drive.frequency=0.95:1.05:40",
     ];
     let line = [&line[..], &["--starts", "8", "--output", "amplitude.x1,power.impact,class"]].concat();
-    // Designs are measured again, but no longer than the comparison needs.
+    // Designs are measured again, but no longer than the comparison requires.
     let line = [&line[..], &["--discard", "3", "--periods", "2", "--again", "100000"]].concat();
     let [one, two, whole] = ["sweep-one", "sweep-two", "sweep-whole"].map(folder);
     drawn(&whole, &[&line[..], &["--threads", "2"]].concat());
@@ -170,7 +170,7 @@ fn invariant_bytes_depend_neither_on_threads_nor_on_shards_nor_on_an_interruptio
     }
     let merged = folder("sweep-merged");
     drawn(&merged, &["merge", one.to_str().unwrap(), two.to_str().unwrap()]);
-    // A stopped program leaves parts, from which an equal command continues.
+    // A stopped program leaves parts, which an equal command continues.
     drawn(&two, &line);
     for name in ["sweep.csv", "sweep.parquet", "sweep.svg", "sweep.png"] {
         let bytes = |out: &Path| std::fs::read(out.join(name)).unwrap();
@@ -207,7 +207,7 @@ fn each_kind_of_designs_has_its_picture() {
         &["--vary", "f10=1:2:4", "--output", "amplitude.x1,amplitude.w"],
         &["amplitude of x₁ (m)", "Not drawn, since it is the same at all designs: amplitude of w is 1 m."],
     );
-    // A small gap, written in m: lengths in mm; what does not change is told with its unit.
+    // A small gap, given in m: lengths in mm; constant parameters are listed with their units.
     let machine = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sweep-damper.toml");
     let text = "[si]\nbox.m = 12\nbox.k = 48e3\nbox.c = 30\nblock.m = 1.2\nstop.gap = 0.015\nstop.restitution = 0.6\n\
         drive.amplitude = 75\ndrive.frequency = \"10 Hz\"\ncoupling.k = 0\nsecondary.m = 1\nsecondary.k = 1e3\nsecondary.c = 1\n";
@@ -226,7 +226,7 @@ fn each_kind_of_designs_has_its_picture() {
     has("sweep-three", &[&three[..], &["--output", "rms.x1"]].concat(), &["rms of x₁; least over L"]);
     let sobol = ["--vary", "f10=1:2", "--vary", "kappa=0.4:0.8", "--sobol", "9", "--output", "rms.x1"];
     has("sweep-sobol", &sobol, &["9 designs (points of the Sobol sequence)"]);
-    // A design whose frequency the mass ratio does not allow.
+    // A design whose mass ratio excludes its frequency.
     let bad = ["--vary", "epsilon=0.1,0.5,0.9", "--vary", "sigma1=-2,1", "--output", "impacts"];
     has("sweep-bad", &bad, &["no value"]);
     let one = swept("sweep-single", &[&["--output", "impacts"], &QUICK[..]].concat());

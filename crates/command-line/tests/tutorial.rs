@@ -1,4 +1,4 @@
-//! The commands of docs/design-a-damper.md, with the grid reduced to the neighbourhood of the
+//! The commands of docs/design-a-damper.md, with a grid reduced to the neighbourhood of the
 //! choice, and the numbers that the page states.
 
 #[path = "common/guide.rs"]
@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 /// Relative tolerance of irregular motion: its largest amplitude over 60 periods depends on last
-/// digits, and these on the processor.
+/// digits, which depend on the processor.
 const IRREGULAR: f64 = 0.1;
 /// Relative tolerance of a number with about three digits.
 const THREE_DIGITS: f64 = 0.006;
@@ -42,14 +42,14 @@ fn largest(rows: &[HashMap<String, String>], column: &str) -> f64 {
     rows.iter().map(|row| number(row, column)).fold(0.0, f64::max)
 }
 
-/// The number that stands for `#` where the page first has these words.
+/// The number at the `#` of these words, where they first occur in the page.
 fn told(page: &str, words: &str) -> f64 {
     let plain = page.split_whitespace().collect::<Vec<_>>().join(" ");
     let (before, after) = words.split_once('#').expect("a # for the number");
     let found = plain.match_indices(before).find_map(|(i, _)| {
         let rest = &plain[i + before.len()..];
         let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.'))?;
-        // A full stop ends the sentence and not the number.
+        // A full stop ends the sentence and is not part of the number.
         let end = rest[..end].trim_end_matches('.').len();
         rest[end..].starts_with(after).then(|| rest[..end].parse().ok()).flatten()
     });
@@ -117,14 +117,14 @@ fn the_tutorial_says_what_its_commands_find() {
     for (m, l, k) in [(1.1, gap, 0.5), (mass, 0.014, 0.5), (mass, 0.018, 0.5), (mass, gap, 0.55)] {
         assert!(number(design(m, l, k), "amplitude.x1.max") < below * (1.0 + IRREGULAR), "{m} {l} {k}");
     }
-    // After measuring again the choice is the best; after 60 periods the best depends on last
-    // digits.
+    // After measuring again the choice is the best; after 60 periods last digits decide which one
+    // is.
     let text =
         said.iter().find(|text| text.contains("designs over block.m")).expect("the best are measured again");
     let mut lines = text.lines().skip_while(|line| !line.contains("by amplitude.x1: "));
     let first = lines.find(|line| line.contains(" at block.m = ")).expect("the best");
     assert!(first.contains("block.m = 1.2 kg, stop.gap = 16 mm, stop.restitution = 0.5"), "{first}");
-    // The parameter file of the page is that of the choice.
+    // The parameter file of the page describes the choice.
     let mut set = vibro_studies::paper::ParameterSet::basic();
     vibro::parameter_file::apply(&mut set, &std::fs::read_to_string(home().join("design.toml")).unwrap())
         .unwrap();
@@ -135,8 +135,8 @@ fn the_tutorial_says_what_its_commands_find() {
     assert!(check.iter().all(|row| row["reason"].is_empty()));
     close(told(page, "The worst amplitude is # mm"), 1e3 * largest(&check, "amplitude.x1.max"), IRREGULAR);
 
-    // The pictures of the page are those of the commands. Words are compared: curves may differ in
-    // last digits.
+    // The pictures of the page equal the commands' pictures. Words are compared, because curves
+    // may differ in last digits.
     for (picture, file) in [
         ("first", "first/sweep.svg"),
         ("look", "look/run.svg"),

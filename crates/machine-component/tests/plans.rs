@@ -43,7 +43,7 @@ fn golden_named_parameters_are_parameters_and_what_follows_is_calculated() {
     ] {
         assert_eq!(role(name), expected, "{name}");
     }
-    // The force of a flank depends on the play, as its gap would be listed.
+    // The force of a flank depends on the play, as it would depend on its gap.
     let description = plan.description();
     let force = plan.table.reference("drive_flank.f").unwrap();
     let known = description.outputs.iter().find(|unknown| unknown.reference == force).unwrap();
@@ -179,7 +179,7 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
     let drive = "[load.l]\non = \"b\"\namplitude = 1.0\nfrequency = 1000.0\n";
     let slow = "[load.l]\non = \"b\"\namplitude = 1.0\nfrequency = 0.5\n";
     let record = "[load.l]\non = \"b\"\nsteps = [[12.0, 1.0], [30.0, 1.0]]\n";
-    // Thrown 40 cm at 20 m/s: 20 ms.
+    // Thrown over 40 cm at 20 m/s: 20 ms.
     let thrown = "[body.b]\nmass = 1.0\nstart = { v = 20.0 }\n[stop.wall]\nbetween = [\"ground\", \"b\"]\ngap = 0.4\nrestitution = 0.5\n";
     let alone = "[body.b]\nmass = 1.0\n";
     let falling = "gravity = 9.81\n[body.b]\nmass = 1.0\ngravity = 1.0\n";
@@ -187,7 +187,7 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
     let friction = "[friction.f]\nbetween = [\"ground\", \"b\"]\n";
     let held = "[spring.h]\nbetween = [\"p\", \"b\"]\nstiffness = 1e-3\n";
     let (swing, step) = ("amplitude = 0.1, frequency = 0.5", "steps = [[12.0, 0.1]]");
-    // Turning freely with a second body: no period of the pair.
+    // Rotating freely with a second body: the pair has no period.
     let pair =
         "[body.b]\nmass = 1.0\n[body.c]\nmass = 1.0\n[spring.s]\nbetween = [\"b\", \"c\"]\nstiffness = 5e3\n";
     for (text, stop, steps) in [
@@ -202,12 +202,12 @@ fn closed_form_the_default_experiment_follows_from_the_slowest_and_the_fastest_t
         (format!("{alone}[load.l]\non = \"b\"\nconstant = 1.0\n"), 10.0, 1000..=1024),
         // Ten steps in each 10 ms of 1.3 s.
         (format!("{own}{}", drive.replace("1000.0", "100.0")), 1.3, 2000..=2048),
-        // Four times the mass, in twice the time.
+        // Four times the mass doubles the time.
         (format!("{}{bumper}", alone.replace("1.0", "4.0")), 0.13, 1000..=1024),
-        // A metre of fall: √(2/9.81) s; with 1 m/s (√(1 + 2 · 9.81) - 1)/9.81 s.
+        // A fall of one metre: √(2/9.81) s; with 1 m/s: (√(1 + 2 · 9.81) - 1)/9.81 s.
         (format!("{falling}{floor}"), 9.1, 1000..=1024),
         (format!("{falling}start = {{ v = 1.0 }}\n{floor}"), 7.3, 1000..=1024),
-        // Signals of every kind count by their harmonics and by their last change.
+        // Signals of every kind count through their harmonics and their last change.
         (format!("{own}{}force = {{ constant = 1.0, {swing} }}\n", friction), 40.0, 4000..=4096),
         (
             format!("{own}{}force = 1.0\nstatic = {{ constant = 2.0, {swing} }}\n", friction),

@@ -1,13 +1,13 @@
-//! Each energy account against a quadrature of the elements' powers, and the work of jumps against
-//! closed forms.
+//! Each energy account compared with a quadrature of the elements' powers, and the work of jumps
+//! with closed forms.
 
 use crate::common::*;
 use vibro_machine::Motion;
 use vibro_machine::description::*;
 use vibro_machine::mode::StopState;
 
-/// Longest interval of the quadrature, s, by Gauss's rule with three nodes: for motions of 20 rad/s
-/// its error is below 1e-9 of a power's size.
+/// Longest interval of the quadrature, s, by Gauss's rule with three nodes: for motions of 20
+/// rad/s its error is below 1e-9 of a power's size.
 const PART: f64 = 2e-3;
 /// Error of the quadrature, J.
 const QUADRATURE: f64 = 1e-8;
@@ -76,7 +76,7 @@ fn powers_of_linked(m: &Motion) -> Vec<f64> {
     let [pulls, capped] = [0, 1].map(|i| m.stop(i));
     let rubs = m.friction(0);
     let stored = |e: f64| 150.0 * (e - 0.1).max(0.0);
-    // The link's force from the balance of `b`; that of `a` must agree.
+    // The link's force from the balance of `b`; the balance of `a` must give the same.
     let on_a = m.load(0) + 9.81 + mutual[2] - pulls[2] - rubs[2];
     let on_b = m.load(1) - 0.5 * 3.0 * 9.81 - mutual[2] - base[2] + capped[2];
     let link = 3.0 * b[2] - on_b;

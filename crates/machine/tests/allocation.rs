@@ -1,5 +1,5 @@
-//! A motion in steady operation allocates nothing, neither between events nor at events of a single
-//! element. The test is alone in its process, since it replaces the allocator.
+//! A motion in steady operation allocates nothing, neither between events nor at events of a
+//! single element. The test has its own process, because it replaces the allocator.
 #![allow(unsafe_code)] // `GlobalAlloc` is an unsafe trait
 
 mod common;
@@ -12,8 +12,7 @@ use common::*;
 use vibro_machine::description::*;
 use vibro_machine::motion::EventKind;
 
-/// A box on a mount, driven by a load and at its base, with a block between a rigid stop and a
-/// buffer.
+/// A box on a mount, driven by a load and at its base; a block between a rigid stop and a buffer.
 fn damper() -> Description {
     Description {
         bodies: vec![
@@ -48,7 +47,7 @@ fn sled() -> Description {
 /// Follows a machine for 30 s; requires 20 events of each of these kinds, and no allocation.
 fn follow(machine: Description, kinds: &[fn(&EventKind) -> bool]) {
     let mut motion = motion(machine);
-    // By this time all modes and all transitions between them have occurred.
+    // Until this time all modes and all transitions between them have occurred.
     motion.advance_to(60.0).unwrap();
     let mut counts = [0; 4];
     let before = COUNT.get();
@@ -82,8 +81,8 @@ fn a_motion_in_steady_operation_takes_no_memory() {
     );
 }
 
-/// Bytes that a machine and its motion take for each of many oscillators, which nothing couples or
-/// each of which hangs on the one before.
+/// Bytes that a machine and its motion take per oscillator, for many uncoupled oscillators or for
+/// a chain of them.
 fn bytes_of_each(count: usize, is_chain: bool) -> usize {
     let mut d = Description::default();
     for i in 0..count {
@@ -103,7 +102,8 @@ fn bytes_of_each(count: usize, is_chain: bool) -> usize {
 fn invariant_each_of_many_oscillators_takes_the_same_memory() {
     for is_chain in [false, true] {
         let [few, many] = [100, 800].map(|count| bytes_of_each(count, is_chain));
-        // Lists of all entries would take eight times as much, ordered lists the logarithm's ratio.
+        // Lists of all entries would take eight times as much; sorted lists the ratio of the
+        // logarithms.
         assert!(many < 2 * few, "{few} {many}");
     }
 }

@@ -1,4 +1,4 @@
-//! Linear blocks and sampled controllers against closed forms and programs of their own.
+//! Linear blocks and sampled controllers compared with closed forms and independent programs.
 
 use crate::common::*;
 use nalgebra::{DMatrix, DVector};
@@ -28,7 +28,7 @@ fn after(a: &[&[f64]], z: &[f64], t: f64) -> DVector<f64> {
     (a * t).exp() * DVector::from_column_slice(z)
 }
 
-/// Series R, L, C on a step of 1 V: v'' + (R/L) v' + v/(L C) = 1/(L C).
+/// Series R, L, C with a step of 1 V: v'' + (R/L) v' + v/(L C) = 1/(L C).
 #[test]
 fn closed_form_a_filter_of_second_order_answers_a_step() {
     let (r, l, c) = (3.0, 0.2, 0.05);
@@ -103,7 +103,7 @@ fn second_method_a_pi_controller_on_a_plant_of_first_order() {
     near(work - lost, kinetic, 10.0 * ROUNDING);
 }
 
-/// x⁺ = x + T with y = x + 1: what acts from (k + 2.5) T on is k T + 1, and before the first 0.
+/// x⁺ = x + T with y = x + 1: the output from (k + 2.5) T on is k T + 1, and initially 0.
 #[test]
 fn closed_form_outputs_of_a_delayed_integrator() {
     let text = r#"
@@ -136,7 +136,7 @@ fn closed_form_outputs_of_a_delayed_integrator() {
         near(m.rate(0), v, ROUNDING);
     }
     assert!(unaccounted(&m) < ROUNDING);
-    // A delay of whole samples acts first where the next sample is read.
+    // An output with a delay of whole samples acts just before the next sample is read.
     let mut m = moving(&text.replace("0.3125", "0.25").replace("c = [[1.0]]", "c = [[2.0]]"));
     m.advance_to(0.25).unwrap();
     assert_eq!(column(&m, "sum.y"), 1.0);
@@ -144,8 +144,8 @@ fn closed_form_outputs_of_a_delayed_integrator() {
     assert_eq!(column(&m, "sum.y"), 1.25);
 }
 
-/// An integrator with limits drives a body: s = t³/6 until x = 0.3, then with a constant force; its
-/// state goes on behind the limit, and comes back.
+/// An integrator with limits drives a body: s = t³/6 until x = 0.3, then a constant force; its
+/// state continues beyond the limit, and comes back.
 #[test]
 fn closed_form_the_time_of_saturation() {
     let mut m = moving(
@@ -186,7 +186,7 @@ fn closed_form_the_time_of_saturation() {
     assert!(unaccounted(&m) < ROUNDING);
 }
 
-/// What the drive's controller makes of two places: u of the P–P control, within limits.
+/// The drive's controller at two positions: u of the P–P control, within limits.
 struct Drive {
     kp: f64,
     kv: f64,
@@ -220,7 +220,7 @@ impl Drive {
             // v' = a - λ v
             let (a, rate) = ((push - COULOMB * direction) / MASS, VISCOUS / MASS);
             let end = a / rate;
-            // It comes to rest where v = end (1 - exp(-λt)) + v exp(-λt) = 0.
+            // It comes to rest when v = end (1 - exp(-λt)) + v exp(-λt) = 0.
             let rest = if v * a < 0.0 { (1.0 - v / end).ln() / rate } else { f64::INFINITY };
             let t = left.min(rest);
             let decay = -(-rate * t).exp_m1();
@@ -273,7 +273,7 @@ fn drive(wanted: &str) -> String {
     )
 }
 
-/// Positions to which rounding of 1e-16 of a voltage of kv/T = 2e5 V/m leads.
+/// Error of positions caused by a rounding of 1e-16 in a voltage of kv/T = 2e5 V/m.
 const PLACES: f64 = 1e-11;
 
 #[test]
@@ -301,7 +301,7 @@ fn second_method_a_friction_drive_under_sampled_control() {
     assert!(unaccounted(&m) < 1e-10, "{}", unaccounted(&m));
 }
 
-/// Events of the drive: limits are rows, samples none; direct and by the general law.
+/// Events of the drive: limits are events in the log, samples are not; by both laws.
 #[test]
 fn second_method_the_general_law_and_split_steps_of_the_drive() {
     let text = drive("steps = [[0.05, 0.002], [0.2, -0.001]]");
@@ -314,7 +314,7 @@ fn second_method_the_general_law_and_split_steps_of_the_drive() {
     let mut general = moving(&text).by_general_law();
     general.advance_to(0.4).unwrap();
     near(general.coordinate(0), one.coordinate(0), PLACES);
-    // A saved state goes on bit by bit.
+    // A saved state continues bit for bit.
     let mut split = moving(&text);
     split.advance_to(0.1234).unwrap();
     let saved = split.save();
@@ -325,7 +325,7 @@ fn second_method_the_general_law_and_split_steps_of_the_drive() {
     near(split.coordinate(0), one.coordinate(0), PLACES);
 }
 
-/// A dashpot in series with a spring, and a block that has its force: b' = k e' - (k/c) b.
+/// A dashpot in series with a spring, and a block with the same force: b' = k e' - (k/c) b.
 #[test]
 fn second_method_a_spring_in_series_is_a_block() {
     let text = |mount: &str| {
@@ -421,7 +421,7 @@ fn second_method_a_larger_machine_has_the_same_limits() {
     assert!(limits > 4, "{limits}");
 }
 
-/// What is written reads back to an equal machine.
+/// A written machine reads back to an equal machine.
 #[test]
 fn invariant_blocks_are_written_and_read_back() {
     for text in
@@ -437,7 +437,7 @@ fn invariant_blocks_are_written_and_read_back() {
     }
 }
 
-/// Derivatives of a motion at its end by columns, against central differences of whole motions.
+/// Derivatives at the end of a motion by columns, compared with central differences of motions.
 pub fn check_derivatives(text: &str, names: &[&str], end: f64, quantities: &[&str], step: f64, allowed: f64) {
     let d = machine(text);
     let of = |d: &Description| {
@@ -533,7 +533,7 @@ fn second_method_derivatives_of_continuous_blocks_with_limits() {
     check_derivatives(text, &names, 5.3, &["cart.s", "cart.v", "pd.u", "smooth.y", "drag.f"], 1e-6, 1e-4);
 }
 
-/// Variations of the state against columns by it.
+/// Variations of the state compared with columns for the initial state.
 #[test]
 fn second_method_variations_through_samples() {
     let text = drive("steps = [[0.0105, 0.004]]\nharmonics = [{ amplitude = 0.002, frequency = 1.3 }]");
@@ -555,7 +555,7 @@ fn second_method_variations_through_samples() {
     }
 }
 
-/// A start that was written down goes on as the motion did, outputs under way included.
+/// A start written during a motion continues it, with outputs that have not acted yet.
 #[test]
 fn invariant_a_start_of_a_motion_goes_on() {
     let text = drive("steps = [[0.0105, 0.004]]")

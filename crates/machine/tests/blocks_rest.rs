@@ -1,4 +1,4 @@
-//! Starts at rest beside blocks that read no body, and what files of blocks are refused for.
+//! Starts at rest with blocks that read no body, and errors in files of blocks.
 
 use crate::blocks::{check_derivatives, column};
 use crate::common::*;
@@ -23,7 +23,7 @@ fn mass(block: &str) -> String {
     )
 }
 
-/// Blocks that begin with outputs, by what they put out.
+/// Blocks with outputs at the start, each with its first output.
 const BLOCKS: [(&str, f64); 5] = [
     (r#"inputs = ["level"], d = [[1.5]]"#, 7.5),
     (r#"inputs = ["level"], d = [[1.5]], limits = { y = [-3, 3] }"#, 3.0),
@@ -43,7 +43,7 @@ fn closed_form_a_start_at_rest_bears_what_blocks_put_out() {
         near(column(&m, "mass.s"), 2.0 * y / 100.0, ROUNDING);
         near(column(&m, "mass.a"), 0.0, ROUNDING);
     }
-    // Before the first output of a delayed block acts it puts out 0.
+    // Until the first output of a delayed block acts, the block outputs 0.
     let late = moving(&mass(r#"inputs = ["level"], d = [[1.5]], sample = 0.1, delay = 0.01"#));
     near(column(&late, "mass.s"), 0.0, ROUNDING);
 }
@@ -84,7 +84,7 @@ fn golden_refusals_of_outputs_say_one_thing() {
     assert!(error.contains("block.block.a"), "{error}");
 }
 
-/// An input that is given at the start is what the first sample reads.
+/// The first sample reads an input that is set at the start.
 #[test]
 fn closed_form_the_first_sample_reads_the_inputs_of_the_start() {
     let text = mass(r#"inputs = ["level"], d = [[1.5]], sample = 0.1"#);
@@ -96,7 +96,7 @@ fn closed_form_the_first_sample_reads_the_inputs_of_the_start() {
     near(column(&m, "block.y"), 6.0, ROUNDING);
     m.advance_to(0.05).expect("a motion");
     near(column(&m, "block.y"), 6.0, ROUNDING);
-    // What is given after the sample waits for the next one.
+    // An input that is set after the sample waits for the next sample.
     let mut late = Motion::new(assembly).expect("a motion");
     late.set_input(0, given[0].1).expect("an input");
     late.advance_to(0.05).expect("a motion");

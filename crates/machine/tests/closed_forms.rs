@@ -1,4 +1,4 @@
-//! Motions against closed forms.
+//! Motions compared with closed forms.
 
 use crate::common::*;
 use nalgebra::DVector;
@@ -11,8 +11,8 @@ use vibro_machine::motion::EventKind;
 /// Roundings of numbers of order one, and of sums of a few hundred of them.
 const ROUNDING: f64 = 1e-12;
 
-/// Rest of a transient that falls by more than a quarter at each impact, after more than a hundred
-/// impacts, and rounding.
+/// Remainder of a transient that shrinks by more than a quarter at each impact, after more than a
+/// hundred impacts, and rounding.
 const SETTLED: f64 = 1e-12;
 
 fn is_impact(kind: &EventKind) -> bool {
@@ -149,8 +149,8 @@ fn others_models_elastogap() {
 }
 
 /// MSL's Rotational.Examples.CoupledClutches: four wheels with J = 1, the first at 10 rad/s under
-/// 10 sin(10 π t); clutches with μ = 0.5, peak 1.1, normal force 20 N times cos(0.4 π t), a step at
-/// 0.4 s and one at 0.9 s.
+/// 10 sin(10 π t); clutches with μ = 0.5, peak 1.1, normal force 20 N times cos(0.4 π t), a step
+/// at 0.4 s and one at 0.9 s.
 #[test]
 fn others_models_coupled_clutches() {
     let step = |time: f64, height: f64| Signal { steps: vec![Step { time, height }], ..Signal::default() };
@@ -195,8 +195,8 @@ fn others_models_coupled_clutches() {
 
 #[test]
 fn closed_form_bead_column() {
-    // Five beads fall on a floor one upon the other, with plastic impacts: all come to rest, and
-    // each contact bears the weight above it.
+    // Five beads fall on a floor, one above the other, with plastic impacts: all come to rest, and
+    // each contact carries the weight above it.
     let count = 5;
     let bodies =
         (0..count).map(|i| heavy(&format!("bead{i}"), 1.0, -1.0, 0.1 * (i + 1) as f64, 0.0)).collect();
@@ -223,7 +223,7 @@ fn closed_form_bead_column() {
 
 #[test]
 fn closed_form_redundant_stops() {
-    // Two floors at the same height under one block: it rests, however the two share the force.
+    // Two floors at the same height under one block: it rests, whatever share each floor carries.
     let d = Description {
         gravity: 9.81,
         bodies: vec![heavy("block", 2.0, -1.0, 0.3, 0.0)],
@@ -233,7 +233,7 @@ fn closed_form_redundant_stops() {
     let mut m = motion(d);
     let all = events(&mut m, 0.25);
     let fall = (0.6f64 / 9.81).sqrt();
-    let v = 0.7 * 9.81 * fall; // the livelier stop decides
+    let v = 0.7 * 9.81 * fall; // the larger restitution decides
     let after = 0.25 - fall;
     assert!((m.body(0)[0] - (v * after - 0.5 * 9.81 * after * after)).abs() < ROUNDING, "{all:?}");
     m.advance_to(5.0).unwrap();
@@ -252,8 +252,8 @@ fn anvil(mass: f64, speed: f64) -> Description {
 
 #[test]
 fn closed_form_light_body_between_a_wall_and_a_heavy_one() {
-    // The heavy body drives the light one against the wall, where both stop; then a load pulls them
-    // away together. The two impulses on the light body cancel; its speed is their rounding.
+    // The heavy body drives the light one against the wall, where both stop; then a load pulls
+    // them away together. The two impulses on the light body cancel; its speed is their rounding.
     for k in 1..100 {
         let (mass, speed) = (0.83f64.powi(k), 0.37 * k as f64);
         let mut d = anvil(mass, speed);
@@ -307,8 +307,8 @@ fn closed_form_shares_of_impulses_that_cancel() {
 fn closed_form_bounces_that_follow_one_another_ever_faster() {
     // Two equal bodies fall, the lower one pulled down faster: restitution 1/2 at the ground, 0
     // between them. If both fall at v, the lower one bounces at v/2, meets the upper one, and both
-    // fall at v/4. Each pause is of the size of the square of the last one: soon there is no double
-    // between two impacts, and in the end both bodies rest.
+    // fall at v/4. Each pause is of the size of the square of the last one: soon there is no
+    // double between two impacts, and in the end both bodies rest.
     let d = Description {
         gravity: 9.81,
         bodies: vec![heavy("lower", 1.0, -1.0, 0.1, 0.0), heavy("upper", 1.0, -1.0, 0.101, -1.0)],
@@ -342,9 +342,9 @@ fn closed_form_bounces_that_follow_one_another_ever_faster() {
 
 #[test]
 fn closed_form_redundant_friction_that_was_released_holds_again() {
-    // A sled held by two frictions on the ground carries a block that a load pulls. While the block
-    // sticks, the load exceeds the static levels on the ground; once it slips at its level of 1.5,
-    // the two frictions of 1 each suffice: the sled never moves.
+    // A sled held by two frictions on the ground carries a block that a load pulls. While the
+    // block sticks, the load exceeds the static levels on the ground; once it slips at its level
+    // of 1.5, the two frictions of 1 each suffice: the sled never moves.
     let ground = || Friction { static_force: Some(constant(1.1)), ..friction(&[(1, 1.0)], 1.0) };
     let block = Friction { static_force: Some(constant(4.0)), ..friction(&[(1, -1.0), (0, 1.0)], 1.5) };
     let d = Description {

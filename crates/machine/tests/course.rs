@@ -1,5 +1,5 @@
-//! Machines integrated by a solver that uses derivatives and indicators only, against the exact
-//! motion; and machines whose parameters change during a motion.
+//! Machines integrated by a solver that uses only derivatives and indicators, compared with the
+//! exact motion; and machines whose parameters change during a motion.
 
 use crate::common::*;
 use std::path::Path;
@@ -12,7 +12,7 @@ use vibro_machine::{Assembly, Error, Motion, file};
 /// Upper bound of the events of these motions.
 const MOST_EVENTS: usize = 1000;
 
-/// A servo with sampled and continuous blocks; without its quantum, whose steps magnify an error.
+/// A servo with sampled and continuous blocks; without a quantum, which would amplify errors.
 const SERVO: &str = include_str!("../../machine-component/tests/common/blocks.toml");
 
 /// Solver of fixed step: the fourth-order Runge-Kutta method, with roots of indicators by
@@ -154,7 +154,7 @@ fn closed_form_a_ball_comes_to_rest_on_a_course() {
 /// which drives the body from the other.
 #[test]
 fn second_method_bounces_end_on_a_course_as_in_the_exact_motion() {
-    // For coordinates, late events magnified by impacts; for rates, those of the skipped bounces.
+    // For coordinates, late events amplified by impacts; for rates, the rates of skipped bounces.
     const AGREEMENT: f64 = 1e-6;
     let rubbed = |restitution: f64, force: f64| Description {
         gravity: 10.0,
@@ -317,7 +317,7 @@ fn invariant_a_stop_that_the_impact_of_another_drives_shut_has_its_own_impact() 
 
 /// A stiff spring holds a light part on a stop of a heavy one. The rounding of the spring's force
 /// exceeds the excess of the friction force at the late event: the part sticks until the excess is
-/// significant, which is no error.
+/// significant, which is correct.
 #[test]
 fn closed_form_a_part_slips_that_a_stiff_spring_holds_on_a_stop() {
     const FREQUENCY: f64 = 1.17;
@@ -389,8 +389,8 @@ fn closed_form_a_stop_gives_way_or_is_violated_where_its_gap_changes() {
     let mut resting = motion(machine(0.0, 10.0));
     resting.advance_to(1.0).unwrap();
     presses(&resting, 20.0);
-    // More weight increases the force; a lowered floor lets the box fall; a raised floor is refused
-    // by name.
+    // More weight increases the force; a lowered floor lets the box fall; a raised floor is
+    // refused by name.
     let heavier = resting.changed(Arc::new(Assembly::new(machine(0.0, 20.0)).unwrap())).unwrap();
     presses(&heavier, 40.0);
     let mut falling = resting.changed(Arc::new(Assembly::new(machine(0.5, 10.0)).unwrap())).unwrap();

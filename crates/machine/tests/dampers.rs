@@ -1,4 +1,4 @@
-//! Dampers: dashpots alone, on bodies and by arms.
+//! Dampers: dashpots without a spring, on bodies and by arms.
 
 use crate::common::*;
 use vibro_machine::file::{no_records, parse};
@@ -8,7 +8,7 @@ use vibro_machine::{Assembly, Quantity, What};
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
 
-/// A body slowed by a damper alone, and a drum damped through a lever of 0.1 m.
+/// A body slowed by a single damper, and a drum damped through a lever of 0.1 m.
 const MACHINE: &str = r#"
     name = "Slowed"
     body.sledge = { mass = 2.0, start = { v = 3.0 } }

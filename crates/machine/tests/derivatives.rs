@@ -1,4 +1,4 @@
-//! Derivatives by the numbers of a machine against closed forms, and where there are none.
+//! Derivatives with respect to numbers of a machine, compared with closed forms; missing ones.
 
 use crate::common::*;
 use std::f64::consts::TAU;
@@ -31,8 +31,8 @@ const BALL: &str = "name = \"Ball\"\ngravity = 9.0\n[body.ball]\nmass = 0.5\ngra
 
 #[test]
 fn closed_form_the_impact_times_of_a_bouncing_ball() {
-    // t_n = √(2h/g) (1 + 2 (ε + … + εⁿ⁻¹)), and (1 + ε)/(1 - ε) for all of them. At the last
-    // impacts, of 1e-6 m/s, a rounding of a place is 1e6 times as large in time.
+    // t_n = √(2h/g) (1 + 2 (ε + … + εⁿ⁻¹)), and (1 + ε)/(1 - ε) for all impacts. At the last
+    // impacts, with 1e-6 m/s, an error of a position becomes an error 1e6 times as large in time.
     const LATE: f64 = 1e-8;
     let (h, g, e) = (2.0_f64, 9.0_f64, 0.75_f64);
     let mut ball =
@@ -54,7 +54,7 @@ fn closed_form_the_impact_times_of_a_bouncing_ball() {
             assert!(error <= LATE * exact.abs().max(0.1), "{n} at {}: {by:?} {exact}", event.time);
         }
     }
-    // At rest on the floor the ball is at the gap, and presses by its weight.
+    // At rest on the floor, the ball is at the gap and presses with its weight.
     close(of(&ball, "ball.s", 0), 1.0);
     close(of(&ball, "floor.f", 1), 0.5);
     close(of(&ball, "floor.f", 3), 9.0);
@@ -62,7 +62,7 @@ fn closed_form_the_impact_times_of_a_bouncing_ball() {
 
 #[test]
 fn closed_form_free_vibration() {
-    // s = s₀ cos ωt; by c at c = 0: s₀ (sin ωt/(2mω) - t cos ωt/(2m)).
+    // s = s₀ cos ωt; derivative by c at c = 0: s₀ (sin ωt/(2mω) - t cos ωt/(2m)).
     let text = "name = \"V\"\n[body.a]\nmass = 0.5\nstart = { s = 0.3 }\n\
                 [spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 8.0\n";
     let (m, k, s, end) = (0.5_f64, 8.0_f64, 0.3, 100.0);
@@ -131,7 +131,7 @@ fn closed_form_a_start_at_rest() {
 
 #[test]
 fn closed_form_frequency_phase_and_amplitude() {
-    // Two loads of one frequency, of which one is varied: v = A (cos φ - cos(ωt + φ))/(mω).
+    // Two loads of the same frequency; one varies: v = A (cos φ - cos(ωt + φ))/(mω).
     let text = "name = \"F\"\n[body.a]\nmass = 2.0\n[body.b]\nmass = 2.0\n\
                 [load.p]\non = \"a\"\namplitude = 3.0\nfrequency = 0.7\nphase = 0.4\n\
                 [load.q]\non = \"b\"\namplitude = 3.0\nfrequency = 0.7\nphase = 0.4\n";
@@ -164,7 +164,7 @@ fn closed_form_gap_and_arm_of_a_held_contact() {
     close(of(&motion, "a.s", 1), -gap / (arm * arm));
     close(of(&motion, "s.f", 1), -force / (arm * arm));
     close(of(&motion, "s.f", 2), 1.0 / arm);
-    // It is met at √(2 s m/F).
+    // The stop is hit at √(2 s m/F).
     let time = (2.0_f64 * gap / arm * 2.0 / force).sqrt();
     close(times[0][0], 0.5 * time / gap);
     close(times[0][1], -0.5 * time / arm);
@@ -172,7 +172,7 @@ fn closed_form_gap_and_arm_of_a_held_contact() {
 
 #[test]
 fn closed_form_times_and_heights_of_steps() {
-    // From t₁ on F: s = F (t - t₁)²/(2m). A second load steps at the same time.
+    // The force is F from t₁ on: s = F (t - t₁)²/(2m). A second load steps at the same time.
     let text = "name = \"S\"\n[body.a]\nmass = 2.0\n[load.p]\non = \"a\"\nsteps = [[0.5, 3.0]]\n\
                 [load.q]\non = \"a\"\nsteps = [[0.5, 1.0]]\n";
     let mut motion = differentiated(text, &["load.p.steps[0].time", "load.p.steps[0].height"]);
@@ -186,8 +186,8 @@ fn closed_form_times_and_heights_of_steps() {
 
 #[test]
 fn closed_form_a_prescribed_body_that_carries_others() {
-    // Behind a link s_b = a s_p; p steps by h at 0.5, so that c, which b drags by friction F, moves
-    // from then on no more than before. And a belt at the rate 0 that is varied.
+    // Behind a link s_b = a s_p; p steps by h at 0.5. From then on, c, which b drags by friction
+    // F, moves no more than before. And a belt at rate 0, which varies.
     let text = "name = \"P\"\n[body.p]\nmotion = { amplitude = 0.2, frequency = 1.0 }\n[body.b]\nmass = 1.0\nstart = { v = 2.5132741228718345 }\n\
                 [link.l]\narms = { b = 1.0, p = -2.0 }\n\
                 [body.belt]\nmotion = { rate = 0.5 }\n[body.sled]\nmass = 2.0\n\
@@ -212,7 +212,7 @@ fn closed_form_a_prescribed_body_that_carries_others() {
     close(of(&motion, "b.s", 0), -0.2 * sine);
     close(of(&motion, "b.v", 1), 2.0 * 0.2 * TAU * (cosine - TAU * t * sine));
     close(of(&motion, "b.a", 0), 0.2 * TAU * TAU * sine);
-    // It sticks at m r/F, and is then r t - m r²/(2F) along.
+    // It sticks at m r/F, at r t - m r²/(2F).
     let (m, r, f) = (2.0, 0.5, 4.0);
     let (time, by) = &stuck[0];
     assert!((time - m * r / f).abs() < ROUNDING);
@@ -244,7 +244,7 @@ fn two_impacts_at_one_instant_have_a_derivative_where_their_order_does_not_matte
     let mut alone = differentiated(TWO, &["stop.fa.gap", "gravity", "stop.fb.gap"]);
     let mut times = Vec::new();
     alone.advance_observed(0.3, &mut |_, by| times.push(by.to_vec())).unwrap();
-    // √(2h/g) of each, and of both by g.
+    // √(2h/g) for each ball, and for both with respect to g.
     assert!(alone.lost(0).is_none(), "{:?}", alone.lost(0));
     close(times[0][0], 0.5);
     close(times[1][0], 0.0);
@@ -253,7 +253,7 @@ fn two_impacts_at_one_instant_have_a_derivative_where_their_order_does_not_matte
     // a: h - ε u (t - t₁) + g (t - t₁)²/2 with u = √(2gh), t₁ = u/g.
     close(of(&alone, "a.s", 0), 1.0 - 0.5 * 5.0 * 0.1 + 0.5 * 2.0 * 0.5 - 10.0 * 0.1 * 0.5);
     close(of(&alone, "b.s", 0), 0.0);
-    // A dashpot between them makes the order matter, but not where both come later together.
+    // Given a dashpot between the balls, the order of impacts matters, unless both shift together.
     let text = format!("{TWO}[damper.c]\nbetween = [\"a\", \"b\"]\ndamping = 1.0\n");
     let mut coupled = differentiated(&text, &["stop.fa.gap", "gravity"]);
     coupled.advance_to(0.3).unwrap();
@@ -272,7 +272,7 @@ fn two_impacts_at_one_instant_have_a_derivative_where_their_order_does_not_matte
 
 #[test]
 fn a_value_at_its_limit_has_no_derivative() {
-    // A block that lies on its stop at the start, beside it one that rubs with the level 0.
+    // A block that lies on its stop at the start, next to a block with a friction level of 0.
     let text = "name = \"L\"\ngravity = 10.0\n[body.a]\nmass = 1.0\ngravity = 1.0\nstart = { s = 0.2 }\n\
                 [stop.floor]\nbetween = [\"ground\", \"a\"]\ngap = 0.2\nrestitution = 0.5\n\
                 [body.b]\nmass = 1.0\nstart = { v = 1.0 }\n[friction.f]\nbetween = [\"ground\", \"b\"]\nforce = 0.0\n";
@@ -282,9 +282,9 @@ fn a_value_at_its_limit_has_no_derivative() {
         let lost = motion.lost(p).unwrap();
         assert_eq!((lost.time, lost.element.as_str(), lost.cause), (0.0, element, Cause::Limit));
     }
-    // A speed is lost in bounces that take no time in the limit.
+    // In the limit, bounces that take no time remove the velocity.
     close(of(&motion, "a.v", 3), 0.0);
-    // A stop that is hit with the restitution 0 has no derivative by it.
+    // A plastic impact has no derivative with respect to its restitution, which is 0.
     let text = BALL.replace("0.75", "0.0");
     let mut plastic = differentiated(&text, &["stop.floor.restitution", "stop.floor.gap"]);
     plastic.advance_to(2.0).unwrap();
@@ -304,9 +304,9 @@ fn unknown_parameters_are_refused_with_the_nearest() {
 
 #[test]
 fn invariant_energy_that_is_kept_has_the_derivative_of_its_start() {
-    // Elastic impacts, springs with preload and compliant stops without dashpots. The energy of a
-    // state is a function of it and of the number: its derivative by differences of a few digits
-    // less than rounding.
+    // Elastic impacts, springs with preload and compliant stops without dashpots. The energy is a
+    // function of state and number: its derivative by differences is accurate to a few digits less
+    // than rounding.
     const STEP: f64 = 1e-5;
     const DIFFERENCE: f64 = 1e-9;
     let text = "name = \"E\"\n[body.a]\nmass = 1.0\nstart = { s = 0.3, v = 1.0 }\n[body.b]\nmass = 2.5\nstart = { v = -0.5 }\n\
@@ -318,7 +318,7 @@ fn invariant_energy_that_is_kept_has_the_derivative_of_its_start() {
     let names: Vec<&str> =
         names.iter().map(String::as_str).filter(|name| !name.contains("damping")).collect();
     let mut motion = Differentiated::new(assembled(text), &names).unwrap();
-    // The derivative along the motion's own, by differences of the energy as a function.
+    // Derivative along the motion, compared with differences of the energy as a function.
     let varied = |motion: &Differentiated, p: usize| {
         let (state, delta) =
             (motion.motion().state().as_slice()[..4].to_vec(), motion.state_derivative(p).unwrap());

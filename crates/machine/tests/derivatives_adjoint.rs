@@ -1,15 +1,15 @@
-//! Gradients, backwards over a motion, against columns of derivatives.
+//! Gradients, computed backwards over a motion, compared with columns of derivatives.
 
 use std::sync::Arc;
 use vibro_machine::derivative::{By, Gradient};
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Assembly, Description, Differentiated, file};
 
-/// Machines whose motions are known in 50 digits (tests/second_method.rs).
+/// Machines with known motions in 50 digits (tests/second_method.rs).
 const MACHINES: &str = include_str!("data/motions.txt");
 /// A machine with elements whose force has further pieces.
 const LAWS: &str = include_str!("data/laws.toml");
-/// Examples with links, prescribed bodies and static levels, and until when they are followed.
+/// Examples with links, prescribed bodies and static levels, each with its end time.
 const EXAMPLES: [(&str, f64); 5] = [
     ("msl_coupled_clutches", 1.3),
     ("rack_and_pinion", 0.3),
@@ -17,9 +17,9 @@ const EXAMPLES: [(&str, f64); 5] = [
     ("impact_on_spring", 0.2),
     ("paper_machine", 3.0),
 ];
-/// Rounding relative to the sum of the terms' sizes.
+/// Rounding relative to the sum of the absolute values of all terms.
 const ROUNDING: f64 = 1e-12;
-/// Most machines, as a part of all, of which columns decide: with several events at one instant.
+/// Largest share of machines decided by columns, because several events share one instant.
 const MOST_BY_COLUMNS: f64 = 0.2;
 
 fn machines() -> impl Iterator<Item = (String, Description, f64)> {
@@ -64,7 +64,7 @@ fn second_method_gradients_are_sums_of_columns() {
                 add(factor, &|p| motion.derivative(quantity, p));
             }
         }
-        // The time of a stop's closing is differentiated by columns.
+        // Columns differentiate the time at which a stop closes.
         let own = times.iter().enumerate().filter(|(_, time)| !matches!(time.0, EventKind::Close { .. }));
         for (event, (_, by)) in own {
             let factor = 1.0 + 0.1 * event as f64;

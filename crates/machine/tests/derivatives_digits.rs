@@ -1,5 +1,5 @@
-//! Derivatives by the numbers of fifty random machines against central differences of a second
-//! method in 72 digits (tests/data/make_derivatives.py).
+//! Derivatives with respect to the numbers of fifty random machines, compared with central
+//! differences of a second method in 72 digits (tests/data/make_derivatives.py).
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -7,20 +7,20 @@ use vibro_machine::description::BodyKind;
 use vibro_machine::{Assembly, Description, Differentiated, Motion, Quantity, What, file};
 
 const KNOWN: &str = include_str!("data/derivatives.txt");
-/// Error relative to the derivative's size: the largest number of its column.
+/// Error relative to the size of the derivative, which is the largest number of its column.
 const ERROR: f64 = 1e-9;
-/// Magnification of a motion from which on its roundings count more: derivatives have the square of
-/// it, relative to their size once.
+/// Amplification of errors beyond which roundings dominate: errors of derivatives grow with its
+/// square, relative sizes only linearly.
 const MAGNIFIED: f64 = 1e4;
-/// Perturbation of a start, which measures how much a motion magnifies errors.
+/// Perturbation of a start, which measures how much a motion amplifies errors.
 const OFF: f64 = 1e-10;
-/// A column without a larger number than this is compared with it.
+/// Smallest size of a column: columns with smaller numbers are compared with this size.
 const LEAST: f64 = 1e-6;
 
 struct Known {
     name: String,
     machine: Description,
-    /// By number: at each time, the derivatives of s and v of every body.
+    /// For each number, the derivatives of s and v of every body at each time.
     derivatives: BTreeMap<String, Vec<(f64, Vec<f64>)>>,
 }
 
@@ -44,7 +44,7 @@ fn quantities(machine: &Description) -> impl Iterator<Item = Quantity> {
     (0..machine.bodies.len()).flat_map(|i| [What::S, What::V].map(|what| Quantity::of_body(i, what)))
 }
 
-/// By how much a motion has magnified a change of its start until a time.
+/// Amplification of a change of the start until a time.
 fn magnification(machine: &Description, time: f64) -> f64 {
     let mut off = machine.clone();
     for body in &mut off.bodies {

@@ -1,4 +1,4 @@
-//! Extreme values of quantities with their derivatives against closed forms.
+//! Extreme values of quantities and their derivatives, compared with closed forms.
 
 use std::sync::Arc;
 use vibro_machine::derivative::{Cause, Extreme, Extremes, Lost};
@@ -11,7 +11,7 @@ fn extremes(text: &str, columns: &[&str], end: f64) -> [Extremes; 2] {
     let machine = file::parse(text, "machine.toml", &file::no_records).unwrap();
     let mut motion = Differentiated::new(Arc::new(Assembly::new(machine).unwrap()), columns).unwrap();
     let mut found = [What::S, What::V].map(|what| Extremes::new(Quantity::of_body(0, what)));
-    // In two parts, of which the first ends anywhere.
+    // In two parts; the first one ends at an arbitrary time.
     motion.advance_with_extremes(0.37 * end, &mut found, &mut |_, _| ()).unwrap();
     motion.advance_with_extremes(end, &mut found, &mut |_, _| ()).unwrap();
     found
@@ -39,7 +39,7 @@ fn closed_form_a_ball_is_fastest_at_its_impact_and_deepest_there() {
     let [place, rate] = extremes(&ball(0.75), &columns, 2.5);
     let (h, g, e) = (2.0f64, 9.0, 0.75);
     let speed = (2.0 * g * h).sqrt();
-    // All impacts are at the gap, whose derivatives are alike.
+    // The extreme is attained at every impact, with the same derivatives: at the gap.
     close(place.highest(), h, &[1.0, 0.0, 0.0]);
     close(place.lowest(), 0.0, &[0.0, 0.0, 0.0]);
     close(rate.highest(), speed, &[g / speed, h / speed, 0.0]);
@@ -48,7 +48,7 @@ fn closed_form_a_ball_is_fastest_at_its_impact_and_deepest_there() {
 
 #[test]
 fn closed_form_a_turn_within_a_flight() {
-    // s = v/ω sin ωt turns at ωt = π/2; the rate is 0 there.
+    // s = v/ω sin ωt has its maximum at ωt = π/2, where the rate is 0.
     let text = "name = \"V\"\n[body.a]\nmass = 0.5\nstart = { v = 0.3 }\n\
                 [spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 8.0\n";
     let columns = ["spring.k.stiffness", "body.a.mass", "body.a.start.v"];

@@ -1,10 +1,10 @@
-//! Derivatives by named parameters against sums of columns of the machine with numbers written out.
+//! Derivatives by named parameters, compared with sums of columns of the literal numbers.
 
 use std::sync::Arc;
 use vibro_machine::derivative::{By, Gradient};
 use vibro_machine::{Assembly, Description, Differentiated, file};
 
-/// Gears and a clutch whose play, radii, frequency, step times and levels follow from parameters.
+/// Gears and a clutch with play, radii, frequency, step times and levels from parameters.
 const NAMED: &str = r#"
 name = "Named"
 [parameters]
@@ -51,14 +51,14 @@ frequency = "= 1.5 * pulse"
 const END: f64 = 0.05;
 /// Rounding relative to the largest term of a sum.
 const ROUNDING: f64 = 1e-9;
-/// Terms of this size are rounding of others, in SI.
+/// Terms smaller than this (SI) count as rounding.
 const ZERO: f64 = 1e-12;
 
 fn machine() -> Description {
     file::parse(NAMED, "named.toml", &file::no_records).unwrap()
 }
 
-/// By parameter: the numbers that follow from it with their derivatives, by hand.
+/// For each parameter, the numbers that depend on it with their derivatives, by hand.
 fn sums(speed: f64) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
     vec![
         ("backlash", vec![("stop.drive_flank.gap", 0.5), ("stop.coast_flank.gap", 0.5)]),
@@ -129,7 +129,7 @@ fn second_method_a_column_by_a_parameter_is_the_sum_of_columns_by_what_follows()
     }
 }
 
-/// Both levels of the clutch step at one time that varies: against central differences.
+/// Both levels of the clutch step at the same varying time; compared with central differences.
 #[test]
 fn differences_of_a_time_at_which_two_signals_step() {
     let assembly =

@@ -1,27 +1,27 @@
-//! Instants at which a motion has no derivative by some of its numbers: for each column that is
-//! lost, differences on both sides that are not alike; for each that is not, ones that are.
+//! Instants at which a motion has no derivative with respect to some of its numbers. One-sided
+//! differences disagree for each lost column, and agree for each other column.
 
 use std::sync::Arc;
 use vibro_machine::derivative::{By, Cause, Extremes, Gradient};
 use vibro_machine::{Assembly, Description, Differentiated, Motion, Quantity, file};
 
-/// Step of one-sided differences, far above rounding, far below the machines' own lengths.
+/// Step of one-sided differences, far above rounding, far below the lengths in the machines.
 const STEP: f64 = 1e-7;
-/// Largest error of a one-sided difference with [`STEP`]: the second derivative times the step, and
-/// rounding of 1e-15 divided by the step, which the motion magnifies a hundredfold.
+/// Largest error of a one-sided difference with [`STEP`]: the second derivative times the step,
+/// and a rounding of 1e-15 divided by the step, amplified a hundredfold by the motion.
 const NEAR: f64 = 1e-5;
-/// Least difference of both sides' derivatives where there is none.
+/// Smallest difference between the one-sided derivatives if no derivative exists.
 const APART: f64 = 1e-2;
 
-/// A column with what ends it: element, time and cause.
+/// A column and the reason why it is lost: element, time and cause.
 type Column<'a> = (&'a str, Option<(&'a str, f64, Cause)>);
 
 struct Case<'a> {
     text: &'a str,
-    /// The state at the start, where it is given.
+    /// The state at the start, if it is given.
     state: Option<&'a [f64]>,
     end: f64,
-    /// Of the differences.
+    /// Step of the differences.
     step: f64,
 }
 
@@ -30,7 +30,7 @@ impl Case<'_> {
         file::parse(&format!("name = \"M\"\n{}", self.text), "machine.toml", &file::no_records).unwrap()
     }
 
-    /// Places and rates of all bodies with a column's number changed; `None` where that is refused.
+    /// Coordinates and rates of all bodies after a column's number has changed; `None` if refused.
     fn changed(&self, by: &By, step: f64) -> Option<Vec<f64>> {
         let (mut machine, mut state) = (self.machine(), self.state.map(<[f64]>::to_vec));
         match by {
@@ -49,7 +49,7 @@ impl Case<'_> {
         Some(motion.state().as_slice()[..2 * motion.assembly().system().coordinates].to_vec())
     }
 
-    /// Checks each column against the differences on both sides.
+    /// Compares each column with the one-sided differences.
     #[track_caller]
     fn check(&self, columns: &[Column]) {
         let by = |column: &Column| match column.0.strip_prefix("start.") {
@@ -114,8 +114,7 @@ fn two_stops_in_parallel_are_met_at_one_instant() {
         ("body.a.start.s", None),
         ("body.a.mass", None),
     ]);
-    // Beside one of the restitution 0.75 the other does not matter, but the time at which it is
-    // met.
+    // If one stop has the restitution 0.75, the other one affects only the time of the impact.
     let text = text.replacen("0.5", "0.75", 1);
     own(&text, 0.5).check(&[
         ("stop.x.restitution", None),
@@ -139,7 +138,7 @@ fn a_start_at_a_stop_without_force_is_hit_on_one_side() {
     let text = "[body.a]\nmass = 1.0\n[load.l]\non = \"a\"\nconstant = -1.0\n\
         [stop.x]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nrestitution = 0.5\n";
     own(text, 1.0).check(&[("body.a.start.v", limit("stop.x")), ("load.l.constant", None)]);
-    // A load that varies takes it away or presses it: from the first look on there is none.
+    // A varying load pulls it away or presses it: it never has a derivative.
     let text = text.replace("constant = -1.0", "amplitude = 0.0\nfrequency = 1.0");
     let case = own(&text, 0.5);
     let mut motion =
@@ -174,7 +173,7 @@ fn a_start_at_rest_returns_only_below_the_level_at_which_friction_slips() {
              [friction.x]\nbetween = [\"ground\", \"a\"]\nforce = 2.0\nstatic = 4.0\n"
         )
     };
-    // Between both levels what slips goes on one way and sticks the other way.
+    // Between both levels, a slipping block continues one way and sticks the other way.
     own(&text(3.0), 1.0).check(&[
         ("body.a.start.v", limit("friction.x")),
         ("body.a.start.s", None),
@@ -188,7 +187,7 @@ fn a_start_at_rest_returns_only_below_the_level_at_which_friction_slips() {
         ("start.0", None),
         ("start.3", None),
     ]);
-    // Below both it sticks again: s = ±v²/(2(F ± 1)).
+    // Below both levels it sticks again: s = ±v²/(2(F ± 1)).
     Case { text: &text(1.0), state: Some(&state), end: 1.0, step: STEP }
         .check(&[("start.2", None), ("start.0", None)]);
     // Exactly at its level.
@@ -212,7 +211,7 @@ fn a_given_start_on_a_stop_that_holds_has_no_derivative_by_its_place() {
     };
     let state = [0.0; 2];
     for friction in [2.0, 4.0] {
-        // Behind the stop is no start. Before it the body stays where friction alone holds it.
+        // A start behind the stop is invalid. In front of it, friction alone holds the body.
         Case { text: &text(friction), state: Some(&state), end: 1.0, step: STEP }.check(&[
             ("start.0", limit("stop.s")),
             ("stop.s.gap", limit("stop.s")),
@@ -220,7 +219,7 @@ fn a_given_start_on_a_stop_that_holds_has_no_derivative_by_its_place() {
             ("load.l.constant", None),
         ]);
     }
-    // A stop of restitution 1 that is left with a speed bounces for ever.
+    // A stop of restitution 1 that is left with a velocity bounces forever.
     let text = "[body.a]\nmass = 1.0\n[load.l]\non = \"a\"\nconstant = 3.0\n\
         [stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 0.0\nrestitution = 1.0\n";
     let case = Case { text, state: Some(&state), end: 1.0, step: STEP };
@@ -273,9 +272,9 @@ fn a_gap_that_is_only_touched_on_the_way() {
         ("body.b.start.s", None),
         ("spring.l.stiffness", None),
     ]);
-    // Beyond by δ² it is met with a speed of δ.
+    // If the amplitude exceeds the gap by δ², the body hits the stop with a velocity of order δ.
     Case { step: 1e-4, ..own(&rigid, 0.5) }.check(&[("body.a.start.v", touch)]);
-    // Before the touch there is one, and extremes after it have none.
+    // Before the touch there is a derivative; extremes after the touch have none.
     let columns = ["body.a.start.s", "body.b.start.s"];
     let assembly = Arc::new(Assembly::new(own(&rigid, 0.5).machine()).unwrap());
     let mut motion = Differentiated::new(assembly.clone(), &columns).unwrap();
@@ -286,10 +285,10 @@ fn a_gap_that_is_only_touched_on_the_way() {
     assert!(motion.lost(0).is_none());
     assert!((motion.state_derivative(0).unwrap()[0] - 3.0_f64.cos()).abs() < 1e-13);
     motion.advance_with_extremes(0.5, &mut extremes, &mut |_, _| ()).unwrap();
-    // The highest speed comes before it, the lowest after it.
+    // The maximum of the rate comes before the touch, the minimum after it.
     let by = |extreme: Option<&vibro_machine::derivative::Extreme>| extreme.unwrap().by[0].is_ok();
     assert_eq!([by(extremes[0].lowest()), by(extremes[0].highest())], [false, true]);
-    // A gradient is differentiated by columns then.
+    // A gradient then uses columns.
     let mut sum = Gradient::new(assembly, &columns).unwrap();
     sum.advance_to(0.5).unwrap();
     sum.add(place, 1.0);
@@ -297,7 +296,8 @@ fn a_gap_that_is_only_touched_on_the_way() {
     let found = sum.gradient().unwrap();
     assert_eq!(found[0].as_ref().unwrap_err().cause, Cause::Touch);
     assert_eq!(*found[1].as_ref().unwrap(), 0.0);
-    // A damped buffer is entered with δ; one without a dashpot takes a force of δ for a time of √δ.
+    // A damped buffer is entered with δ; a buffer without a dashpot exerts a force of δ for a time
+    // of √δ.
     let damped = format!(
         "{text}[stop.x]\nbetween = [\"ground\", \"a\"]\ngap = 0.1\nstiffness = 500.0\ndamping = 3.0\n"
     );
@@ -309,7 +309,7 @@ fn a_gap_that_is_only_touched_on_the_way() {
     assert!(motion.lost(0).is_none());
 }
 
-/// A chain so long that its motion goes by series without tables touches as well.
+/// A touch in a chain so long that its motion uses series without tables.
 #[test]
 fn a_gap_that_is_only_touched_in_a_large_machine() {
     use std::fmt::Write as _;
@@ -340,7 +340,7 @@ fn friction_with_a_static_level_that_a_load_only_reaches() {
         ("body.a.start.s", None),
         ("friction.x.force", None),
     ]);
-    // Without a fall of the level it slips by δ√δ.
+    // If the level does not drop, it slips by δ√δ.
     let text = text(2.0).replace("static = 2.0\n", "");
     let assembly = Arc::new(Assembly::new(own(&text, 0.6).machine()).unwrap());
     let mut motion = Differentiated::new(assembly, &["load.l.amplitude"]).unwrap();
@@ -397,7 +397,7 @@ fn a_lash_that_is_passed_within_a_piece_of_a_record_is_no_touch() {
     let mut motion = Differentiated::new(assembly, &[By::Parameter(gap.into())]).unwrap();
     motion.advance_to(end).unwrap();
     let found = motion.state_derivative(0).unwrap_or_else(|| panic!("{:?}", motion.lost(0)))[0];
-    // Of a lash of 0.15 mm and a lift of 0.2 mm.
+    // The lash is 0.15 mm, the lift 0.2 mm.
     let step = 1e-9;
     for side in [-step, step] {
         let slope = (lift(side) - lift(0.0)) / side;

@@ -1,23 +1,23 @@
-//! Derivatives by the numbers of random machines against differences of motions.
+//! Derivatives by the numbers of random machines, compared with differences of motions.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use vibro_machine::motion::Event;
 use vibro_machine::{Assembly, Description, Differentiated, Motion, What, file};
 
-/// Machines whose motions are known in 50 digits (tests/second_method.rs).
+/// Machines with known motions in 50 digits (tests/second_method.rs).
 const MACHINES: &str = include_str!("data/motions.txt");
-/// Parameters of each machine that are compared: every other, in turns.
+/// Only every second parameter of a machine is compared, alternating between machines.
 const EVERY: usize = 2;
-/// Steps of differences of the fourth order, relative to a number or to 0.1. The best of them
-/// counts: one may be so long that other events happen, another so short that rounding is all.
+/// Steps of fourth-order differences, relative to a number or to 0.1. The best difference counts:
+/// a step may be so long that other events happen, or so short that rounding dominates.
 const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
-/// Error of the best difference relative to the largest derivative of its kind: its rounding, 1e-15
-/// over 1e-6 and magnified up to a thousand times.
+/// Error of the best difference relative to the largest derivative of its kind: a rounding of
+/// 1e-15 over 1e-6, amplified up to a thousandfold.
 const DIFFERENCE: f64 = 2e-6;
-/// Most events of a motion that is compared: many impacts magnify a rounding more.
+/// Largest number of events of a compared motion: many impacts amplify a rounding more.
 const MOST: usize = 100;
-/// A derivative under this, relative to the largest value of its kind or to 1, is compared with it.
+/// Smallest size, relative to the largest value of its kind or to 1, to which an error is related.
 const SMALL: f64 = 1e-3;
 
 /// An event with the derivatives of its time.
@@ -67,14 +67,14 @@ fn machines() -> impl Iterator<Item = (String, Description, f64)> {
     })
 }
 
-/// The kind of a parameter: its name without those of elements and bodies.
+/// The kind of a parameter: its name without the names of elements and bodies.
 fn kind(name: &str) -> String {
     let parts: Vec<&str> = name.split('.').collect();
     let own = parts.iter().enumerate().filter(|(i, _)| *i != 1 && !(*i == 3 && parts[2] == "arms"));
     own.map(|(_, part)| *part).collect::<Vec<_>>().join(".")
 }
 
-/// The largest error of a difference with steps of a size; `None` where the varied machines are
+/// The largest error of a difference with steps of a size; `None` if the varied machines are
 /// refused or have other events.
 fn error_of_differences(
     (machine, end): (&Description, f64),

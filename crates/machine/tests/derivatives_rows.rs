@@ -1,5 +1,5 @@
-//! Derivatives of parts that other tests leave out: a body of matrices, and a sample at a start
-//! that an impact changes.
+//! Derivatives of parts that other tests omit: a matrix body, and a sample at a start that an
+//! impact changes.
 
 use crate::common::*;
 use vibro_machine::Differentiated;

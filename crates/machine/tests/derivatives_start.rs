@@ -1,4 +1,4 @@
-//! Derivatives by the state and the time of the start: the transition matrix.
+//! Derivatives with respect to state and time of the start: the transition matrix.
 
 use crate::common::*;
 use std::sync::Arc;
@@ -6,22 +6,22 @@ use vibro_machine::derivative::{By, Cause};
 use vibro_machine::motion::Reached;
 use vibro_machine::{Assembly, Differentiated, Error, Motion};
 
-/// Machines whose motions are known in 50 digits (tests/second_method.rs).
+/// Machines with known motions in 50 digits (tests/second_method.rs).
 const MACHINES: &str = include_str!("data/motions.txt");
-/// Rounding of a derivative, relative to the largest of its column: some hundred operations at each
-/// event, which later flights magnify.
+/// Rounding of a derivative, relative to the largest of its column: some hundred operations at
+/// each event, amplified by later flights.
 const ROUNDING: f64 = 1e-9;
 /// Rounding of a closed form of some operations.
 const EXACT: f64 = 1e-13;
-/// Most columns of random machines without a derivative, as a part of all: those whose start
-/// touches.
+/// Largest share of columns of random machines without a derivative, because a contact is touched
+/// at the start.
 const MOST_LOST: f64 = 0.1;
 
 fn all_columns(assembly: &Assembly) -> Vec<By> {
     (0..2 * assembly.system().coordinates).map(By::Start).collect()
 }
 
-/// The states of a motion from `state` at `end`, carried by variations of the state alone.
+/// The states at `end` of a motion from `state`, by variations of the state.
 fn by_variations(assembly: &Arc<Assembly>, time: f64, state: &[f64], end: f64) -> Vec<Vec<f64>> {
     let mut motion = Motion::from_state(assembly.clone(), time, state).unwrap();
     let mut variations = motion.unit_variations();
@@ -36,7 +36,7 @@ fn second_method_the_transition_matrix_of_random_machines() {
         let toml: String =
             block.lines().skip(1).filter(|l| !l.starts_with("##")).flat_map(|l| [l, "\n"]).collect();
         let assembly = assembled(&toml);
-        // Inside a motion, so that contacts are held at some of the starts.
+        // Starts inside a motion, so that some of them have held contacts.
         let (begin, end) = (0.3, 0.55);
         let mut before = Motion::new(assembly.clone()).unwrap();
         before.advance_to(begin).unwrap();
@@ -63,7 +63,7 @@ fn second_method_the_transition_matrix_of_random_machines() {
 
 #[test]
 fn closed_form_a_motion_on_a_closed_stop_moves_with_its_gap() {
-    // Pressed against arm·s = gap by F until it turns: F = 4 at first, -2 from t = 1 on.
+    // Pressed against arm·s = gap by F until F reverses: F = 4 at first, -2 from t = 1 on.
     let text = "name = \"H\"\n[body.a]\nmass = 2.0\n[stop.s]\narms = { a = 2.0 }\ngap = 0.5\nrestitution = 0.4\n\
                 [load.push]\non = \"a\"\nconstant = 4.0\nsteps = [[1.0, -6.0]]\n";
     let columns =
@@ -84,7 +84,7 @@ fn closed_form_a_motion_on_a_closed_stop_moves_with_its_gap() {
 
 #[test]
 fn closed_form_by_the_time_of_the_start() {
-    // v = v₀ + A (sin φ(t) - sin φ(t₀))/(mω), without forces before t₀. It meets the stop later by
+    // v = v₀ + A (sin φ(t) - sin φ(t₀))/(mω), without forces before t₀. It hits the stop later by
     // δt = 1 + A/m cos φ(t₀) (t - t₀)/v, as the state there is the same.
     let text = "name = \"T\"\n[body.a]\nmass = 2.0\n[load.l]\non = \"a\"\namplitude = 3.0\nfrequency = 0.5\nphase = 1.5707963267948966\n\
                 [stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 1.0\nrestitution = 0.5\n";
@@ -116,7 +116,7 @@ fn a_start_that_touches_has_the_derivatives_that_it_has_on_both_sides() {
         motion.advance_to(1.0).unwrap();
         motion
     };
-    // It leaves: the wall does not matter. It is hit: what starts behind the wall is refused.
+    // If it moves away, the wall does not matter; if it hits, starts behind the wall are refused.
     assert_eq!(at(-1.0).state_derivative(0).unwrap(), [1.0, 0.0]);
     assert_eq!(at(-1.0).state_derivative(1).unwrap(), [1.0, 1.0]);
     let hit = at(1.0);

@@ -1,4 +1,4 @@
-//! Derivatives of a motion that is under way: those of the whole from there on, and partial ones.
+//! Derivatives of the rest of a motion, from a time during the motion; partial derivatives.
 
 use crate::common::machines::BLOCK_ON_BELT;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ fn machine() -> Arc<Assembly> {
     Arc::new(Assembly::new(description).unwrap())
 }
 
-/// A motion's derivatives from now on are those of a motion that starts in its state.
+/// A motion's derivatives from now on equal the derivatives of a motion that starts in its state.
 #[test]
 fn second_method_derivatives_from_now_on_are_those_from_the_state() {
     let columns = ["spring.guide.stiffness", "stop.wall.gap", "load.shaker.frequency", "body.block.mass"];

@@ -14,14 +14,14 @@ use vibro_machine::{Assembly, Motion};
 
 /// Roundings of a few dozen operations.
 const ROUNDING: f64 = 1e-12;
-/// Energy beside the largest energy of a random machine, and difference of the direct and the
-/// general law beside the largest coordinate: rounding, magnified by stiff buffers.
+/// Relative errors of a random machine: its energy, and the difference between direct and general
+/// law in the largest coordinate. Stiff buffers amplify rounding.
 const BALANCE: f64 = 1e-10;
 const BOTH: BothLaws = BothLaws { events: 200, end: 3.0, rounding: BALANCE };
 
 const MU: f64 = 0.3;
 
-/// A pin that bounces in a pad, and a slide that its force brakes.
+/// A pin that bounces on a pad, and a slide that the pad's force brakes.
 fn pin(limit: DampingLimit, damping: f64) -> Description {
     Description {
         name: "Pin".into(),
@@ -37,8 +37,8 @@ fn following(terms: &[(usize, f64)], stop: usize, coefficient: f64, largest: Opt
     Friction { follows, ..friction(terms, 0.0) }
 }
 
-/// The slide loses μ times the impulse of the pad, whatever the pad's law: with its own contact
-/// 2 m v without a dashpot.
+/// The slide loses μ times the impulse of the pad, for any law of the pad. Without a dashpot, the
+/// impulse of a contact is 2 m v.
 #[test]
 fn closed_form_a_slide_is_braked_by_the_impulse_of_a_pad() {
     let mut m = motion(pin(DampingLimit::NoPull, 0.0));
@@ -65,7 +65,7 @@ fn closed_form_a_slide_is_braked_by_the_impulse_of_a_pad() {
     }
 }
 
-/// A stop that pulls rubs nothing while it pulls.
+/// A stop causes no friction while it pulls.
 #[test]
 fn closed_form_a_pull_makes_no_friction() {
     let (delta, mut d) = (14.0f64 / 4.0, pin(DampingLimit::Pull, 14.0));
@@ -78,7 +78,7 @@ fn closed_form_a_pull_makes_no_friction() {
     let levels: Vec<f64> = times(&all, |k| matches!(k, EventKind::Level { acts: false, .. }));
     assert_eq!(levels.len(), 1, "{all:?}");
     assert!((levels[0] - zero).abs() < ROUNDING, "{levels:?} {zero}");
-    // What the pad's force has put in until then.
+    // The momentum that the pad's force has transferred until then.
     let mut m = motion(pin(DampingLimit::Pull, 14.0));
     m.advance_to(zero).unwrap();
     let lost = MU * 2.0 * (0.5 - m.body(0)[1]) / 1.5;
@@ -86,8 +86,8 @@ fn closed_form_a_pull_makes_no_friction() {
     assert!((m.body(1)[1] - (3.0 - lost)).abs() < ROUNDING, "{:?}", m.body(1));
 }
 
-/// A plate that a spring presses on a pad sticks up to the static level, and slips at the other:
-/// the drag at which it slips is μ_s N.
+/// A plate that a spring presses on a pad sticks up to the static level, and slips at the kinetic
+/// level: the drag at which it slips is μ_s N.
 #[test]
 fn closed_form_a_pressed_plate_sticks_up_to_its_static_level() {
     let ramp = Record::new(vec![(0.0, 0.0), (10.0, 100.0)], Interpolation::Straight);
@@ -107,16 +107,16 @@ fn closed_form_a_pressed_plate_sticks_up_to_its_static_level() {
     let slips: Vec<_> = all.iter().filter(|e| matches!(e.kind, EventKind::Slip { .. })).collect();
     assert_eq!((slips.len(), all.len()), (1, 1), "{all:?}");
     assert!((slips[0].time - 1.0).abs() < ROUNDING, "{all:?}");
-    // From rest at 10 N, which grows by 10 N/s, against 6 N.
+    // From rest at a drag of 10 N, which grows by 10 N/s, against 6 N of friction.
     let speed = (4.0 * 0.5 + 10.0 * 0.125) / 2.0;
     assert!((m.body(1)[1] - speed).abs() < ROUNDING, "{:?}", m.body(1));
     assert!((m.friction(0)[2] - 6.0).abs() < ROUNDING);
 }
 
-/// The stop and the friction move the same body: a wedge, whose own force brakes it.
+/// Stop and friction act on the same body: a wedge, which its own contact force brakes.
 #[test]
 fn closed_form_a_wedge_that_its_own_force_brakes() {
-    // x'' = -ω² (1 + μ) x inward, -ω² (1 - μ) x outward.
+    // x'' = -ω² (1 + μ) x inwards, -ω² (1 - μ) x outwards.
     let mut m = motion(Description {
         name: "Wedge".into(),
         bodies: vec![body("b", 1.0, 0.0, 0.8)],
@@ -132,7 +132,7 @@ fn closed_form_a_wedge_that_its_own_force_brakes() {
     assert!((turn[0] - half / inward).abs() < ROUNDING, "{all:?}");
     assert!((free[0] - half / inward - half / outward).abs() < ROUNDING, "{all:?}");
     assert!((m.body(0)[1] + 0.8 * outward / inward).abs() < ROUNDING, "{:?}", m.body(0));
-    // With μ > 1 it wedges and stays.
+    // If μ > 1, the wedge locks.
     let mut m = motion(Description {
         name: "Wedge".into(),
         bodies: vec![body("b", 1.0, 0.0, 0.8)],
@@ -145,7 +145,7 @@ fn closed_form_a_wedge_that_its_own_force_brakes() {
     assert!((m.body(0)[0] - 0.8 / (400.0f64 * 2.2).sqrt()).abs() < ROUNDING, "{:?}", m.body(0));
 }
 
-/// A start at rest under a belt that drags by the pad's force: two equations for both places.
+/// A start at rest on a belt whose drag follows the pad's force: two equations for both places.
 #[test]
 fn closed_form_a_start_at_rest_beside_a_belt() {
     let mut d = Description {
@@ -158,7 +158,7 @@ fn closed_form_a_start_at_rest_beside_a_belt() {
         loads: vec![Load { name: "l".into(), body: 0, force: constant(-10.0) }],
         ..Description::default()
     };
-    // -10 - 100 s - 400 s - 0.3 · 400 s = 0 for s < 0, dragged upwards.
+    // -10 - 100 s - 400 s - 0.3 · 400 s = 0 for s < 0, with upward drag.
     let mut m = motion(d.clone());
     let place = -10.0 / 620.0;
     assert!((m.body(0)[0] - place).abs() < ROUNDING, "{:?} {place}", m.body(0));
@@ -219,7 +219,7 @@ fn invariant_random_machines_keep_their_energy_and_both_ways_of_the_law_agree() 
     assert!(count.get() > 1000, "{}", count.get());
 }
 
-/// A chain that keeps no tables of its modes.
+/// A chain without tables of modes.
 #[test]
 fn invariant_a_chain_of_pads_that_brake_keeps_its_energy() {
     let count = 24;

@@ -1,4 +1,4 @@
-//! Freewheels against closed forms and a second method.
+//! Freewheels compared with closed forms and a second method.
 
 use crate::common::machines::assembly;
 use crate::common::*;
@@ -22,7 +22,7 @@ fn close(found: f64, exact: f64) {
     assert!((found - exact).abs() <= ROUNDING * exact.abs().max(1.0), "{found} instead of {exact}");
 }
 
-/// Checks that the energy is `begin` and what the accounts say has come since.
+/// Checks that the energy is `begin` plus the changes since then in the accounts.
 #[track_caller]
 fn accounts_close(m: &Motion, begin: f64) {
     let (kinetic, stored) = m.kinetic_and_stored();
@@ -40,7 +40,7 @@ fn words(events: &[Event]) -> Vec<&'static str> {
     events.iter().map(word).collect()
 }
 
-/// An arm that oscillates drives a wheel with drag.
+/// An oscillating arm drives a wheel with drag.
 const CLUTCH: &str = r#"
     name = "Clutch"
     body.arm = { dimension = "rotation", motion = { amplitude = 0.2, frequency = 1.0 } }
@@ -49,8 +49,8 @@ const CLUTCH: &str = r#"
     freewheel.clutch = { between = ["wheel", "arm"] }
 "#;
 
-/// The wheel turns with the arm while the arm asks for a torque: J a + c v > 0. It then runs on, as
-/// exp(-c t/J), until the arm has caught up.
+/// The wheel turns with the arm while the arm transmits a torque: J a + c v > 0. Then the wheel
+/// overruns, with speed exp(-c t/J), until the arm has caught up.
 #[test]
 fn closed_form_an_overrunning_clutch_between_an_arm_and_a_wheel() {
     let text = CLUTCH;
@@ -83,7 +83,7 @@ fn closed_form_an_overrunning_clutch_between_an_arm_and_a_wheel() {
     assert_eq!(of(&m, 1, What::F).to_bits(), 0.0f64.to_bits());
 }
 
-/// A backstop holds a load from the start, bears it at rest, and lets the drum turn the other way.
+/// A backstop holds a load at rest from the start on, and lets the drum turn the other way.
 #[test]
 fn closed_form_a_backstop_holds_a_load() {
     let text = r#"
@@ -106,7 +106,7 @@ fn closed_form_a_backstop_holds_a_load() {
     }
 }
 
-/// Of two masses that part, the freewheel makes one: momentum is kept, ½ μ u² lost.
+/// Two bodies that separate are joined by the freewheel: momentum is kept, ½ μ u² is lost.
 #[test]
 fn closed_form_a_start_with_a_rate_that_is_taken_away() {
     let text = r#"
@@ -130,8 +130,8 @@ fn closed_form_a_start_with_a_rate_that_is_taken_away() {
     accounts_close(&m, 6.5);
 }
 
-/// A strikes a wall with ε, and B behind it must not go on towards A's side alone: of the sequence
-/// in which wall and freewheel act in turns, velocities after each turn are those of the
+/// Body a hits a wall with ε, and the freewheel between a and b must not obtain a positive rate.
+/// If wall and freewheel act in turns, the velocities after each turn are the velocities of the
 /// projection.
 #[test]
 fn closed_form_a_wall_and_two_bodies_is_the_limit_of_impacts_in_turns() {
@@ -145,8 +145,8 @@ fn closed_form_a_wall_and_two_bodies_is_the_limit_of_impacts_in_turns() {
     let mut m = motion(machine(text));
     let found = events(&mut m, 0.6);
     assert_eq!(words(&found)[..2], ["impact", "impact"]);
-    // In turns: the wall makes a's 2 into -1, and the freewheel both into ½, and so on: each turn
-    // multiplies by (1 - ε)/2, so that both come to rest.
+    // In turns: the wall changes a's 2 into -1, the freewheel gives both ½, etc. Each turn
+    // multiplies the speed by (1 - ε)/2, so that both come to rest.
     let [mut a, mut b] = [2.0, 2.0];
     for _ in 0..60 {
         a *= -0.5;
@@ -161,7 +161,7 @@ fn closed_form_a_wall_and_two_bodies_is_the_limit_of_impacts_in_turns() {
     accounts_close(&m, 4.0);
 }
 
-/// An engaged freewheel gives way to a blow: the mass felt in it is that of one body.
+/// An engaged freewheel yields to an impact: the effective mass is the mass of one body.
 #[test]
 fn closed_form_an_engaged_freewheel_gives_way_to_a_blow() {
     let text = r#"
@@ -173,7 +173,7 @@ fn closed_form_an_engaged_freewheel_gives_way_to_a_blow() {
         freewheel.w = { between = ["b", "a"] }
         spring.none = { between = ["ground", "a"], stiffness = 0.0, damping = 0.0 }
     "#;
-    // The blow at b alone: 5/4 of the closing speed 3 by the reduced mass 6/5.
+    // The impact on b alone: 5/4 of the closing speed 3 times the reduced mass 6/5.
     let p: f64 = 1.25 * 3.0 * 1.2;
     let mut m = motion(machine(text));
     let found = events(&mut m, 0.4);
@@ -185,7 +185,7 @@ fn closed_form_an_engaged_freewheel_gives_way_to_a_blow() {
     accounts_close(&m, 18.0);
 }
 
-/// Of a prescribed end, a jump of the place changes nothing, and one of the rate is an impact.
+/// A jump of a prescribed end: in position it changes nothing, in rate it is an impact.
 #[test]
 fn closed_form_jumps_of_a_prescribed_end() {
     let text = r#"
@@ -222,7 +222,7 @@ fn errors_between_prescribed_bodies_a_freewheel_jams() {
     let found = Motion::new(Arc::new(Assembly::new(start).unwrap())).unwrap_err();
     let Error::Jammed { time, stops } = found else { panic!("{found}") };
     assert_eq!((time, stops.as_str()), (0.0, "freewheel.w"));
-    // It runs back until 0.5 s, and is then driven on.
+    // The arm moves backwards until 0.5 s, and then forwards again.
     let later = machine(&text("{ amplitude = 1.0, frequency = 1.0, phase = \"90 deg\" }"));
     let mut m = motion(later);
     let found = m.advance_to(1.0).unwrap_err();
@@ -231,7 +231,7 @@ fn errors_between_prescribed_bodies_a_freewheel_jams() {
     assert_eq!(stops, "freewheel.w");
 }
 
-/// Freewheels in company: one against the ground, one between bodies of which one hits a wall.
+/// Several freewheels: one against the ground, one next to a body that hits a wall.
 const RATCHET: &str = r#"
     name = "Ratchet"
     body.rotor = { mass = 1.3, start = { v = 0.4 } }
@@ -249,7 +249,7 @@ const RATCHET: &str = r#"
     load.pull = { on = "drum", amplitude = 4.0, frequency = 0.9, phase = "50 deg" }
 "#;
 
-/// A hammer meets a body with a freewheel before it and one behind it.
+/// A hammer hits a body that has a freewheel on either side.
 const BLOWS: &str = r#"
     name = "Blows"
     body.a = { mass = 1.0, start = { v = 0.6 } }
@@ -265,7 +265,7 @@ const BLOWS: &str = r#"
 
 #[test]
 fn second_method_series_of_actual_states_and_the_general_law_are_the_tables_and_lone_events() {
-    // Impacts magnify the roundings of sums in another order.
+    // Impacts amplify the roundings of sums in different order.
     const MAGNIFIED: f64 = 1e-9;
     let [mut one, mut other] = [RATCHET.to_owned(), with_company(RATCHET)].map(|text| motion(machine(&text)));
     let mut general = motion(machine(RATCHET)).by_general_law();
@@ -284,7 +284,7 @@ fn second_method_series_of_actual_states_and_the_general_law_are_the_tables_and_
     }
 }
 
-/// A dashpot that acts one way, f = c max(0, e'), has the freewheel for its limit.
+/// A one-way dashpot, f = c max(0, e'), converges to the freewheel.
 #[test]
 fn second_method_a_freewheel_is_the_limit_of_a_dashpot_that_acts_one_way() {
     let limit = |c: f64| {
@@ -312,12 +312,12 @@ fn second_method_a_freewheel_is_the_limit_of_a_dashpot_that_acts_one_way() {
         (0..3).map(|i| (found[i] - exact.coordinate(i)).abs()).fold(0.0, f64::max)
     };
     let errors = [1e3, 1e4, 1e5].map(error);
-    // Of the order 1/c.
+    // The errors are of order 1/c.
     assert!(errors[0] < 2e-2 && errors[1] < 0.15 * errors[0] && errors[2] < 0.15 * errors[1], "{errors:?}");
 }
 
-/// Derivatives by all numbers and by starts, through smooth ends, chatter and impacts with
-/// freewheels.
+/// Derivatives with respect to all parameters and starts, through smooth ends, chatter and impacts
+/// with freewheels.
 #[test]
 fn second_method_derivatives_are_differences_and_gradients_are_columns() {
     const DIFFERENCE: f64 = 1e-6;
@@ -369,10 +369,10 @@ fn second_method_derivatives_are_differences_and_gradients_are_columns() {
     }
 }
 
-/// Variations by the state are the derivatives by it.
+/// Variations of the state are the derivatives with respect to the initial state.
 #[test]
 fn second_method_variations_are_columns_by_the_start() {
-    // Starts without impacts, after which both are of one state.
+    // Starts without impacts, so that both methods start from the same state.
     let text = RATCHET.replace("v = 0.9", "v = 0.1").replace("v = -0.3", "v = 0.3");
     let assembly = Arc::new(Assembly::new(machine(&text)).unwrap());
     let columns: Vec<By> = (0..assembly.system().states()).map(By::Start).collect();
@@ -395,7 +395,7 @@ fn second_method_variations_are_columns_by_the_start() {
     }
 }
 
-/// A saved state goes on with the same bits.
+/// A saved state continues with the same bits.
 #[test]
 fn invariant_a_saved_state_goes_on_alike() {
     for time in [0.0, 0.3, 0.55, 0.9] {
@@ -412,7 +412,7 @@ fn invariant_a_saved_state_goes_on_alike() {
     }
 }
 
-/// Changed arms may give an engaged freewheel a rate: upwards an impact takes it away.
+/// Changed arms may give an engaged freewheel a rate: an impact removes a positive rate.
 #[test]
 fn closed_form_changed_arms_under_way() {
     let text = r#"
@@ -427,7 +427,7 @@ fn closed_form_changed_arms_under_way() {
     for (arm, [a, b]) in [(0.9, [2.0, 2.0]), (1.5, [4.0 / 2.75, 6.0 / 2.75])] {
         let d = m.assembly().description.under_way([("freewheel.w.arms.a", arm)]).unwrap();
         let changed = m.changed(Arc::new(Assembly::new(d).unwrap())).unwrap();
-        // e' = 1 by the impulse 1/G with G = 1.5² + 1/2.
+        // e' = 1 changes by the impulse 1/G with G = 1.5² + 1/2.
         close(changed.rate(0), a);
         close(changed.rate(1), b);
     }
@@ -471,9 +471,9 @@ fn random_machine() -> impl Strategy<Value = Description> {
     })
 }
 
-/// Follows a machine and checks it between events; returns how many impacts freewheels had.
+/// Simulates a machine and checks it between events; returns the number of impacts of freewheels.
 fn follow(d: Description) -> Result<u64, TestCaseError> {
-    // Some thousand sub-steps, relative to the largest values.
+    // Rounding of some thousand sub-steps, relative to the largest values.
     const RANDOM: f64 = 1e-9;
     let Ok(assembly) = Assembly::new(d) else { return Ok(0) };
     let mut m = Motion::new(Arc::new(assembly)).unwrap();
@@ -506,7 +506,7 @@ fn follow(d: Description) -> Result<u64, TestCaseError> {
     Ok(wheels.map(|i| m.impacts(i).count).sum())
 }
 
-/// Most events between two looks: bodies pressed together may bounce millions of times.
+/// Largest number of events between two checks: pressed bodies may bounce millions of times.
 const EVENTS: usize = 300;
 
 /// e' <= 0, λ >= 0, λ e' = 0, impacts lose energy and the accounts close.

@@ -1,4 +1,4 @@
-//! Examples of the gallery against solvers and closed forms of their own.
+//! Gallery examples compared with independent solvers and closed forms.
 
 use crate::common::{near, times};
 use crate::matrix::cantilever;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Assembly, Motion, file};
 
-/// Events of a solver lie on a grid of a step over 2^HALVINGS, which is under 1e-11 s everywhere
+/// Events of a solver lie on a grid of a step over 2^HALVINGS, which is below 1e-11 s in all tests
 /// here.
 const HALVINGS: usize = 26;
 
@@ -34,7 +34,7 @@ fn press(event: &EventKind) -> bool {
     matches!(event, EventKind::Press { .. })
 }
 
-/// z' = A z: exp(A h/2^k) - 1 for each k, by E(2h) = 2 E(h) + E(h)², which keeps its digits.
+/// z' = A z: exp(A h/2^k) - 1 for each k. E(2h) = 2 E(h) + E(h)² preserves the digits.
 fn flow(a: &DMatrix<f64>, step: f64) -> Vec<DMatrix<f64>> {
     let small = a * (step / f64::exp2(HALVINGS as f64));
     let mut e = &small + &small * &small / 2.0 + &small * &small * &small / 6.0;
@@ -47,7 +47,7 @@ fn flow(a: &DMatrix<f64>, step: f64) -> Vec<DMatrix<f64>> {
     all
 }
 
-/// A step, halved wherever another piece begins; the times at which one does.
+/// A step, halved at each change to another piece; returns the times of the changes.
 fn step(
     flows: &[Vec<DMatrix<f64>>],
     piece: &dyn Fn(&DVector<f64>) -> usize,
@@ -79,7 +79,7 @@ fn agree(found: &[f64], expected: &[f64], allowed: f64) {
     }
 }
 
-/// Ten elements of a steel strip with EI and ρA, added up here and followed by matrix exponentials.
+/// Ten elements of a steel strip with EI and ρA, integrated by matrix exponentials.
 #[test]
 fn second_method_a_strip_of_beam_elements_with_a_stop() {
     // Rounding of eigenvectors and of 6000 steps, which contacts magnify.
@@ -129,7 +129,7 @@ fn second_method_a_strip_of_beam_elements_with_a_stop() {
     near(value(&strip, "strip.tip.s"), z[tip], NEAR);
 }
 
-/// The way along the pitch circles: x'' = -(r₁²/J₁ + r₂²/J₂) f + r₁ T₁/J₁ + r₂ T₂/J₂.
+/// The displacement along the pitch circles: x'' = -(r₁²/J₁ + r₂²/J₂) f + r₁ T₁/J₁ + r₂ T₂/J₂.
 #[test]
 fn second_method_a_gear_pair_with_steps_of_its_mesh() {
     // Rounding of 13,000 steps over times of ms.
@@ -168,8 +168,8 @@ fn second_method_a_gear_pair_with_steps_of_its_mesh() {
     near(0.05 * gears.coordinate(0) + 0.08 * gears.coordinate(1), z[0], NEAR);
 }
 
-/// Masing's rule: after a turn the force follows the first loading at twice its size; a closed loop
-/// of the half width X loses 4 slip (X - slip/k) in each slider.
+/// Masing's rule: after a reversal the force follows the initial loading curve at twice its size;
+/// a closed loop of half width X loses 4 slip (X - slip/k) in each slider.
 #[test]
 fn closed_form_loops_of_an_iwan_joint() {
     const NEAR: f64 = 1e-10;
@@ -199,8 +199,8 @@ fn closed_form_loops_of_an_iwan_joint() {
     }
 }
 
-/// The acceleration of the base is held from knot to knot, so that its place is a state like the
-/// others.
+/// The acceleration of the base is held from knot to knot, so the coordinate of the base is an
+/// ordinary state.
 #[test]
 fn second_method_a_rig_under_a_held_record() {
     const NEAR: f64 = 1e-10;
@@ -247,10 +247,10 @@ fn second_method_a_rig_under_a_held_record() {
     (0..3).for_each(|body| near(rig.coordinate(body), z[[0, 3, 5][body]], NEAR));
 }
 
-/// Runge and Kutta's method of the fourth order, with steps halved at the stop.
+/// Fourth-order Runge-Kutta method, with steps halved at the stop.
 #[test]
 fn second_method_a_run_up_with_impacts() {
-    // (ωh)⁴/120 a step's radian with ωh = 0.01, over 400 radians.
+    // (ωh)⁴/120 per radian with ωh = 0.01, over 400 radians.
     const NEAR: f64 = 1e-7;
     let (m, k, c, gap, restitution) = (40.0, 40e3, 60.0, 0.012, 0.5);
     let rate = |t: f64, [x, v]: [f64; 2]| {

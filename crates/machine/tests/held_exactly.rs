@@ -1,5 +1,5 @@
-//! What a mode fixes stays fixed over 1e5 steps and over 1e4 s: forces of slipping sliders, inner
-//! places of held ones, places of held contacts, outputs between samples and at limits.
+//! Values fixed by a mode stay fixed over 1e5 steps and over 1e4 s: forces of slipping sliders,
+//! (inner) coordinates of held sliders and contacts, outputs between samples and at limits.
 
 use crate::blocks::column;
 use crate::common::*;
@@ -7,15 +7,15 @@ use vibro_machine::Motion;
 
 /// Rows of a run with many.
 const ROWS: u32 = 100_000;
-/// A distance of 1e4 m between two doubles is 1.8e-12 m: rounding of a sum of a few such.
+/// The spacing of doubles at 1e4 m is 1.8e-12 m: rounding of a sum of a few such numbers.
 const FAR: f64 = 2e-11;
-/// Rounding of a place of a few mm under forces of a few N over 1e5 rows.
+/// Rounding of a coordinate of a few mm under forces of a few N over 1e5 rows.
 const NEAR: f64 = 1e-16 * ROWS as f64;
 
-/// The transients fall by exp(-5 t) and faster: under a rounding by then, s.
+/// The transients decay as exp(-5 t) or faster: after this time, s, they are below rounding.
 const SETTLED: f64 = 9.0;
 
-/// Advances in rows of equal length, and looks at each.
+/// Advances in rows of equal length and passes each row to `look`.
 fn in_rows(m: &mut Motion, end: f64, rows: u32, mut look: impl FnMut(&Motion)) {
     let begin = m.time();
     for i in 1..=rows {
@@ -24,7 +24,7 @@ fn in_rows(m: &mut Motion, end: f64, rows: u32, mut look: impl FnMut(&Motion)) {
     }
 }
 
-/// The motions of a text with many rows in 100 s and few in 1e4 s, each row looked at.
+/// Runs a machine in many rows over 100 s and in few over 1e4 s; passes each row to `look`.
 fn both_ways(text: &str, mut look: impl FnMut(&Motion)) {
     for (end, rows) in [(100.0, ROWS), (1e4, 100)] {
         let mut m = moving(text).with_table_memory(usize::MAX);
@@ -40,7 +40,7 @@ const BELT: &str = r#"
     spring.bristle = { between = ["block", "belt"], stiffness = "1e7 N/m", slip = "10 N" }
 "#;
 
-/// A block on a belt behind a bristle of 1e7 N/m stands where its spring of 5 kN/m bears the slip
+/// A block on a belt behind a bristle of 1e7 N/m stops where its spring of 5 kN/m carries the slip
 /// force: 10 N / 5 kN/m = 2 mm.
 #[test]
 fn closed_form_a_slider_slips_at_its_level_whatever_the_rows() {
@@ -57,7 +57,7 @@ fn closed_form_a_slider_slips_at_its_level_whatever_the_rows() {
         assert!(now >= lost, "{now} after {lost}");
         lost = now;
     });
-    // A saved state has the force as the motion has it, and goes on with it.
+    // A saved state contains the force bit for bit, and continues with it.
     let mut m = moving(BELT);
     m.advance_to(123.456).unwrap();
     let mut on = Motion::resumed(m.assembly().clone(), &m.save()).unwrap();
@@ -66,7 +66,7 @@ fn closed_form_a_slider_slips_at_its_level_whatever_the_rows() {
     assert_eq!(column(&on, "bristle.f"), 10.0);
 }
 
-/// The same machine beside others, of which no tables are kept.
+/// The same machine next to other machines, so that no tables are kept.
 #[test]
 fn closed_form_a_slider_slips_at_its_level_without_tables() {
     let mut m = motion(machine(&with_company(BELT)));
@@ -77,8 +77,8 @@ fn closed_form_a_slider_slips_at_its_level_without_tables() {
     });
 }
 
-/// At most 1e-9 N acts on 1 kg for 1 s, although the spring's force has rounding of 1e-7 N where
-/// the mass is.
+/// At most 1e-9 N acts on 1 kg for 1 s, although the spring's force has a rounding of 1e-7 N at
+/// the position of the mass.
 #[test]
 fn closed_form_a_slider_of_almost_no_force_takes_almost_nothing() {
     let mut m = moving(
@@ -98,7 +98,7 @@ fn closed_form_a_slider_of_almost_no_force_takes_almost_nothing() {
     near(lost, 1e-9, 1e-15);
 }
 
-/// A held slider's inner place keeps its bits while the block shakes on its bristle.
+/// A held slider's inner coordinate keeps its bits while the block shakes on its bristle.
 #[test]
 fn invariant_a_held_slider_keeps_its_place() {
     let text = r#"
@@ -111,8 +111,8 @@ fn invariant_a_held_slider_keeps_its_place() {
     both_ways(text, |m| assert_eq!(column(m, "bristle.slider"), 0.0137));
 }
 
-/// A block that sticks on a belt and one that is pressed against a wall on it keep their places on
-/// the belt, a stiff spring to it its force, and a wheel in its freewheel its angle.
+/// A block stuck on a belt and a block pressed against a wall on it keep their relative
+/// coordinates, a stiff spring to the belt its force, and a wheel in its freewheel its angle.
 #[test]
 fn invariant_held_contacts_keep_their_places() {
     let text = r#"
@@ -145,8 +145,8 @@ fn invariant_held_contacts_keep_their_places() {
     });
 }
 
-/// A force of friction that slips is its level; an output between samples is the sample's, one at
-/// its limit is the limit, however far its state winds up, and so is the load that follows it.
+/// A slipping friction force is exactly its level. An output between samples is the sample; at its
+/// limit it is the limit, however far its state winds up, and so is the load that follows it.
 #[test]
 fn invariant_levels_limits_and_samples_hold() {
     let text = r#"
@@ -192,7 +192,7 @@ fn invariant_levels_limits_and_samples_hold() {
     });
 }
 
-/// A plate that steps leaves what sticks to it where it is: no force is large enough to follow.
+/// A plate that steps leaves a stuck block behind: no finite force could move it along.
 #[test]
 fn closed_form_a_plate_that_steps_leaves_behind_what_sticks_to_it() {
     let mut m = moving(

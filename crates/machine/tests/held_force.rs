@@ -1,5 +1,5 @@
-//! The force of a held slider has no rounding of the places: what follows a hold is the same far
-//! away as near, under any rows, and after a saved state.
+//! The force of a held slider contains no rounding of coordinates: after a hold, the motion is the
+//! same far from the origin as near it, for any rows, and after a saved state.
 
 use crate::blocks::column;
 use crate::common::*;
@@ -9,7 +9,7 @@ use vibro_machine::{Differentiated, Motion, Quantity, What};
 
 /// Roundings of a time of order one second, s: of an event and of the sub-steps before it.
 const TIME: f64 = 1e-15;
-/// Roundings of the place and rate after 64 events in 10 s.
+/// Rounding of coordinate and rate after 64 events in 10 s.
 const LATER: f64 = 1e-12;
 /// Roundings of 1200 s in some thousand sub-steps, relative.
 const LONG: f64 = 1e-14;
@@ -32,10 +32,10 @@ fn in_rows(m: &mut Motion, end: f64, rows: u32) -> Vec<Event> {
     (1..=rows).flat_map(|i| events(m, row(i))).collect()
 }
 
-/// 1 kg on 100 N/m swings past a bristle. From the turn at s a held bristle of stiffness j and
-/// level R lets the mass swing with ω² = 100 + j about its equilibrium, which is A = (100 s + R)/ω²
-/// away: the force falls by 2 R after ω τ = 2 asin √(R/(j A)). Places at 10 s: the same law with 60
-/// digits.
+/// 1 kg on 100 N/m swings past a bristle. After a reversal at s, a held bristle of stiffness j and
+/// level R lets the mass swing with ω² = 100 + j about its equilibrium, at a distance A = (100 s +
+/// R)/ω²: the force falls by 2 R after ω τ = 2 asin √(R/(j A)). Coordinates at 10 s: the same law
+/// in 60 digits.
 #[test]
 fn closed_form_a_stiff_bristle_slips_again_at_its_level() {
     let exact: [(f64, f64, f64, f64); 2] = [
@@ -58,7 +58,7 @@ fn closed_form_a_stiff_bristle_slips_again_at_its_level() {
             let levels =
                 found.iter().enumerate().map(|(i, own)| (own.1, slip * [1.0, 1.0, -1.0, -1.0][i % 4]));
             levels.for_each(|(force, level)| assert_eq!(force, level));
-            // The first turn: 100 s² + 2 R s = v².
+            // The first reversal: 100 s² + 2 R s = v².
             let turn = (0.01 + (slip / 100.0).powi(2)).sqrt() - slip / 100.0;
             let omega = f64::sqrt(100.0 + stiffness);
             let away = (100.0 * turn + slip) / (omega * omega);
@@ -70,7 +70,7 @@ fn closed_form_a_stiff_bristle_slips_again_at_its_level() {
     }
 }
 
-/// A mass of 1 kg on a bristle under 3 N, from `knot` on under -6 N more, begins at a place.
+/// A mass of 1 kg on a bristle under 3 N, and -6 N more from `knot` on, from a given position.
 fn pushed(stiffness: f64, knot: f64, place: f64) -> String {
     format!(
         r#"
@@ -82,9 +82,10 @@ fn pushed(stiffness: f64, knot: f64, place: f64) -> String {
     )
 }
 
-/// Times of stick and slip after the step, and place and rate at the end, of [`pushed`] from 0 on:
-/// from rest the mass swings about 3 N until the bristle bears 2 N, falls with 1 m/s² until the
-/// step, is slowed with 5 m/s², and swings about -3 N until the bristle bears -2 N.
+/// Times of stick and slip after the step, and coordinate and rate at the end, of [`pushed`] from
+/// 0 on: from rest the mass swings about 3 N until the bristle carries 2 N, accelerates with 1
+/// m/s² until the step, decelerates with 5 m/s², and swings about -3 N until the bristle carries
+/// -2 N.
 fn exactly(stiffness: f64, knot: f64, end: f64) -> [f64; 4] {
     let omega = stiffness.sqrt();
     let begin = (1.0 / 3.0f64).acos() / omega;
@@ -96,7 +97,7 @@ fn exactly(stiffness: f64, knot: f64, end: f64) -> [f64; 4] {
     [stick, stick + held, turn - 4.0 / stiffness + from * left - 0.5 * left * left, from - left]
 }
 
-/// Away by 600 km and 6 km: the force of k (e - x) had roundings of 1e-5 N there.
+/// At a distance of 600 km and 6 km: the force k (e - x) would have a rounding of 1e-5 N there.
 #[test]
 fn closed_form_far_away_a_slider_sticks_and_slips_at_its_level() {
     for (stiffness, knot) in [(1e5, 1000.0), (1e7, 100.0)] {
@@ -124,7 +125,7 @@ fn closed_form_far_away_a_slider_sticks_and_slips_at_its_level() {
     }
 }
 
-/// Three masses in a row, which begin at a place: on a slider, a dashpot in series and a slider.
+/// Three masses in a row at a given position: on a slider, a series dashpot and a slider.
 fn row(place: f64) -> String {
     let between = |name: &str, ends: &str, partner: &str| {
         format!("spring.{name} = {{ between = {ends}, stiffness = 1e4, {partner}, slider = ")
@@ -140,9 +141,8 @@ fn row(place: f64) -> String {
     format!("name = \"Row\"\n{bodies}\n{first}\n{soft}\n{last}\n{load}\n")
 }
 
-/// Where a machine stands does not matter: events, forces, losses, derivatives of events and rates
-/// and the gradient are the same from 2⁴³ m on, where 1e4 N/m times a rounding of the place is 10
-/// N.
+/// The position of a machine does not matter: events, forces, losses, derivatives and the gradient
+/// are the same at 2⁴³ m, where 1e4 N/m times a rounding of the coordinate is 10 N.
 #[test]
 fn metamorphic_a_place_far_away_changes_no_event_and_no_derivative() {
     let names = ["spring.first.stiffness", "spring.first.slip", "spring.soft.series_damping", "body.b.mass"];
@@ -170,7 +170,7 @@ fn metamorphic_a_place_far_away_changes_no_event_and_no_derivative() {
     found[0].iter().zip(&found[1]).for_each(|(a, b)| near(*a, *b, DERIVATIVE * (1.0 + a.abs())));
 }
 
-/// A machine that changes keeps its inner places: with other stiffness the force is k (e - x).
+/// A changed machine keeps its inner coordinates: with another stiffness the force is k (e - x).
 #[test]
 fn closed_form_a_changed_stiffness_acts_from_the_inner_place() {
     let text = pushed(100.0, 5.0, 1.0).replace("slip = 2.0", "slip = 20.0");

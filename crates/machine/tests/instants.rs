@@ -1,11 +1,11 @@
-//! Rows, starts and points of a host's solver within rounding of a time event are after it.
+//! Rows, starts and solver points within rounding of a time event are treated as after the event.
 
 use crate::blocks::column;
 use crate::common::*;
 use std::sync::Arc;
 use vibro_machine::{Assembly, Motion, Start};
 
-/// Counts samples: y of sample k, from 0 on, is k; a step of a load stands at a time of its own.
+/// Counts samples: y of sample k = 0, 1, … is k; a load steps at a separate time.
 fn counting(period: f64, delay: f64, step: f64) -> String {
     format!(
         r#"
@@ -27,7 +27,7 @@ fn counting(period: f64, delay: f64, step: f64) -> String {
     )
 }
 
-/// A time as programs find it: by products, sums, shares of the end, and digits of a text.
+/// A time in the forms that programs compute: products, sums, fractions of the end, decimal text.
 fn spellings(k: u32, period: f64, sums: &mut f64) -> [f64; 4] {
     let share = 0.8 * (f64::from(k) * period / 0.8);
     *sums += if k == 0 { 0.0 } else { period };
@@ -44,7 +44,7 @@ fn closed_form_a_row_at_a_sample_shows_it_however_its_time_is_rounded() {
         for k in 0..300 {
             for (m, time) in motions.iter_mut().zip(spellings(k, period, &mut sums)) {
                 let exact = f64::from(k) * period;
-                // Sums of many rounded terms are farther off than rounding of one.
+                // Sums of many rounded terms are off by more than one rounding.
                 if (time - exact).abs() > 4.0 * f64::EPSILON * exact {
                     continue;
                 }
@@ -52,7 +52,7 @@ fn closed_form_a_row_at_a_sample_shows_it_however_its_time_is_rounded() {
                 all += 1;
                 m.advance_to(time).unwrap();
                 assert_eq!(column(m, "count.y"), f64::from(k), "{time:?} of {exact:?}");
-                // The time is reached once more without an error.
+                // Advancing to the same time again is not an error.
                 m.advance_to(time).unwrap();
             }
         }
@@ -60,7 +60,7 @@ fn closed_form_a_row_at_a_sample_shows_it_however_its_time_is_rounded() {
     assert!(below > 100 && all > 3000, "{below} of {all}");
 }
 
-/// What acts later, and steps of signals: on the later side, too, at starts as at rows.
+/// Delayed outputs and steps of signals are on the later side too, both at starts and at rows.
 #[test]
 fn closed_form_delays_knots_and_starts_are_on_the_same_side() {
     let down = |x: f64| f64::from_bits(x.to_bits() - 1);
@@ -74,7 +74,7 @@ fn closed_form_delays_knots_and_starts_are_on_the_same_side() {
             assert_eq!(column(&m, "count.y"), f64::from(k), "{row:?}");
             assert_eq!(column(&m, "push.f"), 5.0, "{row:?}");
         }
-        // Farther before it they have not acted.
+        // Further before the time they have not acted yet.
         let mut m = Motion::new(assembly.clone()).unwrap();
         m.advance_to(time * (1.0 - 1e-14)).unwrap();
         assert_eq!([column(&m, "count.y"), column(&m, "push.f")], [f64::from(k - 1), 0.0]);
@@ -84,8 +84,8 @@ fn closed_form_delays_knots_and_starts_are_on_the_same_side() {
     }
 }
 
-/// A solver that stops at multiples of 3 ms is never asked for a step as short as rounding, and is
-/// told of the samples of 2 ms, and of what acts 0.7 ms later, where it stands.
+/// A solver that stops at multiples of 3 ms is never asked for a step as short as rounding. It
+/// learns of the samples at multiples of 2 ms, and of outputs 0.7 ms later, at its own points.
 #[test]
 fn invariant_no_time_event_is_within_rounding_behind_a_point_of_a_solver() {
     let assembly: Arc<Assembly> = assembled(&counting(2e-3, 0.7e-3, 0.3));
@@ -111,8 +111,8 @@ fn invariant_no_time_event_is_within_rounding_behind_a_point_of_a_solver() {
     }
 }
 
-/// With a delay nothing of the first sample acts at time 0: a start at rest bears none of it, and
-/// moves when it acts.
+/// With a delay, nothing of the first sample acts at time 0: a start at rest ignores it, and moves
+/// once it acts.
 #[test]
 fn closed_form_a_start_at_rest_bears_what_acts_at_time_0() {
     let text = r#"

@@ -1,5 +1,5 @@
-//! Jumps of signals: prescribed bodies whose coordinate or rate jumps, and events at the instant of
-//! a knot.
+//! Jumps of signals: prescribed bodies whose coordinate or rate jumps, and events at the instant
+//! of a knot.
 
 use crate::common::*;
 use std::sync::Arc;
@@ -56,8 +56,8 @@ fn closed_form_base_that_steps_away_from_what_lies_on_it() {
     near(off_balance(&m, 0.0), 0.0);
 }
 
-/// A differential: two bodies whose coordinates add up to that of a prescribed body, with springs
-/// that store the work of a step.
+/// A differential: two bodies whose coordinates add up to the prescribed body's coordinate, with
+/// springs that store the work of a step.
 fn differential(motion: &str, order: [&str; 2]) -> Motion {
     differential_with(motion, order, "")
 }
@@ -113,8 +113,8 @@ fn closed_form_inputs_that_jump_a_belt_and_a_base() {
 
 #[test]
 fn closed_form_force_that_touches_its_level_at_a_knot_makes_no_slip() {
-    // The holding force reaches its level at the load's peak only; a rounding before the peak would
-    // let the body slip and stick again.
+    // The holding force reaches its level at the load's peak only; a rounding before the peak
+    // would let the body slip and stick again.
     for peak in [0.3, 0.4, 0.5, 0.6, 0.7, 0.9, 1.1] {
         let mut m = moving(&format!(
             "name = \"T\"\n[body.b]\nmass = 1.0\n[friction.f]\nbetween = [\"ground\", \"b\"]\nforce = 2.0\n\
@@ -128,8 +128,8 @@ fn closed_form_force_that_touches_its_level_at_a_knot_makes_no_slip() {
 
 #[test]
 fn invariant_every_knot_is_told_beside_what_ends_there() {
-    // A stop's force falls to zero with zero slope at a knot, so that by rounding it ends before; a
-    // body meets another stop at the knot, too.
+    // A stop's force falls to zero with zero slope at a knot, so that by rounding it ends before;
+    // a body meets another stop at the knot, too.
     for knot in [0.8125f64, 0.3, 0.7] {
         let mut m = moving(&format!(
             "name = \"K\"\n[body.b]\nmass = 0.5\n[body.c]\nmass = 1.0\nstart = {{ s = -{knot}, v = 1.0 }}\n\
@@ -159,8 +159,8 @@ fn invariant_impacts_at_the_start_are_told() {
 
 #[test]
 fn invariant_energy_of_impacts_on_bodies_that_links_tie_to_a_moving_one() {
-    // At an impact the link of two bodies to a prescribed one has an impulse, too, which does work;
-    // with one stop and with two.
+    // At an impact the link of two bodies to a prescribed one has an impulse, too, which does
+    // work; with one stop and with two.
     for second in ["", "[stop.t]\narms = { a = 2.0 }\ngap = 0.2\nrestitution = 0.3\n"] {
         let mut m = moving(&format!(
             "name = \"C\"\n[body.a]\nmass = 1.0\nstart = {{ v = 0.75 }}\n[body.b]\nmass = 3.0\nstart = {{ v = 0.25 }}\n[body.p]\nmotion = {{ rate = 1.0 }}\n\
@@ -212,7 +212,7 @@ fn closed_form_changed_numbers_are_judged_after_the_share_of_their_jump() {
 
 #[test]
 fn closed_form_inputs_that_are_set_at_once_move_what_touches_together() {
-    // A carriage and the plate on it are both prescribed and set together: no violation, no impact.
+    // A carriage and the plate on it, both prescribed, are set together: no violation, no impact.
     let mut m = moving(
         "name = \"T\"\n[body.plate]\nmotion = { input = true }\n[body.carriage]\nmotion = { input = true }\n\
          [body.b]\nmass = 1.0\n[stop.r]\nbetween = [\"carriage\", \"plate\"]\ngap = 0.0\nrestitution = 0.5\n\

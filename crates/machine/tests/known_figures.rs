@@ -230,7 +230,7 @@ fn invariant_split_steps_and_saved_states() {
         }
         for i in 0..whole.assembly().description.bodies.len() {
             let (a, b) = (whole.body(i), split.body(i));
-            // Dozens of impacts magnify the rounding differences of other sub-steps.
+            // Dozens of impacts amplify the rounding differences of other sub-steps.
             assert!((a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-6, "{name} {i} {a:?} {b:?}");
         }
     }

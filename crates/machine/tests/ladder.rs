@@ -1,4 +1,4 @@
-//! Long sub-steps miss no event: stiff machines against closed forms, and against the motion in
+//! Long sub-steps miss no event: stiff machines compared with closed forms, and with the motion in
 //! calls too short for long sub-steps.
 
 use crate::common::*;
@@ -7,7 +7,7 @@ use vibro_machine::motion::{Event, EventKind};
 
 /// Hundreds of roundings of times of order one.
 const ROUNDING: f64 = 1e-12;
-/// Rounding magnified by the impacts of 2 s, without grazing ones.
+/// Rounding amplified by the impacts of 2 s, none of them grazing.
 const MAGNIFIED: f64 = 1e-6;
 
 /// A body whose fast motion has decayed, but keeps ordinary sub-steps short.

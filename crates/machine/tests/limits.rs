@@ -55,7 +55,7 @@ fn coordinates_beyond_energies_are_refused_with_body_and_time() {
         motion.restore(&before);
         assert_eq!(motion.body(0)[..2], [0.0, 0.0]);
     }
-    // However little of the call is left when the limit is exceeded.
+    // However short the rest of the call is when the limit is exceeded.
     for end in [0.500_001, 0.51, 0.6] {
         let error = pushed(-2e100).advance_to(end).unwrap_err();
         assert!(matches!(error, Error::Beyond { .. }), "{end}: {error}");
@@ -102,7 +102,7 @@ fn what_a_link_makes_heavy_is_not_refused() {
     d.links = vec![Link { name: "rod".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) }];
     let mut motion = motion(d);
     motion.advance_to(0.001).unwrap();
-    // With the linked body of 1 kg the rate is 1,000 rad/s.
+    // For the linked body of 1 kg, the rate is 1,000 rad/s.
     let off = motion.body(1)[0] - 1e-3 * 1f64.sin();
     assert!(off.abs() < 1e-15, "{off:e}"); // a rounding of 1 m/s and some
 }

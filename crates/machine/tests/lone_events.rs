@@ -1,4 +1,4 @@
-//! Events of a single element, which are handled directly, against the general law.
+//! Events of a single element, which are handled directly, compared with the general law.
 
 use crate::common::both_laws::{BothLaws, on_machines};
 use crate::common::machines::assembly;
@@ -9,7 +9,7 @@ use vibro_machine::motion::EventKind;
 use vibro_machine::{Assembly, Differentiated};
 
 /// Difference of the two solutions relative to the largest coordinate: rounding of an impulse,
-/// magnified by the ratio of the heaviest mass to the lightest, 1e4.
+/// amplified by the ratio of the heaviest to the lightest mass, 1e4.
 const ROUNDING: f64 = 1e-12;
 const BOTH: BothLaws = BothLaws { events: 300, end: 4.0, rounding: ROUNDING };
 
@@ -27,11 +27,11 @@ fn second_method_events_of_one_element_by_the_general_law() {
     assert!(events.get() > 3000, "{}", events.get());
 }
 
-/// A box that a record drives, with a block between a rigid stop and a buffer that rubs on it. The
-/// record has knots at intervals of a time.
+/// A box that a record drives, with a block between a rigid stop and a buffer with friction. The
+/// record has knots at equal intervals.
 fn driven(interval: f64) -> String {
     let force = |t: f64| 60.0 * (20.0 * t).sin() + 25.0 * (53.0 * t).cos();
-    // Straight between knots 20 ms apart, whatever further knots lie between them.
+    // Straight between knots 20 ms apart; further knots lie on the line.
     let straight = |t: f64| {
         let from = (t / 0.02 + 1e-9).floor();
         let part = t / 0.02 - from;
@@ -70,8 +70,8 @@ fn second_method_knots_by_the_general_law_bit_for_bit() {
     assert!(knots.get() > 1500 && sticks.get() > 10, "{} {}", knots.get(), sticks.get());
 }
 
-/// Difference of derivatives, relative to their size: rounding of two thousand flights, which
-/// impacts magnify.
+/// Difference of derivatives, relative to their size: rounding of two thousand flights, amplified
+/// by impacts.
 const CARRIED: f64 = 1e-8;
 
 #[test]

@@ -1,5 +1,5 @@
-//! Motions, derivatives and laws of described machines, in one program, so that the engine is
-//! linked once: `cargo test -p vibro-machine --test motions closed_forms` runs the tests of one
+//! Motions, derivatives and laws of described machines in one program, so that the engine is
+//! linked once. `cargo test -p vibro-machine --test motions closed_forms` runs the tests of one
 //! file.
 
 mod accounts;
@@ -57,7 +57,7 @@ mod stop_laws;
 mod table_memory;
 mod variations;
 
-/// Every file beside this one is a module of it, or a program of its own.
+/// Every file next to this one is a module of this program, or a separate program.
 #[test]
 fn invariant_every_file_is_run() {
     const OWN: [&str; 2] = ["main.rs", "allocation.rs"];

@@ -1,4 +1,4 @@
-//! Machines of many bodies: a start takes seconds at most.
+//! Machines of many bodies: computing a start takes seconds at most.
 
 use crate::common::*;
 use std::time::{Duration, Instant};

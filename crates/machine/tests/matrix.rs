@@ -24,11 +24,11 @@ fn events(m: &mut Motion, end: f64) -> Vec<(f64, String)> {
     all
 }
 
-/// A time before the stop's bounces end, s: how many of the last there are is rounding.
+/// A time before the stop's bounces end, s: the number of the last bounces depends on rounding.
 const BEFORE_CHATTER: f64 = 1.0;
 
-/// Three masses in a row with dashpots that couple their modes, and a stop and a friction at the
-/// last.
+/// Three masses in a row with dashpots that couple their modes, and a stop and a friction on the
+/// last mass.
 const CHAIN: &str = r#"
     name = "Chain"
     gravity = 9.81
@@ -102,7 +102,7 @@ fn rows(a: &DMatrix<f64>) -> String {
     format!("[{}]", (0..a.nrows()).map(row).collect::<Vec<_>>().join(", "))
 }
 
-/// A cantilever with a load at its tip and a damping ratio of a hundredth.
+/// A cantilever with a load at its tip and a damping ratio of one percent.
 fn beam(count: usize, rest: &str) -> String {
     let [k, m] = cantilever(count);
     let (tip, all) = (2 * count - 2, 2 * count);
@@ -117,7 +117,7 @@ fn beam(count: usize, rest: &str) -> String {
     )
 }
 
-/// The tip deflects by P L³/(3EI) and turns by P L²/(2EI): cubic elements are exact there.
+/// The tip deflects by P L³/(3EI) and rotates by P L²/(2EI); cubic elements are exact there.
 #[test]
 fn closed_form_static_deflection_of_a_cantilever() {
     let text = beam(10, "start = \"rest\"") + "[load.weight]\non = \"beam.tip\"\nconstant = 0.06\n";
@@ -126,8 +126,8 @@ fn closed_form_static_deflection_of_a_cantilever() {
     assert!((s / 0.02 - 1.0).abs() < EIGEN && (slope / 0.03 - 1.0).abs() < EIGEN, "{s} {slope}");
 }
 
-/// ω = (β L)² with cos βL cosh βL = -1: 1.8751, 4.6941, 7.8548; elements are too stiff by the order
-/// (βL/count)⁴/720 of ω² (Strang and Fix 1973, section 6.3).
+/// ω = (β L)² with cos βL cosh βL = -1: 1.8751, 4.6941, 7.8548. Elements are too stiff: ω² is too
+/// large by the order (βL/count)⁴/720 (Strang and Fix 1973, section 6.3).
 #[test]
 fn published_frequencies_of_a_cantilever() {
     let d = machine(&beam(10, ""));
@@ -143,7 +143,7 @@ fn published_frequencies_of_a_cantilever() {
     }
 }
 
-/// The beam with all its modes, found in the test, between which and ground a stop stands.
+/// A beam with a stop to ground, as a matrix and as its modes, which the test computes.
 #[test]
 fn second_method_a_beam_with_a_stop_is_its_modes() {
     let count = 6;
@@ -196,7 +196,7 @@ fn closed_form_gyroscopic_whirl() {
     assert!((begin.0 + begin.1 - end.0 - end.1).abs() < 80.0 * ROUNDING);
 }
 
-/// What moves a node through a link does the work of gyroscopic forces, too.
+/// If a link moves a node, it also does the work of gyroscopic forces.
 #[test]
 fn invariant_energy_of_a_rotor_moved_by_a_link() {
     let text = r#"

@@ -1,5 +1,5 @@
-//! Metamorphic tests: a machine mirrored, in other units, at another time or in another order has a
-//! motion that follows from the original one without another method.
+//! Metamorphic tests: the motion of a mirrored, rescaled, time-shifted or reordered machine
+//! follows from the original motion without a second method.
 
 use crate::common::machines::{assembly, scaled};
 use crate::common::*;
@@ -15,10 +15,10 @@ use vibro_machine::{Assembly, Motion};
 const EVENTS: usize = 300;
 /// Duration, s, and number of parts; their ends are exact sums for any start.
 const END: (f64, u32) = (2.0, 16);
-/// Offset of the parts' ends, s, before times with few decimals, at which bodies may meet: rounding
-/// must not decide whether an end is before or after a contact.
+/// Offset of the parts' ends, s, before times with few decimals, at which bodies may meet:
+/// rounding must not decide whether an end is before or after a contact.
 const BEFORE: f64 = 0.0078125;
-/// Perturbation of a start, which measures how much a motion magnifies errors.
+/// Perturbation of a start, which measures how much a motion amplifies errors.
 const OFF: f64 = 1e-10;
 /// Rounding of two motions, in the unit of [`OFF`]: tens of roundings of displacements, 1e-14, and
 /// for speeds up to sqrt(k/m) = 1e3/s times that, with 0.01 kg on a spring or stop of 1e4 N/m.
@@ -26,7 +26,7 @@ const OWN: f64 = 3e-11;
 /// Speed that counts as zero: while sticking, speeds fall by 1e-16 a sub-step, and scaling by
 /// powers of two must not underflow.
 const NOTHING: f64 = 1e-200;
-/// Magnification of errors beyond which rounding decides the motion.
+/// Amplification of errors beyond which rounding determines the motion.
 const DECIDED: f64 = 1e4;
 
 /// States by time: s and v of every body.
@@ -84,7 +84,7 @@ fn off(d: &Description) -> [Description; 3] {
     [all, second, gaps]
 }
 
-/// Whether two paths agree within the errors as the motion magnifies them.
+/// Whether two paths agree within the errors that the motion amplifies.
 fn agree(d: &Description, one: &Path, other: &Path) -> Result<(), TestCaseError> {
     let moved = off(d).map(|off| path(motion(off), &all(d)).0);
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
@@ -223,8 +223,8 @@ fn closed_form_rigid_stop_as_the_limit_of_a_stiff_one() {
         let floor = compliant("floor", &[(0, -1.0)], 0.0, stiffness, 0.0, DampingLimit::NoPull);
         let soft = path(motion(ball(floor)), &[0]).0;
         let apart = (rigid.last().unwrap()[0] - soft.last().unwrap()[0]).abs();
-        // Two contacts of half a period π sqrt(m/k) each, during which the rigid ball flies at less
-        // than 5 m/s both ways.
+        // Two contacts of half a period π sqrt(m/k) each, during which the rigid ball flies at
+        // less than 5 m/s both ways.
         let most = 2.0 * 10.0 * std::f64::consts::PI / stiffness.sqrt();
         assert!(apart <= most && apart < 0.2 * before, "1e{exponent}: {apart:e}, {most:e}, {before:e}");
         before = apart;

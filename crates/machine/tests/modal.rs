@@ -5,14 +5,14 @@ use std::sync::Arc;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::{Assembly, Description, Motion};
 
-/// A thousand roundings of numbers of order one: events sum up what differs in the last digits.
+/// A thousand roundings of numbers of order one: events accumulate differences in last digits.
 const ROUNDING: f64 = 1e-11;
 
-/// The stop's bounces end soon after this time, s; how many of the last there are is rounding.
+/// The stop's bounces end soon after this time, s; rounding decides the number of the last ones.
 const BEFORE_CHATTER: f64 = 0.36;
 
-/// A beam of three modes that is driven at its tip and hits a stop there, and a mass on a spring at
-/// its middle.
+/// A beam of three modes that is driven at its tip and hits a stop there, and a mass on a spring
+/// at its middle.
 const BEAM: &str = r#"
     name = "Beam"
     gravity = 9.81
@@ -25,7 +25,7 @@ const BEAM: &str = r#"
     load.shaker = { on = "beam.tip", amplitude = 4.0, frequency = 1.7 }
 "#;
 
-/// The beam as single bodies with springs and arms.
+/// The same beam as single bodies with springs and arms.
 const BODIES: &str = r#"
     name = "Beam"
     gravity = 9.81
@@ -106,7 +106,7 @@ fn golden_the_written_file_reads_back_equal_and_columns_have_nodes_only() {
     }
 }
 
-/// q = m g r/(m ω²) by weight at rest.
+/// The deflection under weight at rest: q = m g r/(m ω²).
 #[test]
 fn closed_form_the_place_of_rest_under_weight() {
     let text = r#"
@@ -167,9 +167,9 @@ fn bar(name: &str, modes: usize, speed: f64, end: f64) -> String {
     )
 }
 
-/// Two equal elastic bars that meet exchange their speeds, in contact for 2L/c = 2 s
-/// (Saint-Venant). With a rigid stop on few modes the contact is many impacts; momentum and energy
-/// are kept.
+/// Two equal elastic bars that collide exchange their velocities, with a contact time of 2L/c = 2
+/// s (Saint-Venant). With a rigid stop on a few modes the contact is many impacts; momentum and
+/// energy are kept.
 #[test]
 fn published_two_elastic_bars_exchange_their_speeds() {
     for (modes, allowed) in [(10, 0.2), (40, 0.06)] {
@@ -190,7 +190,7 @@ fn published_two_elastic_bars_exchange_their_speeds() {
     }
 }
 
-/// The derivative of the tip's place by each number against differences of the motion.
+/// The derivative of the tip's displacement by each number, compared with differences.
 #[test]
 fn second_method_derivatives_by_the_numbers_of_modes() {
     let machine = machine(BEAM);

@@ -1,4 +1,4 @@
-//! The 3-DOF machine as an assembly against the 3-DOF core; the two share the root finder only.
+//! The 3-DOF machine as an assembly compared with the 3-DOF core; they share only the root finder.
 
 use crate::common::*;
 use vibro_impact::simulator::{Event, Pause};
@@ -6,13 +6,13 @@ use vibro_impact::{Parameters, Simulator, State};
 use vibro_machine::description::*;
 use vibro_machine::motion::EventKind;
 
-/// Rounding of the hundreds of sub-steps in twenty periods, magnified tenfold by impacts.
+/// Rounding of the hundreds of sub-steps in twenty periods, amplified tenfold by impacts.
 const AGREEMENT: f64 = 1e-12;
-/// Perturbations of a start by some roundings, which measure the effect of rounding on a motion:
-/// the end of a run of chatter depends on it.
+/// Perturbations of a start by some roundings, which measure the effect of rounding on a motion,
+/// because the end of chatter depends on rounding.
 const ROUNDINGS: [f64; 4] = [-5e-15, -1e-15, 1e-15, 5e-15];
-/// Allowed difference of the two motions, relative to the largest deviation of the four perturbed
-/// ones.
+/// Accepted difference between the two motions, relative to the largest deviation of the four
+/// perturbed motions.
 const APART: f64 = 3.0;
 
 fn machine(p: &Parameters, start: &State) -> Description {
@@ -88,7 +88,7 @@ fn compare(p: &Parameters, start: &State, periods: f64, tolerance: f64) {
             );
         }
     }
-    // Runs of chatter end at different heights; only faster impacts are compared.
+    // Chatter ends at different bounce heights; only faster impacts are compared.
     let loud = |all: &[(f64, usize, f64)]| all.iter().filter(|i| i.2 > 1e-4).cloned().collect::<Vec<_>>();
     let (own, theirs) = (loud(&own), loud(&theirs));
     assert!(theirs.len() > 10, "{theirs:?}");

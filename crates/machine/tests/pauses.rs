@@ -1,4 +1,4 @@
-//! Motions that pause before events, are saved as bytes, or begin at another time.
+//! Motions that pause before events, that are saved as bytes, or that begin at another time.
 
 use crate::common::*;
 use vibro_machine::Motion;
@@ -30,8 +30,8 @@ fn invariant_pausing_before_events_changes_no_bit() {
     {
         let (known, speed) = (before.len(), paused.body(0)[1]);
         assert!(paused.is_event_due());
-        // Before the event is handled the ball still falls, or the load has not jumped yet; the law
-        // acts once, on request.
+        // Before the event is handled the ball still falls, or the load has not jumped yet; the
+        // law acts once, on request.
         assert_eq!(paused.load(0), if paused.time() > 0.3 { 0.05 } else { 0.0 });
         assert!(speed > 0.0, "{speed}");
         paused.apply_event(&mut |event| before.push(event.clone())).unwrap();
@@ -72,7 +72,7 @@ fn closed_form_of_a_start_at_another_time() {
     assert_eq!(refused, "start time = NaN: allowed is a finite number");
 }
 
-/// Names, and machines in which a watched functional touches its limit by 1.5 s without an event.
+/// Names and machines whose event function touches its limit before 1.5 s without an event.
 fn touches() -> [(&'static str, Description); 4] {
     let wave = |constant, amplitude| Signal { constant, ..sine(amplitude, 0.5, 0.0) };
     let load = |force| vec![Load { name: "load".into(), body: 0, force }];

@@ -1,4 +1,4 @@
-//! Springs whose force goes by straight lines through points (docs/assembly-law.md (A15)).
+//! Springs with a piecewise linear force through points (docs/assembly-law.md (A15)).
 
 use crate::common::both_laws::{Balance, BothLaws, on_machines};
 use crate::common::machines::assembly;
@@ -15,12 +15,12 @@ use vibro_machine::{Assembly, Motion};
 
 /// Roundings of a few dozen operations.
 const ROUNDING: f64 = 1e-13;
-/// Error of the snap-through spring in four seconds: roundings, which its falling line magnifies by
-/// exp(√(167/0.7) t) while it acts.
+/// Error of the snap-through spring in four seconds: roundings, which its falling line amplifies
+/// by exp(√(167/0.7) t) while it acts.
 const SNAP: f64 = 1e-11;
 
-/// Energy beside the largest energy of a random machine, and difference of the direct and the
-/// general law beside the largest coordinate: rounding, magnified by stiff buffers.
+/// Relative errors of a random machine: its energy, and the difference between direct and general
+/// law in the largest coordinate. Stiff buffers amplify rounding.
 const BALANCE: f64 = 1e-10;
 const BOTH: BothLaws = BothLaws { events: 200, end: 3.0, rounding: BALANCE };
 
@@ -50,8 +50,8 @@ fn corners(events: &[Event]) -> Vec<(f64, f64)> {
     events.iter().filter_map(corner).collect()
 }
 
-/// With slopes k on the left and K on the right of e = 0 a body at speed v is half a turn of each
-/// in turns: π/√K and π/√k.
+/// For slopes k for e < 0 and K for e > 0, a body of speed v alternates half turns of duration
+/// π/√K and π/√k.
 #[test]
 fn closed_form_two_slopes_are_half_turns() {
     let (k, stiff, v) = (100.0f64, 900.0f64, 0.6);
@@ -66,14 +66,14 @@ fn closed_form_two_slopes_are_half_turns() {
         let sign = if i % 2 == 0 { -1.0 } else { 1.0 };
         assert!((rate - sign * v).abs() < 100.0 * ROUNDING);
     }
-    // The end slopes go on beyond the points.
+    // The end slopes continue beyond the points.
     let mut m = motion(alone(0.0, 30.0, &[(-0.1, -10.0), (0.0, 0.0), (0.2, 180.0)]));
     m.advance_to(0.5 * PI / stiff.sqrt()).unwrap();
     let [e, _, f] = m.spring(0);
     assert!((e - 30.0 / stiff.sqrt()).abs() < ROUNDING && (f - stiff * e).abs() < stiff * ROUNDING);
 }
 
-/// Two points are a straight spring with a preload, bit for bit; equal slopes make no event.
+/// Two points are a straight spring with a preload, bit for bit; equal slopes cause no event.
 #[test]
 fn closed_form_straight_lines_have_no_corner() {
     let mut straight = alone(0.1, 0.0, &[(0.0, 3.0), (1.0, 28.0)]);
@@ -89,8 +89,8 @@ fn closed_form_straight_lines_have_no_corner() {
     assert!(c.states().iter().zip(a.states()).all(|(c, a)| (c - a).abs() < 10.0 * ROUNDING));
 }
 
-/// On a falling slope -κ the motion is a hyperbolic cosine; f and the stored energy, from e = 0,
-/// are those of the lines, and the stored energy is negative.
+/// On a falling slope -κ the motion is a hyperbolic cosine; force and stored energy, measured from
+/// e = 0, follow the lines, and the stored energy is negative.
 #[test]
 fn closed_form_a_falling_line() {
     let all = [(-0.2, -1.0), (-0.1, 2.5), (0.1, -2.5), (0.2, 1.0)];
@@ -107,8 +107,8 @@ fn closed_form_a_falling_line() {
     assert_eq!(m.energy().balance(), 0.0);
 }
 
-/// At a corner with e' = 0 the first nonzero derivative of e decides; on it for ever the left line
-/// acts.
+/// At a corner with e' = 0, the first nonzero derivative of e decides; if e stays on the corner
+/// forever, the left line acts.
 #[test]
 fn closed_form_a_start_on_a_corner() {
     let lines = [(-0.1, -10.0), (0.0, 0.0), (0.2, 180.0)];
@@ -125,7 +125,7 @@ fn closed_form_a_start_on_a_corner() {
         let exact = push / stiffness * (1.0 - (stiffness.sqrt() * m.time()).cos());
         assert!((m.body(0)[0] - exact).abs() < ROUNDING, "{:?} {exact}", m.body(0));
     }
-    // By the third derivative: a load that grows as t.
+    // Decided by the third derivative: a load that grows as t.
     let mut d = alone(0.0, 0.0, &lines);
     let ramp = Record::new(vec![(0.0, 0.0), (1.0, -3.0)], Interpolation::Straight);
     d.loads =
@@ -198,7 +198,7 @@ fn second_method_derivatives_by_points() {
     assert!(met >= 6, "{met}");
     assert!(names.iter().any(|name| name == "spring.membrane.points[1].e"), "{names:?}");
     assert!(names.iter().any(|name| name == "spring.membrane.points[4].f"), "{names:?}");
-    // A straight spring, too, has derivatives by what bends it.
+    // A straight spring also has derivatives with respect to numbers that bend it.
     let straight = alone(0.05, 0.4, &[(-0.3, -4.5), (-0.02, 2.5), (0.02, 3.5), (1.0, 28.0)]);
     differences::compare(&straight, 0.9);
 }
@@ -250,7 +250,7 @@ fn golden_points_in_files() {
     assert!(said.contains("spring.membrane.points[4].e") && said.contains("above 0.06"), "{said}");
 }
 
-/// The machine with lines, one of them falling, in the place of its springs.
+/// The machine with lines, one of them falling, in place of its springs.
 fn bent(mut d: Description) -> Description {
     for spring in &mut d.springs {
         let k = std::mem::take(&mut spring.stiffness);
@@ -277,7 +277,7 @@ fn invariant_random_machines_keep_their_energy_and_both_ways_of_the_law_agree() 
     assert!(events > 2000 && corners > 500, "{events} {corners}");
 }
 
-/// A chain that keeps no tables of its modes, against the same one as a small step's energy allows.
+/// A chain without tables of modes, checked by its energy balance.
 #[test]
 fn invariant_a_chain_of_bodies_with_lines_keeps_its_energy() {
     let count = 30;

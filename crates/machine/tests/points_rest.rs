@@ -1,10 +1,10 @@
-//! Starts at rest of machines with springs by points (docs/assembly-law.md, section 10).
+//! Starts at rest of machines with piecewise linear springs (docs/assembly-law.md, section 10).
 
 use crate::common::*;
 use vibro_machine::description::*;
 use vibro_machine::{Assembly, Error};
 
-/// Relative error of places: rounding.
+/// Relative rounding error of coordinates.
 const ROUNDING: f64 = 1e-12;
 
 /// A spring between ground and body `i`, or between two bodies.
@@ -28,7 +28,7 @@ fn loaded(bodies: usize, springs: Vec<Spring>, forces: &[f64]) -> Description {
 fn places(d: &Description) -> Vec<f64> {
     let assembly = Assembly::new(d.clone()).unwrap_or_else(|e| panic!("{e}"));
     let found = assembly.equilibrium().unwrap();
-    // It stays there.
+    // The machine stays at rest.
     let mut m = motion(d.clone());
     m.advance_to(3.0).unwrap();
     for (i, s) in found.iter().enumerate() {
@@ -45,7 +45,7 @@ fn gives_way(d: &Description) -> (String, f64) {
 }
 
 const SOFTENING: [(f64, f64); 4] = [(-0.1, -30.0), (0.0, 0.0), (0.02, 4.0), (1.0, 53.0)];
-/// Up to 3 N at 10 mm, down to -2 N at 30 mm, up again.
+/// Rises to 3 N at 10 mm, falls to -2 N at 30 mm, and rises again.
 const SNAPS: [(f64, f64); 4] = [(-0.1, -30.0), (0.01, 3.0), (0.03, -2.0), (0.08, 13.0)];
 
 #[test]
@@ -54,7 +54,7 @@ fn closed_form_lines_that_rise_bear_loads_at_their_own_places() {
         let found = places(&loaded(1, vec![lines("s", &[(0, 1.0)], &SOFTENING)], &[force]));
         assert!((found[0] - place).abs() < ROUNDING, "{force}: {found:?} {place}");
     }
-    // Two in series bear the same force; a stop holds the second body.
+    // Two springs in series carry the same force; a stop holds the second body.
     let springs = vec![
         lines("a", &[(0, 1.0)], &SOFTENING),
         lines("b", &[(0, -1.0), (1, 1.0)], &[(0.0, 0.0), (0.01, 5.0), (0.02, 5.0), (0.03, 25.0)]),
@@ -64,7 +64,7 @@ fn closed_form_lines_that_rise_bear_loads_at_their_own_places() {
     assert!((found[0] - 0.12).abs() < ROUNDING && (found[1] - 0.142).abs() < ROUNDING, "{found:?}");
     d.stops = vec![rigid("s", &[(1, 1.0)], 0.025, 0.5)];
     let found = places(&d);
-    // 200 e and 500 (0.025 - e).
+    // 200 e equals 500 (0.025 - e).
     let held = 500.0 * 0.025 / 700.0;
     assert!(held < 0.02 && (found[1] - 0.025).abs() < ROUNDING, "{found:?}");
     assert!((found[0] - held).abs() < ROUNDING, "{found:?} {held}");
@@ -79,7 +79,7 @@ fn closed_form_a_spring_that_falls_is_reached_up_to_its_peak() {
     let (spring, factor) = gives_way(&loaded(1, vec![lines("snap", &[(0, 1.0)], &SNAPS)], &[4.0]));
     assert_eq!(spring, "snap");
     assert!((factor - 0.75).abs() < ROUNDING, "{factor}");
-    // On its hump from the start: 0 of the loads.
+    // On the falling line from the start on, at 0 of the loads.
     let hump = [(-0.2, -3.0), (-0.1, 1.0), (0.1, -1.0), (0.2, 3.0)];
     let (spring, factor) = gives_way(&loaded(1, vec![lines("hump", &[(0, 1.0)], &hump)], &[0.1]));
     assert_eq!((spring.as_str(), factor), ("hump", 0.0));
@@ -91,7 +91,7 @@ fn closed_form_a_spring_that_falls_is_reached_up_to_its_peak() {
     );
 }
 
-/// Beside a spring that is stiffer than the falling line the whole rises, and is followed through.
+/// Next to a spring stiffer than the falling line, the sum rises, and rest is followed through.
 #[test]
 fn closed_form_a_falling_spring_beside_a_stiffer_one_is_followed_through() {
     let beside = |force: f64| {
@@ -105,7 +105,7 @@ fn closed_form_a_falling_spring_beside_a_stiffer_one_is_followed_through() {
         let found = places(&beside(force));
         assert!((found[0] - place).abs() < ROUNDING, "{force}: {found:?} {place}");
     }
-    // In series the stiffer one makes it give way at the peak, and a stop beside it does not help.
+    // In series, the stiffer spring makes it snap at the peak; a stop next to it does not help.
     let springs = vec![
         Spring { name: "mount".into(), ..spring(&[(0, 1.0)], 400.0, 0.0) },
         lines("snap", &[(0, -1.0), (1, 1.0)], &SNAPS),
@@ -113,7 +113,7 @@ fn closed_form_a_falling_spring_beside_a_stiffer_one_is_followed_through() {
     let mut d = loaded(2, springs, &[0.0, 6.0]);
     assert_eq!(gives_way(&d).0, "snap");
     assert!((gives_way(&d).1 - 0.5).abs() < ROUNDING);
-    // A stop that is met before bears the rest.
+    // A stop that closes earlier carries the rest.
     d.stops = vec![rigid("stop", &[(1, 1.0)], 0.01, 0.5)];
     let found = places(&d);
     let first = 300.0 * 0.01 / 700.0;
@@ -124,7 +124,7 @@ fn closed_form_a_falling_spring_beside_a_stiffer_one_is_followed_through() {
     assert!(left.abs() < 1e4 * ROUNDING && (400.0 * found[0] - 300.0 * (found[1] - found[0])).abs() < 1e-9);
 }
 
-/// Derivatives of a start at rest on a falling line, by every number.
+/// Derivatives of a start at rest on a falling line, with respect to every number.
 #[test]
 fn second_method_derivatives_of_a_start_at_rest() {
     let springs = vec![

@@ -1,5 +1,5 @@
-//! Machines without coordinates: test rigs whose bodies are all prescribed or linked to prescribed
-//! ones.
+//! Machines without coordinates: test rigs in which each body is prescribed or linked to a
+//! prescribed body.
 
 use crate::common::*;
 use std::f64::consts::TAU;
@@ -29,7 +29,7 @@ fn closed_form_a_ram_that_moves_as_prescribed() {
     rig().check().unwrap();
     let mut m = motion(rig());
     let all = events(&mut m, 1.0);
-    // The buffer is met at sin ωt = 1/2.
+    // The buffer closes at sin ωt = 1/2.
     let pressed = times(&all, |k| matches!(k, EventKind::Press { .. }));
     assert!(pressed.len() == 1 && (pressed[0] - 1.0 / 12.0).abs() < ROUNDING, "{all:?}");
     let slips = times(&all, |k| matches!(k, EventKind::Slip { .. }));
@@ -71,7 +71,7 @@ fn closed_form_what_links_tie_to_a_motion_is_carried() {
     assert!((m.energy().loads[0].value() + 7.0 * 1.2).abs() < WORK);
     assert!((m.energy().motions.value() - 7.0 * 1.2).abs() < WORK, "{:?}", m.energy());
     assert_eq!(m.energy().balance().abs().max(WORK), WORK);
-    // With a free motor instead of the prescribed one, nothing may ever move.
+    // If the motor is free instead of prescribed, no motion at all is possible.
     d.bodies[0] = body("motor", 1.0, 0.0, 0.0);
     d.bodies[1] = body("drum", 2.0, 0.0, 0.0);
     d.links.push(Link { name: "second".into(), arms: arms(&[(0, 1.0), (1, -1.0)]) });
@@ -101,8 +101,8 @@ fn invariant_a_rig_starts_at_rest_saves_and_is_set_from_outside() {
     assert!((m.body(0)[0] - 0.1).abs() < ROUNDING);
 }
 
-/// A friction between bodies that are moved has no force of its own while they stand still beside
-/// each other: 0, and no load makes it slip. A rigid stop that they violate names itself.
+/// A friction between prescribed bodies has no force of its own while they have the same rate: its
+/// force is 0, and no load makes it slip. A rigid stop that they violate is named in the error.
 #[test]
 fn closed_form_stuck_friction_and_jams_between_prescribed_bodies() {
     let rig = |stop: &str| {

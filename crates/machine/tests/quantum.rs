@@ -1,4 +1,4 @@
-//! Derivatives of sampled blocks that round what they read to a quantum: a rounded input keeps its
+//! Derivatives of sampled blocks that round their inputs to a quantum: a rounded input keeps its
 //! multiple.
 
 use crate::blocks::check_derivatives;
@@ -10,7 +10,7 @@ use vibro_machine::{Assembly, Differentiated, Quantity, What};
 /// Roundings of a sum over twenty samples.
 const ROUNDING: f64 = 1e-13;
 
-/// A cart under a digital spring that reads its place in multiples of 1 mm.
+/// A cart under a digital spring that reads its coordinate in multiples of 1 mm.
 fn encoder(start: &str) -> String {
     format!(
         "name = \"Encoder\"\n[body.cart]\nmass = 1.0\nstart = {{ s = {start}, v = 0.2 }}\n[block.pd]\n\
@@ -28,7 +28,7 @@ fn by_place(text: &str) -> Differentiated {
 
 #[test]
 fn closed_form_a_cart_under_a_rounded_reading_moves_as_far_as_its_start() {
-    // The force is a multiple of 40 mN whatever the cart does between two multiples of 1 mm.
+    // The force is a multiple of 40 mN, even while the cart moves between two multiples of 1 mm.
     let motion = by_place(&encoder("0.0137"));
     let [s, v] = [What::S, What::V].map(|what| motion.derivative(Quantity::of_body(0, what), 0).unwrap());
     near(s, 1.0, ROUNDING);
@@ -37,8 +37,8 @@ fn closed_form_a_cart_under_a_rounded_reading_moves_as_far_as_its_start() {
 
 #[test]
 fn second_method_derivatives_through_a_rounded_reading_by_differences() {
-    // Within 1e-8 no reading comes to another multiple; a difference has 1e-16 of the place over
-    // it.
+    // A change of 1e-8 does not move any reading to another multiple; a difference has an error of
+    // 1e-16 of the coordinate divided by 1e-8.
     let names = ["body.cart.start.v", "block.pd.d[0][0]", "block.pd.quantum.cart.s", "load.motor.factor"];
     check_derivatives(&encoder("0.0137"), &names, 0.2, &["cart.s", "cart.v"], 1e-8, 1e-6);
 }

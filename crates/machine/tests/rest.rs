@@ -1,4 +1,4 @@
-//! The start at rest against closed forms.
+//! The start at rest compared with closed forms.
 
 use crate::common::*;
 use vibro_machine::description::*;
@@ -7,8 +7,8 @@ use vibro_machine::{Assembly, Error};
 
 /// Hundreds of roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
-/// Error of a coordinate relative to the sum of its elongations' sizes, as documented: thousands of
-/// roundings.
+/// Error of a coordinate relative to the sum of the absolute elongations, as documented: thousands
+/// of roundings.
 const PLACE: f64 = 1e-12;
 
 fn at_rest(d: Description) -> Description {
@@ -25,7 +25,7 @@ fn stands(m: &mut vibro_machine::Motion, end: f64) {
     assert!(all.is_empty(), "{all:?}");
     for (i, s) in before {
         let [now, v, a] = m.body(i);
-        // A stiff spring magnifies the rounding of the initial coordinates.
+        // A stiff spring amplifies the rounding of the initial coordinates.
         assert!(
             (now - s).abs() < ROUNDING && v.abs() < 10.0 * ROUNDING && a.abs() < 1e2 * ROUNDING,
             "{i} {now} {v} {a}"
@@ -35,7 +35,7 @@ fn stands(m: &mut vibro_machine::Motion, end: f64) {
 
 #[test]
 fn closed_form_hanging_chain() {
-    // Two masses on two springs: the upper spring bears both, the lower one its own mass.
+    // Two masses on two springs: the upper spring carries both, the lower one its own mass.
     let d = Description {
         bodies: vec![heavy("a", 1.0, 1.0, 0.0, 0.0), heavy("b", 2.0, 1.0, 0.0, 0.0)],
         springs: vec![spring(&[(0, 1.0)], 300.0, 1.0), spring(&[(0, -1.0), (1, 1.0)], 1e5, 0.0)],
@@ -70,7 +70,7 @@ fn closed_form_preloaded_stops() {
 
 #[test]
 fn closed_form_friction_holds_where_it_must() {
-    // Friction alone bears the first block; the second hangs on a spring, where friction bears
+    // Friction alone carries the first block; the second hangs on a spring, and friction carries
     // nothing.
     let held = |level| Description {
         bodies: vec![heavy("held", 1.0, 1.0, 0.0, 0.0), heavy("hung", 1.0, 1.0, 0.0, 0.0)],
@@ -145,9 +145,9 @@ impl Random {
 }
 
 /// A forest: each body hangs on ground or on an earlier body, under gravity or a load; stiffnesses
-/// differ by up to 1e12, inertias by 1e11. Some springs are pressed buffers, or have a closed rigid
-/// stop or friction in parallel that bears nothing. Returned with it are the coordinate of each
-/// body and the sum of the absolute elongations between it and ground.
+/// differ by up to 1e12, inertias by 1e11. Some springs are pressed buffers, or have a closed
+/// rigid stop or friction in parallel that bears nothing. Returned with it are the coordinate of
+/// each body and the sum of the absolute elongations between it and ground.
 fn forest(random: &mut Random, count: usize) -> (Description, Vec<(f64, f64)>) {
     let mut d = Description::default();
     let (mut parents, mut stiffnesses, mut own) = (Vec::new(), Vec::new(), Vec::new());
@@ -174,7 +174,7 @@ fn forest(random: &mut Random, count: usize) -> (Description, Vec<(f64, f64)>) {
         stiffnesses.push(stiffness);
         own.push(force);
     }
-    // Each spring bears the force on its body and on all bodies that hang on that body.
+    // Each spring carries the force on its body and on all bodies that hang on that body.
     let mut borne = own;
     for i in (0..count).rev() {
         if let Some(parent) = parents[i] {
@@ -225,8 +225,8 @@ fn closed_form_a_sensor_on_a_stiff_spring_of_a_soft_one() {
                 let s = 10.0 * (1.0 + mass) / 100.0;
                 assert!((found[0] - s).abs() <= PLACE * s, "{stiff:e} {mass:e} {is_buffer}: {found:?}");
                 assert!((found[1] - found[0]).abs() <= 10.0 * mass / stiff + PLACE * s, "{found:?}");
-                // The error names the light body that nothing bears, however stiff the other
-                // bodies' supports are.
+                // The error names the light body without support, however stiff the supports of
+                // other bodies are.
                 d.bodies.push(heavy("loose", 1e-8, 0.5, 0.0, 0.0));
                 let refused = Assembly::new(at_rest(d)).unwrap_err();
                 let Error::NoEquilibrium { body, acceleration } = &refused else { panic!("{refused}") };
@@ -283,8 +283,8 @@ fn closed_form_belts_that_move_rub_with_the_level_of_slipping_not_with_the_stati
 
 #[test]
 fn closed_form_records_below_zero_that_a_lever_sets_against_each_other() {
-    // b goes the other way than a, so that equal forces on both leave nothing, and a third one of
-    // -6 N on a stretches the spring of 50 N/m by -0.12 m. Their sizes count, not their signs.
+    // b moves opposite to a, so that equal forces on both cancel. A third force of -6 N on a
+    // stretches the spring of 50 N/m by -0.12 m. Absolute values count, not signs.
     let record = |force: f64| Signal {
         table: Some(Record::new(vec![(0.0, force), (2.0, force)], Interpolation::Straight)),
         ..Signal::default()

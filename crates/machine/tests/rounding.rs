@@ -1,5 +1,5 @@
-//! Rounding that counts as zero (docs/assembly-law.md (A18)): speeds left by balanced forces, and
-//! forces and impulses that cancel.
+//! Rounding that counts as zero (docs/assembly-law.md (A18)): velocities left by balanced forces,
+//! and forces and impulses that cancel.
 
 use crate::common::*;
 use std::f64::consts::TAU;
@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-14;
 /// sign; roundings of the speed.
 const MANY_STEPS: [f64; 2] = [1e-11, 1e-13];
 
-/// A weight at rest on a spring, and friction whose level rises from 0.5 s on.
+/// A weight at rest on a spring, and friction whose level rises after 0.5 s.
 fn hanging(mass: f64, stiffness: f64) -> Description {
     let level = Signal {
         table: Some(Record::new(vec![(0.5, 0.0), (1.0, 0.1)], Interpolation::Straight)),
@@ -45,7 +45,7 @@ fn closed_form_friction_on_what_hangs_at_rest_holds_at_once() {
     }
 }
 
-/// A light body pressed against a wall by a heavy one, with a buffer whose edge it just touches.
+/// A heavy body presses a light one against a wall; a buffer is exactly at its edge.
 fn squeezed(mass: f64, force: f64) -> Description {
     Description {
         bodies: vec![body("light", mass, 0.0, 0.0), body("heavy", 1.0, 0.0, 0.0)],
@@ -129,7 +129,7 @@ fn closed_form_body_at_rest_at_a_buffers_edge_stays() {
         "edge.toml",
         &no_records,
     );
-    // Short calls have short sub-steps, after which the coordinates are rounding of rounding.
+    // Short calls have short sub-steps; then coordinates are a tiny fraction of rounding.
     for end in [1e-7, 1e-3, 1.0] {
         let mut m = motion(machine.clone().unwrap());
         let at = m.coordinate(0);
@@ -226,15 +226,15 @@ fn invariant_a_body_comes_to_rest_between_two_buffers_without_clearance() {
 
 #[test]
 fn closed_form_what_is_pushed_into_a_buffer_by_less_than_counts_as_zero_is_held_by_it() {
-    // The push, and any speed that it causes, is below the threshold 1e-13 k Z of the stiff spring;
-    // the displacement that it causes is not.
+    // The push, and any velocity that it causes, is below the threshold 1e-13 k Z of the stiff
+    // spring; the displacement that it causes is not.
     const STIFFNESS: f64 = 1e4;
-    /// Push, N; the threshold beside a spring of 1e9 N/m at 1 m is 2e-4 N.
+    /// Push, N; next to a spring of 1e9 N/m at 1 m the threshold is 2e-4 N.
     const PUSH: f64 = 1e-5;
     /// Latest entry, s: the push moves 2 kg by 17 times the threshold of a coordinate, 2e-13 m,
     /// within 1.17e-3 s.
     const MET: f64 = 1.5e-3;
-    /// Error of the coordinate, m: some times 17 · 2e-13 m, at which the buffer is entered.
+    /// Error of the coordinate, m: a few times 17 · 2e-13 m, at which the buffer is entered.
     const OFF: f64 = 1e-11;
     for parts in [1, 2, 37] {
         let mut motion = motion(Description {
@@ -259,8 +259,8 @@ fn closed_form_what_is_pushed_into_a_buffer_by_less_than_counts_as_zero_is_held_
 
 #[test]
 fn invariant_a_buffer_whose_force_falls_to_zero_on_the_way_in_is_not_entered_again() {
-    // The dashpot's force is below the threshold of the spring's force, while the rate is above its
-    // own: the body is at the buffer's edge and moves in without a force.
+    // The dashpot's force is below the threshold of the spring's force, while the rate is above
+    // the threshold of rates: the body is at the buffer's edge and enters it without a force.
     let mut machine = Description {
         bodies: vec![
             body("a", 1.0, 1.0, 0.516_825_806_985_093_1),
@@ -305,8 +305,8 @@ fn load_on((k, force): (usize, Signal)) -> Load {
 
 #[test]
 fn closed_form_a_stop_held_closed_from_nothing_moves_no_buffer_that_depends_on_it() {
-    // All states start at 0, so that 17 times the threshold is 0, too, and the buffer might leave
-    // zero without end.
+    // All states start at 0, so that 17 times the threshold is 0 too, and the buffer might leave
+    // zero again and again.
     const LOAD: f64 = 4.005_966_510_345_249;
     const SPRINGS: [f64; 2] = [71_243_422.788_334_49, 4_408_352.957_888_796];
     const OFF: f64 = 1e-12;
@@ -348,15 +348,15 @@ fn closed_form_a_stop_held_closed_from_nothing_moves_no_buffer_that_depends_on_i
 
 #[test]
 fn closed_form_a_body_drifts_into_a_lone_buffer_with_a_speed_that_counts_as_zero() {
-    // Two bodies drift together, with a spring between them at 10 m, beside which their speed at
-    // the buffer's edge counts as zero. They enter the buffer at this speed nevertheless.
+    // Two bodies drift together, with a spring between them at 10 m, next to which their velocity
+    // at the buffer's edge counts as zero. They enter the buffer at this velocity nevertheless.
     const SPEED: f64 = 1e-7;
     const CLEARANCE: f64 = 1e-9;
     const STIFFNESS: f64 = 2.0;
     /// Mass of both bodies, kg.
     const MASS: f64 = 2.0;
-    /// Relative error of the speed: the buffer is entered late by some times 17 · 2e-12 m, relative
-    /// to its compression of 8e-8 m.
+    /// Relative error of the velocity: the buffer is entered late by a few times 17 · 2e-12 m,
+    /// relative to its compression of 8e-8 m.
     const OFF: f64 = 1e-2;
     for parts in [1, 2, 37] {
         let mut motion = motion(Description {
@@ -392,13 +392,13 @@ fn valve_train(preload: f64) -> vibro_machine::Motion {
     vibro_machine::Motion::from_state(assembly, 0.0451, &[0.0; 2]).unwrap()
 }
 
-/// After an opening, time until which the valve is looked at, s: it goes 1e-5 m.
+/// Duration of the observation after an opening, s: the valve moves 1e-5 m.
 const SHORT: f64 = 1e-4;
 
 #[test]
 fn invariant_a_pause_at_the_rounded_time_of_an_opening_leaves_no_contact() {
-    // Between the exact time and its rounding to a double the valve travels 1e-53 m, by a force
-    // that is rounding: that it seems to be beyond the seat is no impact.
+    // Between the exact time and its rounding to a double, a force that is rounding moves the
+    // valve by 1e-53 m. That apparent violation of the seat is not an impact.
     for k in 0..200 {
         let (mut motion, mut later) = (valve_train(230.0 + 0.1 * f64::from(k)), Vec::new());
         let opens = |kind: &EventKind| matches!(kind, EventKind::Open { .. });

@@ -1,4 +1,4 @@
-//! Motions against a second method in 50 digits (tests/data/make_motions.py and make_families.py).
+//! Motions and a second method in 50 digits (tests/data/make_motions.py and make_families.py).
 
 use std::sync::Arc;
 use vibro_machine::description::Description;
@@ -9,16 +9,16 @@ use vibro_machine::{Assembly, Motion};
 const MACHINES: &str = include_str!("data/motions.txt");
 const FAMILIES: &str = include_str!("data/families.txt");
 
-/// Perturbation of a start, which measures how much a motion magnifies errors.
+/// Perturbation of a start, which measures how much a motion amplifies errors.
 const OFF: f64 = 1e-10;
 /// Errors of a motion, in the unit of [`OFF`]: hundreds of roundings, and skipped bounces of 1e-12
 /// of the paths.
 const OWN: f64 = 2e-13;
 /// Errors at the edge of the law relative to the largest coordinate, by prefix of a family's name.
-/// Most are a few times [`OWN`]. Grazing by 1e-9 of the gap magnifies a rounding of the gap 1e4
-/// times in the speed. Redundant stops, one of them plastic, cause ever faster bounces, of which
-/// those closer than 1e-13 of the paths count as simultaneous. A stiff buffer magnifies a rounding
-/// of the coordinate by 1e4/s in the speed.
+/// Most are a few times [`OWN`]. Grazing by 1e-9 of the gap amplifies a rounding of the gap 1e4
+/// times in the velocity. Redundant stops, one of them plastic, cause ever faster bounces; bounces
+/// closer than 1e-13 of the paths count as simultaneous. A stiff buffer amplifies a rounding of
+/// the coordinate by 1e4/s in the velocity.
 const EDGES: [(&str, f64); 9] = [
     ("grazing", 1e-10),
     ("redundant", 1e-9),

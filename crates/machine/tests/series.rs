@@ -1,4 +1,4 @@
-//! Springs in series with a dashpot (Maxwell's element) against closed forms and second methods.
+//! Springs in series with a dashpot (Maxwell elements): closed forms and second methods.
 
 use crate::common::*;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -13,8 +13,8 @@ use vibro_machine::{Assembly, Differentiated, Motion, Quantity, Start, What};
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
 
-/// A shaken foot that pulls a body by Zener's element: 40 N/m beside 100 N/m in series with 5 N
-/// s/m.
+/// A shaken foot that pulls a body through a Zener element: 40 N/m in parallel with 100 N/m in
+/// series with 5 N s/m.
 const ZENER: &str = r#"
     name = "Zener"
     body.foot = { motion = { amplitude = 0.5, frequency = 1.3, phase = 0.4 } }
@@ -24,7 +24,7 @@ const ZENER: &str = r#"
     load.push = { on = "box", constant = 3.0 }
 "#;
 
-/// A place that is held: b = b0 exp(-k t/c), of which b0² (1 - exp(-2 k t/c))/2k is lost.
+/// A held elongation: b = b0 exp(-k t/c), with the loss b0² (1 - exp(-2 k t/c))/2k.
 #[test]
 fn closed_form_a_spring_that_is_held_relaxes() {
     let mut m = motion(machine(
@@ -63,7 +63,7 @@ fn closed_form_the_complex_stiffness_under_harmonic_motion() {
         m.advance_to(time).unwrap();
         let e = 0.5 * (i * (omega * time + 0.4)).exp();
         let exact = (stiffness * e).im;
-        // After 3 s exp(-60) of the start is left.
+        // After 3 s, exp(-60) of the initial value is left.
         assert!((of(&m, 0, What::F) - exact).abs() < ROUNDING * 100.0, "{time}: {exact}");
     }
     // A period of steady motion loses π Im K A².
@@ -106,7 +106,7 @@ fn second_method_a_body_on_a_zener_element_is_the_matrix_exponential() {
     assert!((unaccounted(&m) - begin).abs() < 10.0 * ROUNDING);
 }
 
-/// A ball that bounces on a plate on a Zener buffer: 50 digits by tests/data/make_series.py.
+/// A ball that bounces on a plate with a Zener buffer: 50 digits by tests/data/make_series.py.
 const BUFFER: &str = r#"
     name = "Buffer"
     gravity = 9.81
@@ -123,7 +123,7 @@ fn second_method_a_ball_bounces_on_a_zener_buffer() {
     let begin = unaccounted(&m);
     let found = events(&mut m, 0.9);
     assert_eq!(found.len(), 37);
-    // Roundings of some hundred sub-steps, magnified by contacts of 2 rad/ms.
+    // Rounding of some hundred sub-steps, amplified by contacts of 2 rad/ms.
     const MAGNIFIED: f64 = 1e-12;
     let times = [0.202_236_791_098_460_23, 0.207_425_972_037_103_5, 0.211_582_231_453_655_25];
     assert!(found.iter().zip(times).all(|(event, exact)| (event.time - exact).abs() < MAGNIFIED));
@@ -156,7 +156,7 @@ fn second_method_series_of_actual_states_are_the_tables() {
     }
 }
 
-/// Without harmonics nothing of a relaxing machine moves in the end: long steps take it there.
+/// Without harmonics, a relaxing machine comes to rest in the end: it gets there in long steps.
 #[test]
 fn invariant_long_steps_keep_the_energy_accounts() {
     let text = ZENER.replace("amplitude = 0.5, frequency = 1.3, phase = 0.4", "constant = 0.2");
@@ -165,14 +165,14 @@ fn invariant_long_steps_keep_the_energy_accounts() {
         let begin = unaccounted(&m);
         m.advance_to(400.0).unwrap();
         assert!((unaccounted(&m) - begin).abs() < 100.0 * ROUNDING);
-        // 40 (s - 0.2) = 3; the branch bears nothing.
+        // 40 (s - 0.2) = 3; the branch carries nothing.
         assert!(
             (m.coordinate(1) - 0.275).abs() < 10.0 * ROUNDING && of(&m, 1, What::F).abs() < ROUNDING * 100.0
         );
     }
 }
 
-/// b = k (e - x0) exp(-k t/c) and the loss (b0² - b²)/2k by k, c and x0.
+/// Derivatives of b = k (e - x0) exp(-k t/c) and of the loss (b0² - b²)/2k by k, c and x0.
 #[test]
 fn closed_form_derivatives_of_a_relaxation() {
     let text = r#"
@@ -196,11 +196,11 @@ fn closed_form_derivatives_of_a_relaxation() {
     }
 }
 
-/// Differences of the fourth order by every number, of a motion with contacts.
+/// Fourth-order differences with respect to every number, for a motion with contacts.
 #[test]
 fn second_method_derivatives_are_differences_of_motions() {
-    // The fourth power of the step and rounding over it, magnified by contacts; accelerations of
-    // the size 10 count.
+    // Error: the fourth power of the step, and rounding over the step, amplified by contacts;
+    // accelerations are of order 10.
     const DIFFERENCE: f64 = 2e-6;
     for (text, end) in [(ZENER, 1.3), (BUFFER, 0.25)] {
         let d = machine(text);
@@ -224,7 +224,7 @@ fn second_method_derivatives_are_differences_of_motions() {
                 let found = exact.derivative(quantity, p).unwrap_or_else(|| panic!("{name} {quantity:?}"));
                 let of_kind = quantities.iter().filter(|q| q.what == quantity.what);
                 let size = of_kind.map(|&q| exact.derivative(q, p).unwrap().abs()).fold(10.0, f64::max);
-                // A number at its limit has no difference on both sides.
+                // A number at its limit has no two-sided difference.
                 assert!(
                     difference.is_nan() || (found - difference).abs() < DIFFERENCE * size,
                     "{name} {quantity:?}: {found} {difference}"
@@ -280,7 +280,7 @@ fn second_method_gradients_are_columns_and_variations_are_columns_by_the_start()
     }
 }
 
-/// At rest the branch has relaxed: 800 s = m g, x = s. By soft's k: ds = -s/k.
+/// At rest the branch has relaxed: 800 s = m g, x = s. Derivative by k of `soft`: ds = -s/k.
 #[test]
 fn closed_form_a_start_at_rest_has_relaxed() {
     let text = BUFFER.replace(", start = { s = 0.000613125 }", "").replace(", slider = 0.000613125", "");
@@ -328,8 +328,8 @@ fn invariant_starts_name_inner_places() {
     assert!(refused.contains("spring.soft") && refused.contains("valid are mount"), "{refused}");
 }
 
-/// A body on such a spring alone drifts wherever it is: place and inner place together are neutral,
-/// its rate is not.
+/// A body held only by such a spring is neutral at any position: coordinate and inner coordinate
+/// together are neutral, its rate is not.
 #[test]
 fn closed_form_place_and_inner_place_are_neutral_together() {
     let text = r#"

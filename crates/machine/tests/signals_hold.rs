@@ -1,5 +1,5 @@
-//! Records whose values are held from knot to knot, and their scale, against closed forms,
-//! differences and the same machine by steps.
+//! Records with values held from knot to knot, and their scale, compared with closed forms,
+//! differences and the same machine with steps.
 
 use crate::common::*;
 use std::fmt::Write;
@@ -10,11 +10,11 @@ use vibro_machine::{Assembly, Differentiated};
 
 /// Roundings of sums of some thousands of numbers of order one.
 const ROUNDING: f64 = 1e-11;
-/// Central differences over [`CHANGE`]: their error is its square.
+/// Step of central differences, whose error is proportional to its square.
 const CHANGE: f64 = 1e-5;
 const DIFFERENCE: f64 = 1e-7;
 
-/// Numbers in [-1, 1] that look random.
+/// Pseudo-random numbers in [-1, 1].
 fn noise(count: usize) -> Vec<f64> {
     let mut seed = 1_u64;
     let mut next = || {
@@ -67,7 +67,7 @@ fn closed_form_the_value_at_a_knot_is_the_new_one_and_equal_neighbours_are_no_ev
     near(m.body(0)[1], 1.5 + 2.5 * 3.0, ROUNDING);
 }
 
-/// A held record is the sum of steps at its knots, among impacts, friction and a drive.
+/// A held record is the sum of steps at its knots, with impacts, friction and a drive.
 #[test]
 fn second_method_a_held_record_is_a_sum_of_steps() {
     let (values, step) = (noise(300), 0.01);
@@ -94,7 +94,7 @@ fn second_method_a_held_record_is_a_sum_of_steps() {
     near(held.body(0)[0], stepped.body(0)[0], ROUNDING);
 }
 
-/// The machine of the scale's tests.
+/// The machine for the tests of the scale.
 fn scaled(interpolation: &str, scale: &str) -> Assembly {
     let toml = format!(
         "name = \"Scaled\"\n[body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 40.0\n\
@@ -122,7 +122,7 @@ fn second_method_a_scale_multiplies_the_record_and_has_a_derivative() {
         for (k, found) in found.iter().enumerate() {
             near(*found, (more[k] - less[k]) / (2.0 * CHANGE), DIFFERENCE);
         }
-        // In newtons with a factor of 1 it is the record itself.
+        // A record in newtons with a factor of 1 is unchanged.
         let mut own = assembly.description.clone();
         let table = own.loads[0].force.table.as_mut().unwrap();
         table.scale = None;
@@ -157,7 +157,7 @@ fn invariant_what_is_refused_of_scale_and_interpolation() {
     );
 }
 
-/// Knots are found and passed at a cost that does not grow with their number.
+/// The cost of finding and passing a knot does not grow with the number of knots.
 #[test]
 fn many_held_knots_cost_their_events_alone() {
     let time = |count: usize| {
@@ -166,7 +166,7 @@ fn many_held_knots_cost_their_events_alone() {
             "name = \"Held\"\n[body.b]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 1e3\n\
              [load.l]\non = \"b\"\ntable = [{list}]\ninterpolation = \"hold\"\n"
         ));
-        // The least of several rounds, between which other programs run.
+        // The minimum of several rounds, because other programs run too.
         let rounds = (0..5).map(|_| {
             let (mut m, began) = (start.clone(), std::time::Instant::now());
             m.advance_to(1e-3 * count as f64).unwrap();
@@ -174,7 +174,7 @@ fn many_held_knots_cost_their_events_alone() {
         });
         rounds.fold(f64::INFINITY, f64::min) / count as f64
     };
-    // Twenty times as many; anything that looks at all of them would take twenty times as long.
+    // Twenty times as many knots; a search over all of them would take twenty times as long.
     let (few, many) = (time(1250), time(25_000));
     assert!(many < 5.0 * few, "{many} s a knot beside {few} s");
 }

@@ -1,5 +1,5 @@
-//! Motions whose rate or acceleration is prescribed, against closed forms, the same motion as a
-//! position, and differences.
+//! Motions with prescribed rate or acceleration, compared with closed forms, with the same motion
+//! as a prescribed position, and with differences.
 
 use crate::common::*;
 use std::f64::consts::TAU;
@@ -11,11 +11,11 @@ use vibro_machine::{Assembly, Differentiated, Motion};
 
 /// Roundings of numbers of order one, through events.
 const ROUNDING: f64 = 1e-12;
-/// Central differences over [`CHANGE`]: their error is its square.
+/// Step of central differences, whose error is proportional to its square.
 const CHANGE: f64 = 1e-6;
 const DIFFERENCE: f64 = 2e-8;
 
-/// A base alone, whose spring to ground gives it something to act on.
+/// A base alone; a spring to ground keeps the machine valid, because each body needs an element.
 fn base(motion: &str) -> Motion {
     moving(&format!(
         "name = \"Base\"\n[body.base]\nmotion = {{ {motion} }}\n[spring.k]\nbetween = [\"ground\", \"base\"]\nstiffness = 1.0\n"
@@ -49,7 +49,7 @@ fn closed_form_the_integral_of_each_part() {
     }
 }
 
-/// A record t³ - t by its knots would be a cubic of its own: straight ones are exact parabolas.
+/// Records are straight: the integral of a cubic through knots would not be exact.
 #[test]
 fn closed_form_the_integral_of_straight_records_before_and_after_time_0() {
     let table = "table = [[-0.5, 1.0], [0.5, 3.0], [1.0, -1.0]]";
@@ -78,10 +78,10 @@ fn closed_form_the_integral_of_straight_records_before_and_after_time_0() {
     }
 }
 
-/// Integrals add what a period adds, exactly, however often it has passed.
+/// The integral adds the exact contribution of each period, after any number of periods.
 #[test]
 fn closed_form_the_integral_of_what_repeats() {
-    // +1 for a quarter of the period, then 0: 0.25 T a period.
+    // +1 for a quarter of the period, then 0: 0.25 T per period.
     let part = "steps = [[0.0, 1.0], [0.125, -1.0]], repeat = 0.5";
     let mut once = base(&format!("rate = {{ {part} }}"));
     let mut twice = base(&format!("acceleration = {{ {part} }}"));
@@ -89,7 +89,7 @@ fn closed_form_the_integral_of_what_repeats() {
         let time = 0.5 * turns + into;
         let pushed = into.min(0.125);
         let first = 0.125 * turns + pushed;
-        // In each turn the mean way of the push is half of it, then its speed lasts.
+        // In each turn: half the speed on average during the push, then the full speed.
         let turn = 0.125 * 0.125 / 2.0 + 0.125 * 0.375;
         let before = turns * turn + 0.125 * 0.5 * turns * (turns - 1.0) / 2.0;
         let second = before + 0.125 * turns * into + 0.5 * pushed * pushed + pushed * (into - pushed);
@@ -153,7 +153,7 @@ fn second_method_a_harmonic_as_place_rate_and_acceleration() {
 
 #[test]
 fn second_method_steps_of_the_rate_are_a_straight_record() {
-    // Speed 0.1, then -0.2, then 0: impacts where it jumps.
+    // Speed 0.1, then -0.2, then 0, with impacts where the speed jumps.
     let place = "table = [[0.0, 0.0], [0.5, 0.05], [1.0, -0.05], [4.0, -0.05]]";
     let rate = "rate = { constant = 0.1, steps = [[0.5, -0.3], [1.0, 0.2]] }";
     let ((a, these), (b, those)) = (moved(rate, 4.0), moved(place, 3.9));
@@ -166,7 +166,7 @@ fn second_method_steps_of_the_rate_are_a_straight_record() {
     near(a.body(1)[0], b.body(1)[0], ROUNDING);
 }
 
-/// A jump of the rate hits what is closed; one of the acceleration hits nothing.
+/// A jump of the rate hits a closed stop; a jump of the acceleration causes no impact.
 #[test]
 fn closed_form_what_jumps_of_rate_and_acceleration_do() {
     let machine = |motion: &str| {
@@ -187,13 +187,13 @@ fn closed_form_what_jumps_of_rate_and_acceleration_do() {
     let mut pushed = machine("acceleration = { steps = [[0.25, 1.0], [0.75, -2.0]] }");
     let all = events(&mut pushed, 1.5);
     assert!(times(&all, |k| matches!(k, EventKind::Impact { .. })).is_empty());
-    // It lets go where the base is slowed down.
+    // The contact opens where the base decelerates.
     assert_eq!(times(&all, |k| matches!(k, EventKind::Open { .. })), [0.75]);
     near(pushed.body(0)[0], 0.125 + 0.5 * 0.75, ROUNDING);
     near(pushed.body(0)[1], 0.5, ROUNDING);
 }
 
-/// Steps at time 0 belong to the start: the body stands on a base that already moves.
+/// Steps at time 0 belong to the start: the body rests on a base that already moves.
 #[test]
 fn closed_form_steps_at_time_0_belong_to_the_start() {
     let mut m = moving(
@@ -204,7 +204,7 @@ fn closed_form_steps_at_time_0_belong_to_the_start() {
     assert!(times(&events(&mut m, 1.0), |k| matches!(k, EventKind::Impact { .. })).is_empty());
 }
 
-/// An input of the rate moves the body on from where it is; so do changes of the machine's numbers.
+/// An input of the rate continues the motion from the current position; so do parameter changes.
 #[test]
 fn closed_form_integrals_go_on_from_where_they_are() {
     let mut m = base("rate = { constant = 1.0, input = true }, s = 0.5");
@@ -299,7 +299,7 @@ fn second_method_gradients_of_integrals_are_sums_of_columns() {
     }
 }
 
-/// Of a motion under way numbers vary from then on: the place stays, and follows what is new.
+/// Parameters changed during a motion act from then on: the position stays, and its future varies.
 #[test]
 fn second_method_derivatives_under_way_go_on_from_the_place() {
     let rate = "rate = { constant = 0.1, amplitude = 0.2, frequency = 0.9, steps = [[0.3, 0.1]], \

@@ -1,4 +1,4 @@
-//! Steps and records that repeat, against the same written out, closed forms and differences.
+//! Repeating steps and records, compared with written-out ones, closed forms and differences.
 
 use crate::common::*;
 use std::fmt::Write;
@@ -7,12 +7,12 @@ use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Assembly, Differentiated, Motion};
 
-/// Roundings of times of turns, through impacts that magnify them.
+/// Rounding of times of turns, amplified by impacts.
 const ROUNDING: f64 = 1e-11;
 const PERIOD: f64 = 0.32;
 const KNOTS: [(f64, f64); 5] = [(0.05, 0.0), (0.1, 1.0), (0.17, 0.4), (0.2, -0.7), (0.29, 0.2)];
 const STEPS: [(f64, f64); 3] = [(0.0, 0.5), (0.12, -1.25), (0.25, 0.5)];
-/// Central differences over [`CHANGE`]: their error is its square.
+/// Step of central differences, whose error is proportional to its square.
 const CHANGE: f64 = 1e-6;
 const DIFFERENCE: f64 = 1e-8;
 
@@ -30,7 +30,7 @@ fn turns(knots: &[(f64, f64)], from: i32, to: i32) -> Vec<(f64, f64)> {
     (from..to).flat_map(turn).collect()
 }
 
-/// Steps written out: each turn takes back all steps but those at time 0.
+/// Written-out steps: each turn reverses all steps except the ones at time 0.
 fn stairs(count: i32) -> Vec<(f64, f64)> {
     let back: f64 = STEPS.iter().skip(1).map(|step| step.1).sum();
     let turn = |k: i32| {
@@ -75,12 +75,12 @@ fn second_method_what_repeats_is_what_is_written_out() {
     for word in ["straight", "cubic", "hold"] {
         let repeated = list(KNOTS);
         let repeated = format!("table = {repeated}\ninterpolation = \"{word}\"\nrepeat = \"320 ms\"");
-        // Two turns before time 0, so that the first slopes are those of inner knots.
+        // Two turns before time 0, so that the first slopes are slopes of inner knots.
         let written = format!("table = {}\ninterpolation = \"{word}\"", list(turns(&KNOTS, -2, 7)));
         same(&repeated, &written, 25);
     }
     let repeated = format!("steps = {}\nrepeat = {PERIOD:?}", list(STEPS));
-    // The step at time 0 belongs to the start, and each turn has a knot of its own.
+    // The step at time 0 belongs to the start, and each turn has its own knot.
     same(&repeated, &format!("steps = {}", list(stairs(5))), 14);
 }
 
@@ -92,12 +92,12 @@ fn second_method_a_record_with_both_ends_of_its_period() {
         let repeated =
             format!("table = {}\ninterpolation = \"{word}\"\nrepeat = {PERIOD:?}", list(ends.clone()));
         let written = format!("table = {}\ninterpolation = \"{word}\"", list(turns(without, -2, 7)));
-        // A value that is held over the turn is no change there.
+        // A value that is held across the turn does not change there.
         same(&repeated, &written, if word == "hold" { 25 } else { 29 });
     }
 }
 
-/// The lift of a cam, as a position: no place and no rate jumps, however late the turn.
+/// A cam's lift as a position: neither position nor rate jumps, even after many turns.
 #[test]
 fn invariant_a_repeated_cubic_is_smooth_after_ten_thousand_turns() {
     let mut m = motion(
@@ -111,7 +111,7 @@ fn invariant_a_repeated_cubic_is_smooth_after_ten_thousand_turns() {
         .unwrap(),
     );
     let all = events(&mut m, 200.0);
-    // It is pressed on the cam throughout.
+    // The follower is pressed onto the cam throughout.
     let others: Vec<_> = all.iter().filter(|event| event.kind != EventKind::Knot).take(5).collect();
     assert!(others.is_empty(), "{others:?}");
     assert_eq!(all.len(), 30_000, "three knots a turn");

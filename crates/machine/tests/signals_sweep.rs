@@ -1,4 +1,4 @@
-//! Sine sweeps against integrals in 40 digits, their formula, harmonics and differences.
+//! Sine sweeps compared with integrals in 40 digits, their formula, harmonics and differences.
 
 use crate::common::*;
 use std::f64::consts::TAU;
@@ -7,17 +7,17 @@ use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Differentiated, Motion};
 
-/// The error that the page allows, in amplitudes, and as much rounding.
+/// Error that the page documents, in amplitudes, plus the same amount of rounding.
 const ERROR: f64 = 2e-12;
-/// Roundings through impacts that magnify them.
+/// Rounding, amplified by impacts.
 const ROUNDING: f64 = 1e-10;
-/// Central differences over [`CHANGE`]: their error is its square.
+/// Step of central differences, whose error is proportional to its square.
 const CHANGE: f64 = 1e-6;
 const DIFFERENCE: f64 = 1e-7;
 
-/// Law, from, to, duration and phase; a time; there sin φ, its two integrals from time 0 on, and
-/// the place of an oscillator with m = 1, k = 400, c = 2 from rest, by quadrature in 40 digits
-/// (mpmath).
+/// Law, from, to, duration and phase; a time; at this time sin φ, its two integrals from time 0
+/// on, and the coordinate of an oscillator with m = 1, k = 400, c = 2 from rest, by quadrature in
+/// 40 digits (mpmath).
 type Known = (&'static str, [f64; 4], f64, [f64; 4]);
 const KNOWN: [Known; 16] = [
     (
@@ -154,8 +154,8 @@ fn second_method_masses_oscillators_and_bases_under_sweeps() {
     }
 }
 
-/// Over hundreds of thousands of turns the phase keeps its digits; by what is passed on the way
-/// nothing is added.
+/// The phase keeps its digits over hundreds of thousands of turns, however many times it is
+/// evaluated on the way.
 #[test]
 fn closed_form_long_sweeps_at_any_time() {
     for (to, duration) in [(2.0, 64.0), (500.0, 64.0), (4096.0, 1024.0)] {
@@ -167,7 +167,7 @@ fn closed_form_long_sweeps_at_any_time() {
             // Binary fractions: products with them are exact.
             let time = span * f64::from(k) / 256.0;
             m.advance_to(time).unwrap();
-            // Turns by powers of two, less than 2⁴⁰ of 2⁻¹²ths: exact but for the last product.
+            // Turns by powers of two, less than 2⁴⁰ times 2⁻¹²: exact except for the last product.
             let turns = (16.0 * time).fract() + (rise * time * time).fract();
             near(m.body(0)[2], (TAU * turns).sin(), 20.0 * ERROR);
         }
@@ -195,8 +195,8 @@ fn moved(signal: &str, bodies: usize) -> (Motion, Vec<Event>) {
     (m, all)
 }
 
-/// A sweep that does not change its frequency is a harmonic, with tables of modes and without; a
-/// change too small to be seen leaves it so, by cells of another law.
+/// A sweep with constant frequency is a harmonic, with tables of modes and without. So is a sweep
+/// with an invisibly small change, which is computed in cells.
 #[test]
 fn second_method_an_even_sweep_is_a_harmonic() {
     for bodies in [1, 12] {
@@ -207,7 +207,7 @@ fn second_method_an_even_sweep_is_a_harmonic() {
                 "sweep = {{ amplitude = 2.0, from = 1.75, to = {to:?}, duration = 3.0, phase = 0.5, law = \"{law}\" }}"
             );
             let (swept, these) = moved(&sweep, bodies);
-            // Its end is its only knot.
+            // Its only knot is its end.
             assert_eq!(times(&these, |kind| *kind == EventKind::Knot), [3.0]);
             let these: Vec<_> = these.into_iter().filter(|event| event.kind != EventKind::Knot).collect();
             assert_eq!(these.len(), those.len());
@@ -298,7 +298,7 @@ fn second_method_derivatives_of_integrated_sweeps() {
     }
 }
 
-/// The accounts of all signals and motions, with cells that are no events.
+/// The energy accounts of all signals and motions; cells cause no events.
 #[test]
 fn invariant_energy_balances_under_sweeps_periods_and_integrals() {
     for motion in [

@@ -1,5 +1,5 @@
-//! Springs in series with a slider (Jenkins' element, elastic-perfectly-plastic) against closed
-//! forms and second methods.
+//! Springs in series with a slider (Jenkins element, elastic-perfectly-plastic) compared with
+//! closed forms and second methods.
 
 use crate::common::*;
 use std::f64::consts::{PI, TAU};
@@ -31,8 +31,8 @@ fn words(events: &[Event]) -> Vec<&'static str> {
     events.iter().map(word).collect()
 }
 
-/// A prescribed elongation X sin ωt: 4 slip (X - slip/k) lost a cycle once the loop is closed;
-/// slipping ends where e' turns and begins again after the way 2 slip/k.
+/// A prescribed elongation X sin ωt: the closed loop loses 4 slip (X - slip/k) per cycle;
+/// slipping ends where e' reverses and begins again after the distance 2 slip/k.
 #[test]
 fn closed_form_the_loop_of_a_jenkins_element() {
     let mut m = motion(machine(
@@ -55,7 +55,7 @@ fn closed_form_the_loop_of_a_jenkins_element() {
         let (EventKind::Yield { force, .. } | EventKind::Hold { force, .. }) = event.kind else { panic!() };
         assert!((force.abs() - slip).abs() < 100.0 * ROUNDING, "{force}");
     }
-    // f is the whole force: b and damping e'.
+    // f is the total force: b plus the damping times e'.
     assert!(
         (of(&m, 0, What::F) - (slip - k * (x - of(&m, 0, What::E)) + 0.7 * of(&m, 0, What::Rate))).abs()
             < 1e-11
@@ -89,7 +89,7 @@ fn published_an_elastic_perfectly_plastic_oscillator_under_a_suddenly_applied_fo
     let turn = begin + speed / slowing;
     let most = yield_ / k + 0.5 * speed * speed / slowing;
     assert!((found[0].time - begin).abs() < ROUNDING && (found[1].time - turn).abs() < ROUNDING);
-    // The published case, to its digits.
+    // The published case, to the given digits.
     assert!((turn - 0.0668622).abs() < 1e-7 && (most - 0.804337).abs() < 1e-6, "{turn} {most}");
     let least = most - 2.0 * (yield_ - force) / k;
     assert!((least - 0.437766).abs() < 1e-6, "{least}");
@@ -99,7 +99,7 @@ fn published_an_elastic_perfectly_plastic_oscillator_under_a_suddenly_applied_fo
     assert!((of(&m, 0, What::Slider) - (most - yield_ / k)).abs() < 1e3 * ROUNDING);
 }
 
-/// An Iwan joint: four sliders side by side on one body, with a wall and a spring.
+/// An Iwan joint: four parallel sliders on one body, with a wall and a spring.
 const IWAN: &str = r#"
     name = "Iwan"
     body.box = { mass = 1.5, start = { v = 1.0 } }
@@ -112,8 +112,8 @@ const IWAN: &str = r#"
     load.push = { on = "box", amplitude = 14.0, frequency = 1.1 }
 "#;
 
-/// By Masing's rule and return-point memory the joint's force is a sum of elements, each clamped:
-/// the same by a stepping of e, in which b follows k Δe and is cut off.
+/// By Masing's rule and return-point memory, the joint's force is a sum of clamped elements. The
+/// test steps e and updates each b by k Δe, limited to ±slip.
 #[test]
 fn second_method_an_iwan_joint_is_its_sliders_stepped() {
     let mut m = motion(machine(IWAN));
@@ -132,7 +132,7 @@ fn second_method_an_iwan_joint_is_its_sliders_stepped() {
     }
     for (i, b) in forces.iter().enumerate() {
         let damping = if i == 0 { 0.3 * m.rate(0) } else { 0.0 };
-        // A turn between two steps is met late by the square of the step.
+        // If e' reverses between two steps, the error is proportional to the square of the step.
         assert!((of(&m, i, What::F) - damping - b).abs() < 1e-4, "{i}: {b}");
     }
     assert!(met > 40, "{met}");
@@ -157,7 +157,7 @@ fn second_method_series_of_actual_states_and_the_general_law_are_the_tables_and_
     }
 }
 
-/// An impact that turns e' ends the slip.
+/// An impact that reverses e' ends the slip.
 #[test]
 fn closed_form_an_impact_ends_a_slip() {
     let mut m = motion(machine(
@@ -172,7 +172,7 @@ fn closed_form_an_impact_ends_a_slip() {
     assert_eq!(words(&found), ["up", "impact", "stick", "down"]);
     let EventKind::Hold { force, .. } = found[2].kind else { panic!() };
     assert!((force - 1.0).abs() < ROUNDING && found[2].time == found[1].time);
-    // From the wall back by 2 slip/k the force goes through to -slip.
+    // From the wall back over 2 slip/k, the force falls to -slip.
     let slips: Vec<f64> = found.iter().map(|event| event.time).collect();
     let u = (4.0f64 - 2.0 * (0.005 + 0.09)).sqrt() * 0.5;
     // m s'' = -k (s - 0.1) - 1 after the impact: amplitude about 0.09.
@@ -182,8 +182,8 @@ fn closed_form_an_impact_ends_a_slip() {
     assert!((place - 0.08).abs() < 1e-12, "{place}");
 }
 
-/// A prescribed place that steps moves the force by k Δe, cut off; what the slider loses is in its
-/// account.
+/// A step of a prescribed position changes the force by k Δe, limited to ±slip; the slider's loss
+/// is in its account.
 #[test]
 fn closed_form_a_step_of_a_prescribed_place_is_cut_off() {
     let text = r#"
@@ -205,7 +205,7 @@ fn closed_form_a_step_of_a_prescribed_place_is_cut_off() {
         assert!((m.energy().branches[0].value() - lost).abs() < 1e-12);
         assert!(unaccounted(&m).abs() < 1e-12);
     }
-    // What is not cut off has k Δe, from the x that stays.
+    // The unlimited part is k Δe, from an x that does not change.
     let names = ["body.foot.motion.steps[0].height", "spring.joint.stiffness", "spring.joint.slider"];
     let mut by = Differentiated::new(m.assembly().clone(), &names).unwrap();
     by.advance_to(0.15).unwrap();
@@ -215,7 +215,7 @@ fn closed_form_a_step_of_a_prescribed_place_is_cut_off() {
             assert!((by.derivative(quantity, p).unwrap() - exact).abs() < 100.0 * ROUNDING, "{p} {exact}");
         }
     }
-    // The heights move what is cut off: b stays ±slip, x goes with them.
+    // The heights change the limited part: b stays ±slip, and x follows the heights.
     let names = ["body.foot.motion.steps[1].height", "body.foot.motion.steps[3].height", "spring.joint.slip"];
     let mut by = Differentiated::new(m.assembly().clone(), &names).unwrap();
     by.advance_to(0.25).unwrap();
@@ -229,7 +229,7 @@ fn closed_form_a_step_of_a_prescribed_place_is_cut_off() {
     }
 }
 
-/// |k e(0)| > slip is moved to the nearest place, at starts of all kinds.
+/// If |k e(0)| > slip, x moves to the nearest admissible value, for starts of all kinds.
 #[test]
 fn closed_form_starts_are_moved_to_the_nearest_place() {
     let text = IWAN.replace("start = { v = 1.0 }", "start = { s = 0.1, v = -1.0 }");
@@ -247,7 +247,7 @@ fn closed_form_starts_are_moved_to_the_nearest_place() {
     assert!((of(&m, 0, What::F) - 2.0 + 0.3).abs() < ROUNDING);
 }
 
-/// At rest it is a spring from 0, held at ±slip: 12 N by a (10 N/m), b (20 N/m up to 3 N) at 0.9 m.
+/// At rest, springs from 0 limited to ±slip: a, 10 N/m, and b, 20 N/m up to 3 N; 12 N at 0.9 m.
 #[test]
 fn closed_form_a_start_at_rest_is_elastic_and_plastic() {
     let text = r#"
@@ -275,7 +275,7 @@ fn closed_form_a_start_at_rest_is_elastic_and_plastic() {
             assert!((found - exact).abs() < ROUNDING, "{p}: {found} {exact}");
         }
     }
-    // 14 N are more than 3 N alone hold.
+    // b alone carries 3 N, less than 14 N.
     let loose = text.replace("stiffness = 10.0", "stiffness = 0.0");
     assert!(Assembly::new(machine(&loose)).unwrap_err().to_string().contains("box"));
 }
@@ -283,7 +283,7 @@ fn closed_form_a_start_at_rest_is_elastic_and_plastic() {
 #[test]
 fn second_method_derivatives_are_differences_of_motions_and_gradients_are_columns() {
     const DIFFERENCE: f64 = 1e-6;
-    // Sliders that share an elongation turn at one instant, which columns look at.
+    // Sliders with the same elongation reverse at the same instant, which requires columns.
     let one: String = IWAN
         .lines()
         .filter(|l| !["spring.a", "spring.b", "spring.c"].iter().any(|s| l.contains(s)))
@@ -332,7 +332,7 @@ fn second_method_derivatives_are_differences_of_motions_and_gradients_are_column
                 assert!(is_near, "{name} {quantity:?}: {found} {difference}");
             }
         }
-        // Variations carry the derivatives by the start.
+        // Variations are the derivatives with respect to the start.
         let mut m = Motion::new(assembly).unwrap();
         let mut variations = m.unit_variations();
         while m.advance_with(end, &mut variations).unwrap() == Reached::Event {}
@@ -361,7 +361,7 @@ fn invariant_files_are_written_back_and_refused_by_name() {
     }
 }
 
-/// A saved state goes on as the motion does; one in a state that its law does not have is refused.
+/// A saved state continues like the motion; a state that contradicts the law is refused.
 #[test]
 fn invariant_saved_states_have_the_sliders() {
     let mut m = motion(machine(IWAN));
@@ -372,14 +372,14 @@ fn invariant_saved_states_have_the_sliders() {
     m.advance_to(2.0).unwrap();
     on.advance_to(2.0).unwrap();
     assert_eq!(on.save(), m.save());
-    // With other numbers it goes on with forces that these allow.
+    // After a change of numbers, it continues with forces within the new limits.
     let d = m.assembly().description.under_way([("spring.d.slip", 1.0)]).unwrap();
     let changed = m.changed(Arc::new(Assembly::new(d).unwrap())).unwrap();
     assert!(of(&changed, 3, What::F).abs() <= 1.0 + ROUNDING);
 }
 
-/// The random machines of tests/second_method.rs with partners behind their springs: energy is
-/// balanced, no force is above its level, and lone events are those of the general law.
+/// The random machines of tests/second_method.rs with sliders behind their springs: energy is
+/// balanced, no force exceeds its level, and lone events agree with the general law.
 #[test]
 fn invariant_random_machines_with_partners() {
     const MACHINES: &str = include_str!("data/motions.txt");

@@ -1,4 +1,4 @@
-//! Starts from a state: a motion continues from its own state, and bad states are refused.
+//! Starts from a state: a motion continues from its own state, and invalid states are refused.
 
 use crate::common::machines::BLOCK_ON_BELT;
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use vibro_machine::derivative::By;
 use vibro_machine::motion::Event;
 use vibro_machine::{Assembly, Error, Motion, Start, file};
 
-/// Rounding of a state times the growth of errors over the time compared.
+/// Rounding of a state times the growth of errors over the compared time.
 const ROUNDING: f64 = 1e-10;
 
 fn machine() -> Arc<Assembly> {
@@ -49,7 +49,7 @@ fn bad_states_are_refused_by_name() {
     assert!(Motion::from_state(machine(), f64::INFINITY, &[0.0, 0.0]).is_err());
 }
 
-/// A pinion that drives a wheel, on which a stop acts; the engine's motion is prescribed.
+/// A pinion that drives a wheel with a stop; the engine's motion is prescribed.
 const GEARS: &str = r#"
     name = "Gears"
     [body.engine]
@@ -86,7 +86,7 @@ fn invariant_a_start_is_written_and_read_with_all_digits() {
         assert_eq!(again, start);
         let state = &motion.state().as_slice()[..2 * assembly.system().coordinates];
         assert_eq!(again.state(&assembly).unwrap(), state);
-        // By name, one number at a time.
+        // Numbers by name, one at a time.
         let mut named = Start::default();
         for (name, value) in start.numbers() {
             named.set(&assembly.description, &name, value).unwrap();
@@ -106,13 +106,13 @@ fn what_a_start_does_not_name_is_the_machines_own() {
     let motion = start.motion(assembly.clone()).unwrap();
     let quarter = std::f64::consts::FRAC_PI_2;
     assert_eq!((motion.time(), motion.body(1)[0], motion.body(1)[1]), (0.5, quarter, 10.0));
-    // Links hold, and the engine is where it is at that time.
+    // Links hold, and the engine has its prescribed angle at that time.
     assert!((motion.body(2)[0] + quarter / 2.0).abs() < ROUNDING && motion.body(0)[0] == 5.0);
     assert_eq!(
         Start::default().motion(assembly.clone()).unwrap().state(),
         Motion::new(assembly).unwrap().state()
     );
-    // A machine that starts at rest keeps its equilibrium elsewhere.
+    // A machine that starts at rest has the same equilibrium at another time.
     let at_rest = described(
         "name = \"Rest\"\ngravity = 10.0\nstart = \"rest\"\n[body.a]\nmass = 2.0\ngravity = 1.0\n\
          [body.b]\nmass = 1.0\n[spring.a]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
@@ -165,7 +165,7 @@ fn what_is_no_start_is_refused_by_name() {
     );
 }
 
-/// A block at rest under friction, with the rate that rounding leaves a standing body.
+/// A block at rest under friction, with a rate of the size that rounding leaves at standstill.
 #[test]
 fn invariant_a_rate_of_rounding_is_rest() {
     let text = BLOCK_ON_BELT.replace("0.3 m/s", "0.0 m/s").replace("4 N", "1 N");
@@ -180,8 +180,8 @@ fn invariant_a_rate_of_rounding_is_rest() {
     assert!(!motion.mode().frictions[0].sticks());
 }
 
-/// The derivatives by the start of a file are those of its description, and those of a start that
-/// names all bodies are the same columns.
+/// The derivatives with respect to a start from a file equal those with respect to the
+/// description's start; a start that names all bodies has the same columns.
 #[test]
 fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
     let text = BLOCK_ON_BELT.replace("mass = \"2 kg\"", "mass = \"2 kg\"\nstart = { s = 5e-4, v = 0.02 }");
@@ -205,7 +205,7 @@ fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
             assert!(one.is_some() && one == other, "{quantity:?} by {name}: {one:?} {other:?}");
         }
     }
-    // The start's own names.
+    // Names of the start's numbers.
     let own = ["start.block.s", "start.block.v", "start.time"];
     let columns = start.columns(&machine(), &own).unwrap();
     assert_eq!(columns, [By::Start(0), By::Start(1), By::Time]);

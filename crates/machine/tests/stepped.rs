@@ -1,5 +1,4 @@
-//! Stiffness that steps in time, against cosine maps, a solver in 40 digits, energies and
-//! differences.
+//! Stiffness that steps in time: cosine maps, a solver in 40 digits, energies and differences.
 
 use crate::common::*;
 use std::sync::Arc;
@@ -9,7 +8,7 @@ use vibro_machine::{Assembly, Differentiated, Motion, Quantity, What};
 
 /// Roundings of some turns.
 const ROUNDING: f64 = 1e-12;
-/// Central differences over [`CHANGE`]: their error is its square, and roundings over it.
+/// Step of central differences; their error is its square plus rounding over the step.
 const CHANGE: f64 = 1e-6;
 const DIFFERENCE: f64 = 2e-8;
 
@@ -52,7 +51,7 @@ fn state(motion: &Motion) -> [f64; 2] {
     [motion.coordinate(0), motion.rate(0)]
 }
 
-/// Kinetic and stored energy is that of the start with the account.
+/// Checks that kinetic plus stored energy equals the initial energy plus the accounts.
 fn balance(motion: &Motion, start: f64) {
     let (kinetic, stored) = motion.kinetic_and_stored();
     near(kinetic + stored - start, motion.energy().balance(), ROUNDING);
@@ -65,7 +64,7 @@ fn energy(motion: &Motion) -> f64 {
 
 #[test]
 fn closed_form_a_period_is_the_product_of_two_cosine_maps() {
-    // Of the last, the second stiffness is 0 but for rounding of the sum.
+    // In the last case, the second stiffness is 0 except for rounding of the sum.
     for (k, period) in [([4.0, -3.0], 1.7), ([1.0, 2.5], 0.9), ([4.0, -4.0 + 1e-13], 1.1)] {
         let share = 0.375;
         let second = if k[0] + k[1] < 1e-12 { 0.0 } else { k[0] + k[1] };
@@ -86,7 +85,7 @@ fn closed_form_a_period_is_the_product_of_two_cosine_maps() {
 
 #[test]
 fn closed_form_it_grows_within_the_tongue_and_stays_bounded_outside() {
-    // Square wave about 1 with half its height 0.4: the trace of a turn tells.
+    // Square wave about 1 with the amplitude 0.4: the trace of the period map decides stability.
     let k = [1.4, -0.8];
     for (period, grows) in [(std::f64::consts::PI, true), (2.2, false)] {
         let map = times(cosine(0.6, 0.5 * period), cosine(1.4, 0.5 * period));
@@ -115,7 +114,7 @@ fn closed_form_a_step_puts_in_half_its_height_times_the_square() {
     motion.advance_observed(0.6, &mut |event| knots.push(event.clone())).unwrap();
     assert_eq!(knots, [Event { time: 0.5, kind: EventKind::Knot }]);
     balance(&motion, begun);
-    // Without stiffness the preload and the dashpot are left.
+    // Without stiffness, only the preload and the dashpot act.
     let quantity = Quantity::of_element(0, What::F);
     near(motion.value(quantity), 3.0 + 0.7 * motion.rate(0), ROUNDING);
 }
@@ -138,7 +137,7 @@ fn closed_form_a_stop_steps_while_it_is_pressed() {
     let [s, v] = state(&motion);
     assert!(s > 0.1 && matches!(motion.stop_state(0), vibro_machine::mode::StopState::Pressed));
     near(motion.stop(0)[2], 900.0 * (s - 0.1), ROUNDING);
-    // About its rest at g/k a cosine, by energy up to the speed at which it leaves.
+    // A cosine about its equilibrium at g/k, by energy up to the velocity at which it leaves.
     motion.advance_observed(0.3, &mut |event| events.push(event.clone())).unwrap();
     let contacts = events.iter().filter(|event| event.kind != EventKind::Knot);
     assert_eq!(contacts.count(), 2, "{events:?}");
@@ -153,7 +152,7 @@ fn closed_form_a_stop_steps_while_it_is_pressed() {
 
 #[test]
 fn invariant_energies_and_states_of_stops_with_all_laws() {
-    // Also through levels of 0, and with the general law alone.
+    // Also through stiffnesses of 0, and with the general law alone.
     let wave = "{ constant = 0.0, table = [[0.0, 400.0], [0.03, 0.0], [0.05, 900.0]], interpolation = \"hold\", repeat = 0.07 }";
     for law in ["no-pull", "elastogap", "pull", "undamped-rebound"] {
         for damping in [0.0, 3.0] {
@@ -183,7 +182,7 @@ fn invariant_energies_and_states_of_stops_with_all_laws() {
     }
 }
 
-/// A friction that follows a stop which steps, a rigid stop, and a mesh beside them.
+/// A friction that follows a stepping stop, a rigid stop, and a mesh next to them.
 const ALL: &str = include_str!("data/stepped.toml");
 
 fn with(text: &str, name: &str, value: f64) -> Arc<Assembly> {
@@ -193,7 +192,7 @@ fn with(text: &str, name: &str, value: f64) -> Arc<Assembly> {
 
 const END: f64 = 0.83;
 
-/// Roundings over two seconds, some 60 knots and 25 events.
+/// Rounding over two seconds, some 60 knots and 25 events.
 const DIGITS: f64 = 1e-12;
 
 #[test]
@@ -208,7 +207,7 @@ fn second_method_a_mesh_and_a_buffer_in_40_digits() {
         let words: Vec<&str> = line.split_whitespace().collect();
         let time: f64 = words[1].parse().unwrap();
         if words[0] == "event" {
-            // The gap is left later, without a force.
+            // The body passes the gap later, without a force.
             if words[2] != "below" || presses {
                 presses = words[2] == "pressed";
                 expected.push((time, presses));
@@ -233,7 +232,8 @@ fn second_method_a_mesh_and_a_buffer_in_40_digits() {
     assert!(count >= 15, "{count}");
 }
 
-/// Derivatives by numbers against differences of whole motions, and the gradient against both.
+/// Derivatives with respect to numbers, compared with differences of motions; the gradient
+/// compared with both.
 fn differ(text: &str, names: &[&str]) {
     let mut motion = Differentiated::new(assembled(text), names).unwrap();
     motion.advance_to(END).unwrap();
@@ -359,7 +359,7 @@ fn closed_form_a_start_at_rest_has_the_stiffness_of_time_0() {
     near(by, -22.5 / (130.0 * 130.0), ROUNDING);
 }
 
-/// A machine of more coordinates than have tables goes by series: beside 14 other oscillators,
+/// A machine with more coordinates than tables support uses series: next to 14 other oscillators,
 /// which do not act on it.
 #[test]
 fn second_method_machines_with_and_without_tables() {

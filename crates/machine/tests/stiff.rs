@@ -9,7 +9,7 @@ use vibro_machine::{Error, Motion};
 /// Rounding of a state of order one over some hundred radians.
 const ROUNDING: f64 = 1e-13;
 /// Difference of two integrations with rates of 1e3/s over a thousand radians: a rounding of the
-/// fast motion in each of thousands of sub-steps, magnified by impacts.
+/// fast motion in each of thousands of sub-steps, amplified by impacts.
 const TWO_WAYS: f64 = 1e-10;
 
 /// Relative error of a loss: the decay of the fast motion, 500/s at 1e9 rad/s, changes its mean,
@@ -46,8 +46,7 @@ fn closed_form_two_undamped_oscillators_far_apart_in_frequency() {
         let (a, b) = (soft + 1.0, stiff + 1.0);
         let fast = 0.5 * (a + b) + 0.5 * ((b - a).powi(2) + 4.0f64).sqrt();
         let slow = (a * b - 1.0) / fast;
-        // The slow mode shape (1, share) and the fast one (-share, 1), with their parts of the
-        // start.
+        // The slow mode shape (1, share), the fast one (-share, 1), and their parts of the start.
         let share = 1.0 / (b - slow);
         let part = start / (1.0 + share * share);
         let angle = slow.sqrt() * end;
@@ -130,8 +129,9 @@ fn closed_form_what_a_stiff_spring_ties_moves_as_a_whole() {
 #[test]
 fn closed_form_what_friction_or_a_stop_holds_across_a_stiff_spring_moves_as_one() {
     // A light body is held to a heavy one, in parallel to a spring of 1e10 N/m; both oscillate on
-    // 100 N/m as 0.1 m cos ωt. A load of 0 N has knots, which shorten sub-steps. The tie's rounding
-    // in the light body's row, with 1e10 N/m / 0.01 kg, would be 1e-4/s2 beside ω² = 100/s2.
+    // 100 N/m as 0.1 m cos ωt. A load of 0 N has knots, which shorten sub-steps. The tie's
+    // rounding in the light body's row, with 1e10 N/m / 0.01 kg, would be 1e-4/s2 beside ω² =
+    // 100/s2.
     let stuck =
         Description { frictions: vec![friction(&[(0, -1.0), (1, 1.0)], 1e3)], ..Description::default() };
     let pressed = Description {
@@ -161,7 +161,7 @@ fn closed_form_what_friction_or_a_stop_holds_across_a_stiff_spring_moves_as_one(
     }
 }
 
-/// A load that rises linearly.
+/// A load that increases linearly.
 fn ramp(body: usize, from: f64, rise: f64) -> Load {
     let table = Some(Record::new(vec![(0.0, from), (1.0, from + rise)], Interpolation::Straight));
     Load { name: "ramp".into(), body, force: Signal { table, ..Signal::default() } }
@@ -288,8 +288,8 @@ fn closed_form_a_light_body_on_a_stiff_spring_follows_its_load() {
     // Its natural motion has decayed by exp(-500 t).
     assert!((motion.body(0)[0] - 1e-9 * angle.sin()).abs() < 1e-9 * ROUNDING, "{:e}", motion.body(0)[0]);
     assert!((motion.body(1)[0] - 0.5 * end.cos()).abs() < ROUNDING, "{:e}", motion.body(1)[0]);
-    // The dashpot takes the energy of the initial speed relative to the forced motion, and the loss
-    // of the forced motion, whose squared speed has the mean 1/2 at this end.
+    // The dashpot takes the energy of the initial speed relative to the forced motion, and the
+    // loss of the forced motion, whose squared speed has the mean 1/2 at this end.
     let follows = 1e-9 * TAU * 0.25;
     let exact = 0.5 * 1e-6 * (1e-3 - follows).powi(2) + 1e-3 * follows.powi(2) * 0.5 * end;
     let lost = motion.energy().dashpots[0].value();
@@ -339,11 +339,11 @@ fn closed_form_a_slow_body_beside_a_fast_one_meets_its_stop() {
 
 #[test]
 fn closed_form_a_stop_lets_go_whose_force_begins_as_zero_beside_a_stiff_spring() {
-    // The threshold, 1e-13 of the spring's 1e8 N and of its force on the other body, hides the load
-    // and its derivatives at the start, so that the stop's force counts as zero throughout the
-    // mode. A load of 1 N - 1 N cos pulls at once, one of 1 N sin after half a period, until which
-    // both bodies are held; without a fast motion a sub-step may cover a whole period of the load,
-    // with one a long sub-step may.
+    // The threshold, 1e-13 of the spring's 1e8 N and of its force on the other body, hides the
+    // load and its derivatives at the start, so that the stop's force counts as zero throughout
+    // the mode. A load of 1 N - 1 N cos pulls at once, one of 1 N sin after half a period, until
+    // which both bodies are held; without a fast motion a sub-step may cover a whole period of the
+    // load, with one a long sub-step may.
     /// Time until the load exceeds 16 times the threshold, s.
     const LATE: f64 = 0.03;
     let load =

@@ -1,4 +1,4 @@
-//! Compliant stops that may pull, and those whose dashpot acts only while they are pressed in
+//! Compliant stops that may pull, and stops whose dashpot acts only in compression
 //! (docs/assembly-law.md (A14)).
 
 use crate::common::both_laws::{Balance, BothLaws, on_machines};
@@ -13,9 +13,9 @@ use vibro_machine::motion::{Event, EventKind};
 
 /// Roundings of a few dozen operations.
 const ROUNDING: f64 = 1e-13;
-/// Energy beside the largest energy of a random machine: rounding, magnified by stiff buffers.
+/// Energy error relative to a random machine's largest energy: stiff buffers amplify rounding.
 const BALANCE: f64 = 1e-10;
-/// Difference of the direct and the general law: that of tests/lone_events.rs.
+/// Difference between the direct and the general law, as in tests/lone_events.rs.
 const SAME: f64 = 1e-12;
 const BOTH: BothLaws = BothLaws { events: 300, end: 4.0, rounding: SAME };
 
@@ -39,8 +39,8 @@ fn damped() -> (f64, f64) {
     (delta, (K / M - delta * delta).sqrt())
 }
 
-/// Half a turn of x = v/ω exp(-δt) sin ωt, of which the last part pulls: the force is c x' at both
-/// ends.
+/// Half a turn of x = v/ω exp(-δt) sin ωt, at the end of which the stop pulls: the force is c x'
+/// at both ends.
 #[test]
 fn closed_form_a_stop_that_pulls_is_left_after_half_a_turn() {
     let (delta, omega) = damped();
@@ -72,7 +72,7 @@ fn closed_form_a_stop_that_pulls_is_left_after_half_a_turn() {
 }
 
 /// The force of spring and dashpot is zero at tan ωt = -2δω/(ω² - δ²), before the body is back at
-/// the gap. A contact has one begin and one end under every law.
+/// the gap. Under every law a contact has one beginning and one end.
 #[test]
 fn closed_form_a_contact_ends_once_with_its_rate() {
     let (delta, omega) = damped();
@@ -96,8 +96,8 @@ fn closed_form_a_contact_ends_once_with_its_rate() {
     }
 }
 
-/// Damped until it turns, at tan ωt = ω/δ, and half a cosine after it; the turn is no event with a
-/// name.
+/// Damped until it reverses, at tan ωt = ω/δ, and half a cosine after that; the reversal is not
+/// reported as an event.
 #[test]
 fn closed_form_a_stop_without_a_dashpot_in_the_rebound() {
     let (delta, omega) = damped();
@@ -125,8 +125,8 @@ fn closed_form_a_stop_without_a_dashpot_in_the_rebound() {
     assert!((e - 0.1 - x).abs() < ROUNDING && (force - K * x).abs() < K * ROUNDING, "{e} {force}");
 }
 
-/// A body that is let go on such a stop under its weight loses energy on each way in until it is at
-/// rest, and stays there.
+/// A body on such a stop under its weight loses energy in each compression until it is at rest,
+/// and stays there.
 #[test]
 fn invariant_a_body_comes_to_rest_on_a_stop_without_a_dashpot_in_the_rebound() {
     let mut m = motion(Description {
@@ -143,7 +143,7 @@ fn invariant_a_body_comes_to_rest_on_a_stop_without_a_dashpot_in_the_rebound() {
     assert!((m.body(0)[0] - 0.1).abs() < 1e-12, "{:?}", m.body(0));
 }
 
-/// Without a dashpot all laws are one, bit for bit.
+/// Without a dashpot all laws agree, bit for bit.
 #[test]
 fn invariant_laws_without_a_dashpot_agree() {
     let of = |limit| {
@@ -170,7 +170,7 @@ fn second_method_derivatives_of_a_machine_with_both_laws() {
     assert!(met >= 4 && names.len() > 20, "{met} {names:?}");
 }
 
-/// Derivatives of the last state by every number of the machine, against differences.
+/// Derivatives of the final state by every number of the machine, compared with differences.
 #[test]
 fn second_method_derivatives_against_differences() {
     for limit in [DampingLimit::Pull, DampingLimit::UndampedRebound] {

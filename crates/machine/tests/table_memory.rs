@@ -1,11 +1,11 @@
-//! The tables of a motion's modes stay within their memory limit, whichever way a mode is entered.
+//! The tables of a motion's modes stay within their memory limit, however a mode is entered.
 
 use crate::common::*;
 use vibro_machine::Motion;
 use vibro_machine::description::*;
 use vibro_machine::motion::Reached;
 
-/// Independent bodies, each with a spring, a buffer and friction; their modes are all combinations.
+/// Independent bodies, each with a spring, a buffer and friction; all combinations are modes.
 fn independent(count: usize) -> Description {
     let mut d = Description::default();
     for i in 0..count {

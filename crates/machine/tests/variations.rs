@@ -1,4 +1,4 @@
-//! Variations through events against closed forms and against differences of motions.
+//! Variations through events compared with closed forms and with differences of motions.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -27,8 +27,8 @@ fn closed_form_a_ball_that_falls_on_a_floor() {
                 [load.push]\non = \"ball\"\ninput = true\n";
     let (h, v0, g, e, m, end) = (4.0_f64, 1.0_f64, 10.0_f64, 0.5, 2.0, 1.0);
     let variations = varied(&mut motion(text), end);
-    // It meets the floor at speed u after t: dt/ds(0) = -1/u, dt/dv(0) = -t/u; the derivatives of u
-    // follow from energy.
+    // It meets the floor at speed u after t: dt/ds(0) = -1/u, dt/dv(0) = -t/u; the derivatives of
+    // u follow from energy.
     let u = (v0 * v0 + 2.0 * g * h).sqrt();
     let t = (u - v0) / g;
     let left = end - t;
@@ -66,7 +66,7 @@ fn closed_form_friction_that_comes_to_rest_keeps_no_rate() {
 
 #[test]
 fn closed_form_what_a_closed_stop_holds_does_not_vary() {
-    // Both bodies move on together; momentum is conserved.
+    // Both bodies continue together; momentum is conserved.
     let text = "name = \"Pair\"\n[body.a]\nmass = 1.0\nstart = { v = 2.0 }\n[body.b]\nmass = 3.0\n\
                 [stop.bump]\nbetween = [\"b\", \"a\"]\ngap = 1.0\nrestitution = 0.0\n\
                 [load.push]\non = \"a\"\nconstant = 4.0\n";
@@ -104,7 +104,7 @@ fn closed_form_a_ball_that_hits_two_that_touch() {
     let mut variations = varied(&mut three, 2.0);
     let speeds = [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
     assert!((0..3).all(|i| (three.rate(i) - speeds[i]).abs() < ROUNDING));
-    // By the rate of a: the impact is at time 0.5/u at a fixed position; all speeds scale with u.
+    // For the rate of a, the impact is at time 0.5/u at a fixed position; all speeds scale with u.
     let by_rate = variations.swap_remove(3);
     for i in 0..3 {
         let place = speeds[i] * (1.5 + 0.5);
@@ -121,7 +121,7 @@ fn second_method_the_examples_against_differences_of_motions() {
         // Friction comes to rest within micrometres of the buffer: the step must be small.
         ("damper_with_buffer", 0.5, 10, 5e-7),
         ("msl_elastogap", 3.0, 2, 2e-5),
-        // The flanks magnify a rounding of the angles by 4e4/s in the speeds: the step must be
+        // The flanks amplify a rounding of the angles by 4e4/s in the velocities: the step must be
         // large.
         ("gear_backlash", 0.03, 4, 1e-4),
         ("msl_coupled_clutches", 1.3, 4, 2e-5),

@@ -14,7 +14,7 @@ use vibro_paper_component::fmi2::abi::*;
 /// rounding is not amplified.
 const SAME: f64 = 1e-10;
 
-/// The native library's states at that time, from the default start.
+/// The native library's states at a time, from the default start.
 fn native(time: f64) -> [f64; 6] {
     let mut simulator = Simulator::new(&Parameters::default(), &State::default(), 0.0).unwrap();
     simulator.advance_to(time).unwrap();
@@ -61,7 +61,7 @@ fn the_communication_point_drifts_by_1e_14_a_step() {
 fn a_point_that_is_off_by_more_than_1e_9_is_an_error_with_both_times() {
     let host = Fmu2::logged().start(&[]);
     host.step(0.0, 2.5);
-    // The allowed mismatch is 1e-9 max(1, |t|), 2.5e-9 here.
+    // The accepted mismatch is 1e-9 max(1, |t|), 2.5e-9 here.
     host.step(2.5 + 2e-9, 1e-12);
     let before = host.motion().map(f64::to_bits);
     for point in [2.5 + 6e-9, 2.5 - 1e-8, 0.0] {

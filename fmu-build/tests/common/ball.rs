@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::SystemTime;
 
-/// When a file was last written; for a folder, the newest of its files.
+/// Time of the last change of a file; for a folder, of its newest file.
 fn written(path: &Path) -> Option<SystemTime> {
     if path.is_dir() {
         let entries = fs::read_dir(path).expect("a folder of the repository can be read");
@@ -15,9 +15,9 @@ fn written(path: &Path) -> Option<SystemTime> {
     fs::metadata(path).and_then(|data| data.modified()).ok()
 }
 
-/// The folder of that name under `target/`, made anew, with the descriptions of both versions, and
-/// the library. Cargo has compiled what it takes where all tests run. Where a test runs alone it is
-/// asked to.
+/// The folder of that name under `target/`, created afresh with the descriptions of both versions,
+/// and the library. If all tests run, cargo has compiled the library already; if a test runs
+/// alone, the test asks cargo to.
 pub fn described(name: &str) -> (PathBuf, PathBuf) {
     let target = fmu_build::compile::target();
     let examples = target.join("debug/examples");

@@ -1,4 +1,4 @@
-//! What the library exports; code blocks of pages.
+//! The exports of the library; code blocks of pages.
 #![allow(dead_code, missing_docs)] // every test binary uses its own part
 
 pub mod ball;
@@ -6,7 +6,7 @@ pub mod python;
 
 use std::collections::BTreeSet;
 
-/// Fenced blocks of a page as (what follows the fence, text).
+/// Fenced blocks of a page as (info string, text).
 pub fn blocks(markdown: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
     let mut lines = markdown.lines();

@@ -1,4 +1,4 @@
-//! What the tests that need Python share: the virtual environment and the packaged FMU.
+//! Shared parts of the tests that need Python: the virtual environment and the packaged FMU.
 
 use fmu_build::kit::{self, KIT_FILE};
 use fmu_build::version::Version;
@@ -10,10 +10,10 @@ use std::process::Command;
 use std::sync::OnceLock;
 use vibro_numerics::digest::fnv1a;
 
-/// Oldest Python that the pinned requirements can be installed in.
+/// Oldest Python version for which the pinned requirements can be installed.
 const OLDEST_PYTHON: (u32, u32) = (3, 9);
 
-/// What to do about a missing or incomplete Python.
+/// Advice for a missing or incomplete Python.
 const REMEDY: &str = "install Python >= 3.9 with venv and pip (Debian and Ubuntu: `apt install python3 python3-venv`), \
                       or name one in the environment variable PYTHON";
 
@@ -22,7 +22,7 @@ pub fn root() -> &'static Path {
     fmu_build::compile::workspace()
 }
 
-/// The packaged FMU, built on first use in this process; those of FMI 3.0 lie beside it.
+/// The packaged FMU, built on first use in this process; the FMI 3.0 FMU is next to it.
 pub fn fmu() -> PathBuf {
     static FMU: OnceLock<PathBuf> = OnceLock::new();
     let pack = || {
@@ -36,7 +36,7 @@ pub fn fmu() -> PathBuf {
     FMU.get_or_init(pack).clone()
 }
 
-/// The library of described machines that cargo compiled for this test, as the package holds it;
+/// The library of described machines that cargo compiled for this test, in the package's form;
 /// made on first use in this process.
 pub fn kit() -> PathBuf {
     static KIT: OnceLock<PathBuf> = OnceLock::new();
@@ -49,19 +49,19 @@ pub fn kit() -> PathBuf {
     KIT.get_or_init(pack).clone()
 }
 
-/// Python of the virtual environment of the default tests; made on first use, then reused. One
-/// serves all: what fmpy, the package and the theory page need is installed once.
+/// Python of the virtual environment of the default tests; made on first use, then reused. It has
+/// all requirements of fmpy, the package and the theory page.
 pub fn python() -> PathBuf {
     python_with(&DEFAULT)
 }
 
-/// What the default tests need of Python.
+/// Requirement files of the default tests.
 const DEFAULT: [&str; 3] =
     ["tests/fmpy/requirements.txt", "tests/python/requirements.txt", "tests/theory/requirements.txt"];
 
 /// Python of the default tests, with the package `vibro_impact` of this tree copied into it: its
-/// modules, the native part that cargo compiled for this test, and the packaged FMUs. Done once per
-/// process, so that no package is replaced while a test uses it. `install_wheel` tests the
+/// modules, the native part that cargo compiled for this test, and the packaged FMUs. Done once
+/// per process, so that no package is replaced while a test uses it. `install_wheel` tests the
 /// installation by pip.
 pub fn python_with_package() -> PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
@@ -78,7 +78,7 @@ pub fn python_with_package() -> PathBuf {
     PYTHON.get_or_init(install).clone()
 }
 
-/// The compiled native part of the package. It lies beside this test, because the packager's tests
+/// The compiled native part of the package. It is next to this test, because the packager's tests
 /// depend on its crate.
 fn native_part() -> PathBuf {
     let tests = std::env::current_exe().expect("a test is a file");
@@ -102,25 +102,25 @@ fn copy_package(installed: &Path) {
         files.push((installed.join("fmu").join(archive.file_name().expect("a file has a name")), archive));
     }
     fs::create_dir_all(installed.join("fmu")).expect("target can be written");
-    // A module that the package no longer has would still be imported.
+    // A module that was removed from the package would still be importable.
     let is_old = |path: &PathBuf| path.is_file() && !files.iter().any(|(to, _)| to == path);
     let installed =
         fs::read_dir(installed).expect("it was made").map(|entry| entry.expect("an entry").path());
     installed.filter(is_old).for_each(|path| fs::remove_file(path).expect("target can be written"));
     for (to, from) in files {
-        // A library that is in use is not overwritten but replaced.
+        // A library in use is replaced, not overwritten.
         let _ = fs::remove_file(&to);
         fs::copy(&from, &to).unwrap_or_else(|error| panic!("copying {}: {error}", from.display()));
     }
 }
 
-/// Python of an environment with these requirements in which the package was installed by pip from
-/// a wheel, built without the optimisations of a release, on which no bit depends.
+/// Python of an environment with these requirements in which pip installed the package from a
+/// wheel, built without release optimisations, which do not affect any bit.
 pub fn install_wheel(also: &[&str]) -> PathBuf {
     let python = python_with(&[&DEFAULT[..], also].concat());
     let programs = python.parent().expect("a program is in a folder");
     let folder = programs.parent().expect("an environment is a folder");
-    // maturin is called by its name.
+    // maturin is found on the path.
     let usual = std::env::var_os("PATH").unwrap_or_default();
     let paths: Vec<PathBuf> =
         std::iter::once(programs.to_owned()).chain(std::env::split_paths(&usual)).collect();
@@ -130,8 +130,8 @@ pub fn install_wheel(also: &[&str]) -> PathBuf {
         let mut pip = Command::new(&python);
         pip.args(["-m", "pip", "--quiet", "--disable-pip-version-check"]).args(arguments).current_dir(root());
         pip.env("PATH", std::env::join_paths(&paths).expect("no path holds the separator"));
-        // In a folder of its own: what maturin tells the build of PyO3 differs from what cargo
-        // does, so that each would undo the other.
+        // In a separate folder: maturin configures the build of PyO3 differently from cargo, so
+        // that each would undo the other's work.
         pip.env("CARGO_TARGET_DIR", fmu_build::compile::target().join("wheel"));
         pip.env("VIBRO_IMPACT_ARCHIVES", &archives).env("MATURIN_PEP517_ARGS", "--profile dev");
         pip
@@ -153,9 +153,9 @@ pub fn pytest(python: PathBuf, folder: &str) -> Command {
     pytest
 }
 
-/// A command for Python in the work tree. Only the modules that are imported are compiled, once,
-/// under `target/`, also where the user's environment says that none be kept: each of the many
-/// processes would compile them all.
+/// A command for Python in the work tree. Only imported modules are compiled, once, under
+/// `target/`, even if the user's environment forbids bytecode files: otherwise each of the many
+/// processes would compile all modules.
 pub fn command(python: PathBuf) -> Command {
     let mut command = Command::new(python);
     command.current_dir(root()).env("PYTHONPYCACHEPREFIX", fmu_build::compile::target().join("pycache"));
@@ -163,7 +163,7 @@ pub fn command(python: PathBuf) -> Command {
     command
 }
 
-/// Python of a virtual environment with what these files list.
+/// Python of a virtual environment with the requirements of these files.
 pub fn python_with(requirements: &[&str]) -> PathBuf {
     let read = |path: &&str| fs::read_to_string(root().join(path)).expect("it is part of the repository");
     let wanted: String = requirements.iter().map(read).collect();
@@ -177,7 +177,7 @@ pub fn python_with(requirements: &[&str]) -> PathBuf {
     };
     let complete = folder.join("complete");
 
-    // Several test processes may come here at once: one makes it, the others wait.
+    // Several test processes may get here at the same time: one makes it, the others wait.
     fs::create_dir_all(folder.parent().expect("it lies under target")).expect("target can be written");
     let lock = File::create(folder.with_extension("lock")).expect("target can be written");
     lock.lock().expect("files under target can be locked");
@@ -192,7 +192,7 @@ pub fn python_with(requirements: &[&str]) -> PathBuf {
         Command::new(&system).args([OsStr::new("-m"), OsStr::new("venv"), folder.as_os_str()]),
     );
     let mut pip = Command::new(&python);
-    // Most of what is installed is never imported: what is, is compiled at first use.
+    // Most of the installed modules are never imported; the others are compiled at first use.
     pip.args(["-m", "pip", "install", "--no-compile", "--quiet", "--disable-pip-version-check"]);
     pip.args(requirements.iter().flat_map(|path| ["--requirement", path])).current_dir(root());
     run(&format!("installing {}", requirements.join(" and ")), &mut pip);
@@ -200,7 +200,7 @@ pub fn python_with(requirements: &[&str]) -> PathBuf {
     python
 }
 
-/// `$PYTHON` if set, else the first of `python3` and `python` that is new enough.
+/// `$PYTHON` if set, else the first of `python3` and `python` that is recent enough.
 fn system_python() -> PathBuf {
     let chosen = std::env::var_os("PYTHON").map(PathBuf::from);
     let usual = ["python3", "python"].map(PathBuf::from);
@@ -214,7 +214,7 @@ fn system_python() -> PathBuf {
     found.unwrap_or_else(|| panic!("none of {candidates:?} is a Python >= {major}.{minor}: {REMEDY}"))
 }
 
-/// Runs a command and returns what it printed; panics with all it said when it fails.
+/// Runs a command and returns its output; panics with all of its output if it fails.
 pub fn run(what: &str, command: &mut Command) -> String {
     let output = command.output().unwrap_or_else(|error| panic!("{what}: {error}: {REMEDY}"));
     let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));

@@ -1,6 +1,6 @@
-"""Machines that hit stops, on NumPy arrays: exact motions with every impact, studies, periodic orbits, FMUs.
+"""Exact simulation of piecewise linear vibro-impact machines on NumPy arrays: motions, studies, periodic orbits, FMUs.
 
-A :class:`Machine` is described by a file, a text or a dictionary: bodies, springs, stops, friction, loads.
+A :class:`Machine` is described by a file, a text or a dictionary of bodies, springs, stops, friction and loads.
 
 >>> import vibro_impact as vi
 >>> ball = vi.Machine({
@@ -11,15 +11,15 @@ A :class:`Machine` is described by a file, a text or a dictionary: bodies, sprin
 >>> ball.simulate(until=2.0).events["kind"].tolist()
 ['impact', 'impact', 'impact']
 
-A :class:`PaperMachine` is that of one paper: a box on a spring is driven near resonance, a block flies in it between two stops, and a
-secondary oscillator hangs on the block. It has closed forms and dimensionless groups.
+A :class:`PaperMachine` is the machine of one paper: a box on a spring is driven near resonance, a block flies between two stops in
+the box, and a secondary oscillator hangs on the block. It has closed forms and dimensionless groups.
 
 >>> machine = vi.PaperMachine.from_groups(f10=1.5, kappa=0.75)
 >>> machine.simulate(periods=200).s.shape
 (40001, 3)
 
-Lengths are in m, times in s, masses in kg, forces in N unless said otherwise. Long calls let other threads of Python run, end on
-Ctrl-C, and show a bar with ``progress=True``. The paper is P. Fritzkowski and J. Awrejcewicz, Nonlinear Dynamics 106 (2021)
+Lengths are in m, times in s, masses in kg and forces in N unless stated otherwise. Long calls let other Python threads run, end on
+Ctrl-C, and show a progress bar with ``progress=True``. The paper is P. Fritzkowski and J. Awrejcewicz, Nonlinear Dynamics 106 (2021)
 81-103; the default data set is a reconstruction, not the paper's own.
 """
 
@@ -109,7 +109,7 @@ __all__ = [
     "simulate_many",
 ]
 
-#: Names of version 0.3 that this version still understands, with their new names.
+#: Names of version 0.3 that this version still accepts, with their new names.
 _OLD_NAMES = {
     "ASSEMBLY_LABELS": "LABELS",
     "Assembly": "Machine",
@@ -131,7 +131,7 @@ _OLD_NAMES = {
 
 
 def __getattr__(name: str) -> Any:
-    """`plot`, which needs matplotlib and is imported where it is asked for; names of version 0.3, with a warning."""
+    """Imports `plot` on first use, because it requires matplotlib; resolves names of version 0.3, with a warning."""
     if name == "plot":
         return importlib.import_module(".plot", __name__)
     if name in _OLD_NAMES:

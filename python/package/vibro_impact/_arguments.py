@@ -1,4 +1,4 @@
-"""Checks of arguments: an error names the argument, its value and what is allowed."""
+"""Checks of arguments; an error names the argument, its value and the accepted values."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MOST_ROWS = 100_000_000
 
 
 def number(name: str, value: object) -> float:
-    """A finite number."""
+    """Returns `value` as a finite float."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
         raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: allowed is a finite number")
     try:
@@ -39,7 +39,7 @@ def number(name: str, value: object) -> float:
 
 
 def whole(name: str, value: object, least: int, most: int) -> int:
-    """A whole number of a range."""
+    """Returns `value` as an integer from `least` to `most`."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral):
         raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: allowed is a whole number")
     found = int(value)
@@ -49,14 +49,14 @@ def whole(name: str, value: object, least: int, most: int) -> int:
 
 
 def discarded_and_kept(periods: object) -> tuple[int, int]:
-    """A pair of numbers of periods."""
+    """Returns a pair of numbers of periods: discarded and kept."""
     if not isinstance(periods, Sequence) or len(periods) != 2:
         raise TypeError(f"periods = {periods!r}: allowed is a pair of whole numbers: discarded, kept")
     return whole("periods[0]", periods[0], 0, MOST_PERIODS), whole("periods[1]", periods[1], 1, MOST_PERIODS)
 
 
 def choice(name: str, value: object, allowed: Sequence[str]) -> str:
-    """One of some words; the nearest is named."""
+    """Returns `value` if it is one of the `allowed` words; the error suggests the closest one."""
     if isinstance(value, str) and value in allowed:
         return value
     if not isinstance(value, str):
@@ -67,12 +67,12 @@ def choice(name: str, value: object, allowed: Sequence[str]) -> str:
 
 
 def listed(words: Sequence[str]) -> str:
-    """Quoted words, separated by commas."""
+    """Joins quoted words with commas."""
     return ", ".join(map(repr, words))
 
 
 def array(name: str, value: ArrayLike, allowed: str, dimensions: Optional[int] = 1) -> Floats:
-    """A contiguous array of finite doubles, none of them masked; of any number of dimensions where none is given."""
+    """Returns a contiguous array of finite, unmasked doubles; with ``dimensions=None``, of any number of dimensions."""
     try:
         raw = np.asanyarray(value)
     except ValueError as error:
@@ -92,7 +92,7 @@ def array(name: str, value: ArrayLike, allowed: str, dimensions: Optional[int] =
 
 
 def converted(given: Any, in_si: Callable[[str], float]) -> Any:
-    """Values in SI: a text, or each of a list of which one is a text, by `in_si`; numbers are returned unchanged."""
+    """Converts a text, or a list that contains a text, to SI with `in_si`; returns numbers unchanged."""
     if isinstance(given, str):
         return in_si(given)
     kind = getattr(getattr(given, "dtype", None), "kind", "")
@@ -103,7 +103,7 @@ def converted(given: Any, in_si: Callable[[str], float]) -> Any:
 
 
 def evenly_spaced(name: str, given: ArrayLike, most: int) -> tuple[tuple[float, float], int]:
-    """Ends and number of rising, equally spaced values; the first one that is off is named."""
+    """Returns the ends and the number of increasing, equally spaced values; the error names the first misplaced value."""
     allowed = "an array of shape (n,), n >= 2, of rising, equally spaced values, e.g. np.linspace(0.5, 5, 451)"
     values = array(name, given, allowed)
     whole(f"len({name})", len(values), 2, most)
@@ -119,29 +119,29 @@ def evenly_spaced(name: str, given: ArrayLike, most: int) -> tuple[tuple[float, 
 
 
 def displacement(of: Optional[str]) -> str:
-    """A displacement of the paper's machine, x2 unless given; columns are other names."""
+    """Returns the symbol of a displacement of the paper's machine, x2 by default; names of columns are accepted too."""
     names = {"box.s": "x1", "block.s": "x2", "secondary.s": "x3"}
     return "x2" if of is None else choice("of", names.get(of, of) if isinstance(of, str) else of, ("x1", "x2", "x3", "w"))
 
 
-#: A start of the paper's machine: numbers by name, or six numbers.
+#: Start of the paper's machine: numbers by name, or six numbers.
 StartOfMachine = Union[Mapping[str, Union[float, str]], Sequence[float], Floats, None]
 
 
 class Coordinates(NamedTuple):
-    """A start of the paper's machine by its six coordinates, each in units of L or L omega10, or in SI."""
+    """Start of the paper's machine: each of six coordinates in units of L or L omega10, or in SI."""
 
     time: float
     scaled: list[float]
     si: list[Optional[float]]
 
     def state(self, system: _native.System) -> list[float]:
-        """Displacements (m) and velocities (m/s) of a machine."""
+        """Returns the displacements (m) and velocities (m/s) for a system."""
         return [a if b is None else b for a, b in zip(system.dimensional(self.scaled), self.si)]
 
 
 def coordinates(name: str, value: StartOfMachine) -> Coordinates:
-    """A start; without one, the block moves up from the middle with L omega10."""
+    """Returns the start that `value` describes; by default the block moves up from the middle with L omega10."""
     if value is None:
         return Coordinates(0.0, [0.0, 0.0, 0.0, 0.0, 1.0, 0.0], [None] * 6)
     if not isinstance(value, Mapping):
@@ -172,7 +172,7 @@ def coordinates(name: str, value: StartOfMachine) -> Coordinates:
 
 
 def _coordinate(name: str, key: str, given: object) -> float:
-    """A number of a start: in SI, in units of L or L omega10, or a text with a unit."""
+    """Returns a number of a start: in SI, in units of L or L omega10, or from a text with a unit."""
     if not isinstance(given, str):
         return number(f"{name}[{key!r}]", given)
     unit = "1" if key in COORDINATES else "s" if key == "time" else "m" if key[-1:] == "s" else "m/s"
@@ -180,7 +180,7 @@ def _coordinate(name: str, key: str, given: object) -> float:
 
 
 def quantity(name: str, unit: str, text: str) -> float:
-    """The value in SI of a text with a unit."""
+    """Returns the value in SI of a text with a unit."""
     found = _native.in_si("" if unit == "1" else unit, text)
     if found is None:
         raise ValueError(f"{name} = {text!r}: allowed is a number, which is in {unit}, or a text with a unit of it")
@@ -191,12 +191,12 @@ def quantity(name: str, unit: str, text: str) -> float:
 
 
 def seconds(name: str, time: Any) -> Any:
-    """A time in s: a text with a unit is converted, all else returned unchanged."""
+    """Converts a time given as text to s; returns any other value unchanged."""
     return quantity(name, "s", time) if isinstance(time, str) else time
 
 
 def state(name: str, value: StartOfMachine, system: _native.System) -> list[float]:
-    """A start at time 0 as displacements (m) and velocities (m/s)."""
+    """Returns the displacements (m) and velocities (m/s) of a start at time 0."""
     start = coordinates(name, value)
     if start.time != 0.0:
         raise ValueError(f"{name}: time = {start.time}: allowed is 0, where this begins; simulate begins at other times")

@@ -1,4 +1,4 @@
-"""What every machine can be asked."""
+"""The common interface of all machines."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from ._sketch import Sketch
 
-    #: A record: times and values by column, or the path of a table.
+    #: A record: times and values of each column, or the path of a table.
     RecordLike = Union[Mapping[str, tuple[ArrayLike, ArrayLike]], str, os.PathLike[str]]
 
 #: A new value of a parameter: a number in SI, or a text with a unit.
@@ -23,11 +23,11 @@ Value = Union[float, str]
 
 
 class AnyMachine:
-    """A machine, whichever it is: the base of :class:`PaperMachine`, the paper's one of three bodies, and :class:`Machine`, one of your own.
+    """Common base of :class:`PaperMachine`, the paper's machine of three bodies, and :class:`Machine`, a machine of your own.
 
-    Both are immutable values and are asked in the words below. Parameters go by name, as keywords or in a dictionary, ``{"stop.steel.gap":
-    4e-3}``; numbers are in SI, texts have units. Columns are ``box.s`` and ``box.v``. A period is that of the drive; of a described machine the
-    common one of all that drives it. The few things that one kind alone has are listed in docs/python.md.
+    Both are immutable values with the members below. Parameters are given by name, as keywords or in a dictionary, ``{"stop.steel.gap":
+    4e-3}``; numbers are in SI, texts have units. Columns have names such as ``box.s`` and ``box.v``. A period is the period of the drive; for
+    a described machine, the common period of all its drives. docs/python.md lists the few members that only one of the classes has.
     """
 
     __slots__ = ()
@@ -39,7 +39,7 @@ class AnyMachine:
 
     @property
     def toml(self) -> str:
-        """The text of its file, in SI and with every digit."""
+        """The text of its file, in SI with every digit."""
         raise NotImplementedError
 
     @property
@@ -49,30 +49,30 @@ class AnyMachine:
 
     @property
     def units(self) -> dict[str, str]:
-        """The SI unit of each parameter, ``1`` for none."""
+        """The SI unit of each parameter; ``1`` for a dimensionless parameter."""
         raise NotImplementedError
 
     @property
     def columns(self) -> list[str]:
-        """Names of a motion's columns."""
+        """Names of the columns of a motion."""
         raise NotImplementedError
 
     @property
     def measures(self) -> dict[str, str]:
-        """All measures by name: SI unit (``1`` for none) and meaning."""
+        """All measures by name, each with its SI unit (``1`` if dimensionless) and meaning."""
         raise NotImplementedError
 
     @property
     def period(self) -> float:
-        """Period of the drive, s; infinite where nothing drives the machine periodically."""
+        """Period of the drive, s; infinite if nothing drives the machine periodically."""
         raise NotImplementedError
 
     def replace(self, changes: Optional[Mapping[str, Value]] = None, /, **parameters: Any) -> Self:
-        """The machine with other values."""
+        """Returns the machine with some parameters changed."""
         raise NotImplementedError
 
     def start(self, numbers: Any = None) -> Mapping[str, float]:
-        """A start of the machine."""
+        """Returns a start of the machine: its initial time and state."""
         raise NotImplementedError
 
     def simulate(
@@ -86,13 +86,13 @@ class AnyMachine:
         per_period: int = 200,
         progress: bool = False,
     ) -> Any:
-        """The motion until a time, over periods, or at times."""
+        """Simulates the motion until a time, over periods, or at given times."""
         raise NotImplementedError
 
     def measure(
         self, measures: Sequence[str], *, periods: int = 60, settle: int = 300, start: Any = None, progress: bool = False
     ) -> dict[str, float | str | None]:
-        """Measures of the settled motion."""
+        """Returns measures of the settled motion."""
         raise NotImplementedError
 
     def sweep(
@@ -109,7 +109,7 @@ class AnyMachine:
         progress: bool = False,
         **more: Any,
     ) -> Any:
-        """Measures over all combinations of parameters."""
+        """Returns measures for all combinations of parameter values."""
         raise NotImplementedError
 
     def bifurcation(
@@ -123,7 +123,7 @@ class AnyMachine:
         progress: bool = False,
         **more: Any,
     ) -> Any:
-        """A bifurcation diagram over a parameter in both directions."""
+        """Computes a bifurcation diagram over a parameter, in both directions."""
         raise NotImplementedError
 
     def orbit(
@@ -136,7 +136,7 @@ class AnyMachine:
         settle: int = 400,
         progress: bool = False,
     ) -> Any:
-        """A periodic orbit, stable or not."""
+        """Finds a periodic orbit, stable or unstable."""
         raise NotImplementedError
 
     def branches(
@@ -151,7 +151,7 @@ class AnyMachine:
         settle: int = 400,
         progress: bool = False,
     ) -> Any:
-        """Branches of periodic orbits over a parameter, with their bifurcations."""
+        """Finds branches of periodic orbits over a parameter, with their bifurcations."""
         raise NotImplementedError
 
     def response(
@@ -166,7 +166,7 @@ class AnyMachine:
         settle: int = 400,
         progress: bool = False,
     ) -> Any:
-        """The branches on which motions settle over a parameter."""
+        """Finds the branches of orbits on which motions settle, over a parameter."""
         raise NotImplementedError
 
     def poincare(
@@ -179,11 +179,11 @@ class AnyMachine:
         start: Any = None,
         progress: bool = False,
     ) -> Any:
-        """A Poincaré section at a phase or at a stop."""
+        """Computes a Poincaré section at a phase or at a stop."""
         raise NotImplementedError
 
     def spectrum(self, *, periods: int = 400, settle: int = 300, start: Any = None, progress: bool = False) -> Any:
-        """All Lyapunov exponents."""
+        """Computes all Lyapunov exponents."""
         raise NotImplementedError
 
     def basins(
@@ -195,15 +195,15 @@ class AnyMachine:
         progress: bool = False,
         **more: Any,
     ) -> Any:
-        """Basins of attraction over two numbers of the starts."""
+        """Computes basins of attraction over two numbers of the start."""
         raise NotImplementedError
 
     def fit(self, record: RecordLike, **options: Any) -> Any:
-        """Numbers of the machine fitted to a record."""
+        """Fits parameters of the machine to a record."""
         raise NotImplementedError
 
     def sketch(self) -> Sketch:
-        """The machine as an engineer draws it."""
+        """Draws the machine as an engineering sketch."""
         raise NotImplementedError
 
     def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:
@@ -211,7 +211,7 @@ class AnyMachine:
         raise NotImplementedError
 
     def _repr_svg_(self) -> Optional[str]:
-        """The sketch, by which a notebook shows the machine; none of a machine that no file describes."""
+        """The sketch that a notebook shows; None if no file describes the machine."""
         try:
             return self.sketch().svg
         except ValueError:
@@ -219,7 +219,7 @@ class AnyMachine:
 
 
 def merged(first: Optional[Mapping[str, Any]], more: Mapping[str, Any], what: str) -> dict[str, Any]:
-    """Values by name from a dictionary and from keywords, each name once."""
+    """Merges values by name from a dictionary and from keywords; each name may occur once."""
     if first is not None and not isinstance(first, Mapping):
         raise TypeError(f"{what} is of type {type(first).__name__}: allowed is a dictionary such as {{'stop.steel.gap': ...}}, or keywords")
     twice = [name for name in first or {} if name in more]

@@ -11,25 +11,25 @@ _NAMES = {2: "VibroImpact3DOF.fmu", 3: "VibroImpact3DOF-FMI3.fmu"}
 
 
 def fmu_path(version: int = 2) -> Path:
-    """The path of the FMU of FMI 2.0 (version 2) or FMI 3.0 (version 3), for FMPy and any other host; both hold this package's engine.
+    """Returns the path of the prebuilt FMU of FMI 2.0 (version 2) or FMI 3.0 (version 3), for FMPy and other hosts.
 
     Raises
     ------
     ValueError, TypeError
         For another version.
     FileNotFoundError
-        Where the package was built without the archives; the message says how to get them.
+        If the package was built without the archives; the message explains how to get them.
     """
     return _inside(_NAMES[whole("version", version, 2, 3)])
 
 
 def kit_path() -> Path:
-    """The path of the kit: the library that serves all described machines, with its licences."""
+    """Returns the path of the kit: the library that serves all described machines, with its licences."""
     return _inside("machine-kit.zip")
 
 
 def _inside(name: str) -> Path:
-    """A file of the package, or of the folder that the environment variable `VIBRO_IMPACT_ARCHIVES` names."""
+    """Returns the path of a file in the package, or in the folder named by the environment variable `VIBRO_IMPACT_ARCHIVES`."""
     own = Path(__file__).with_name("fmu") / name
     named = os.environ.get("VIBRO_IMPACT_ARCHIVES")
     for path in [own] + ([Path(named) / name] if named else []):

@@ -1,4 +1,4 @@
-"""The instants at which a motion is reported."""
+"""Times at which a motion is reported."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ._arguments import MOST_PERIODS, Floats, array, number, seconds, whole
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-#: Most samples of a motion.
+#: Largest number of samples of a motion.
 MOST_SAMPLES = 100_000_000
 
 
 def after(name: str, value: object, begin: float) -> float:
-    """A number above another."""
+    """Returns `value` as a finite number greater than `begin`."""
     found = number(name, value)
     if not found > begin:
         raise ValueError(f"{name} = {value!r}: allowed is a finite number above {begin:g}")
@@ -24,7 +24,7 @@ def after(name: str, value: object, begin: float) -> float:
 
 
 def listed(times: ArrayLike, begin: float) -> Floats:
-    """Ascending times from that of a start on."""
+    """Returns ascending times that are not before the initial time `begin`."""
     t: Floats = array("times", times, "an array of shape (n,) of times in s").copy()
     allowed = f"allowed are ascending finite times from {begin:g} on, one at least"
     if len(t) == 0:
@@ -47,7 +47,7 @@ def instants(
     samples: int,
     per_period: int,
 ) -> Floats:
-    """Instants from a start on: to a time in equal parts, over periods in equal parts of each, or those listed."""
+    """Returns report times from the initial time on: equal parts until a time or of each period, or the listed times."""
     given = [name for name, value in (("until", until), ("periods", periods), ("times", times)) if value is not None]
     if len(given) != 1:
         raise TypeError(f"{', '.join(given) or 'neither until, periods nor times'}: allowed is one of until, periods and times")

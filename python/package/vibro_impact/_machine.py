@@ -61,14 +61,14 @@ class Machine(MachineDescription):
     Parameters
     ----------
     machine
-        The path of a file, or its text (one with a line break), or a dictionary of the same form: docs/machine-file.md says what may stand in
-        it. Records beside a file are read from its folder; a text or a dictionary has them as lists. Lists and matrices of a
-        dictionary may be NumPy arrays and sparse matrices of SciPy.
+        The path of a file, its text (with at least one line break), or a dictionary of the same form; docs/machine-file.md describes the
+        form. Paths of records are relative to the folder of the file; a text or a dictionary has records as lists. Lists and matrices of
+        a dictionary may be NumPy arrays and sparse matrices of SciPy.
 
     Raises
     ------
     ValueError, TypeError
-        For what is refused, with every problem by name.
+        If the description is invalid; the message names every problem.
     """
 
     __slots__ = ()
@@ -85,30 +85,30 @@ class Machine(MachineDescription):
         derivatives: Iterable[str] = (),
         progress: bool = False,
     ) -> Run:
-        """The motion, exactly from event to event: bit-identical to ``vibro run FILE``.
+        """Simulates the motion exactly from event to event: bit-identical to ``vibro run FILE``.
 
         Parameters
         ----------
         until, samples
-            End of the motion, in s or as a text with a unit, and number of equal parts; there is a sample at the start too.
+            End time, in s or as a text with a unit, and number of equal parts; the start is reported too.
         periods, per_period
-            Instead of a time: common periods of what drives the machine (:attr:`period`), and reports in each.
+            Alternative to an end time: number of common periods of the drives (:attr:`period`), and samples in each period.
         times
-            Instants instead, shape (n,), s, ascending.
+            Alternative: times to report, shape (n,), s, ascending.
         start
-            Where the motion begins instead of the machine's own start at time 0: numbers by name, ``{"time": 0.02, "box.s": "5 mm", "box.v": 0.1}``, in SI or
-            as texts with units; ``run.end`` of another motion; or the path of a start's file. What is not named is the machine's own.
+            Where the motion begins: numbers by name, ``{"time": 0.02, "box.s": "5 mm", "box.v": 0.1}``, in SI or as texts with units; ``run.end``
+            of another motion; or the path of a start's file. Numbers that are not given have the machine's own values, at time 0.
         derivatives
-            Parameters by which the run has the exact derivatives of its columns, ``run.derivative("box.s", "stop.steel.gap")``,
-            and of its events' times, through impacts, contacts and sticking; or numbers of the start: ``start.box.s``, ``start.box.v``,
-            ``start.time``. From another start than the machine's own no parameter moves the state there.
+            Parameters for which the run has exact derivatives of its columns, ``run.derivative("box.s", "stop.steel.gap")``, and of event
+            times, through impacts, contacts and sticking; or numbers of the start: ``start.box.s``, ``start.box.v``, ``start.time``.
+            If `start` is given, its state does not depend on any parameter of the machine.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
+            If an argument is out of its range.
         RuntimeError
-            For a motion that cannot go on, with the elements and the time.
+            If a motion cannot continue; the message names the elements and the time.
         """
         numbers = numbers_of(self, start)
         t = instants(time_of(numbers), self.period, until, periods, times, samples, per_period)
@@ -118,33 +118,34 @@ class Machine(MachineDescription):
         return run_of(self, t, found, parameters)
 
     def start(self, numbers: StartLike = None) -> Start:
-        """A start of the machine, of which what is not named is the machine's own: from numbers by name, in SI or as texts with units, or from a start's file, such as the ``end.toml`` of ``vibro
-        run``.
+        """Returns a start of the machine; numbers that are not given have the machine's own values.
+
+        Accepts numbers by name, in SI or as texts with units, or a start's file such as the ``end.toml`` of ``vibro run``.
 
         Raises
         ------
         ValueError, TypeError
-            For unknown names (the message gives the nearest one), bodies with a ``motion``, and coordinates that links determine.
+            For unknown names (the message suggests the closest one), bodies with a ``motion``, and coordinates determined by links.
         """
         return Start({"time": 0.0, **dict(numbers_of(self, numbers, "numbers"))})
 
     def transition(self, until: Union[float, str], *, start: StartLike = None, progress: bool = False) -> Transition:
-        """The exact derivatives of the state at a time by the state at the start, through impacts, contacts and sticking.
+        """Returns the exact derivatives of the state at a time with respect to the state at the start, through impacts, contacts and sticking.
 
-        The product of the matrices of parts of a motion is that of the whole. Over a period its eigenvalues are the multipliers of a periodic
-        motion.
+        The transition matrix of a motion is the product of the matrices of its parts. Over one period of a periodic motion, its eigenvalues
+        are the multipliers.
 
         Parameters
         ----------
         until
-            End of the motion, in s or as a text with a unit.
+            End time, in s or as a text with a unit.
         start
-            As of :meth:`simulate`.
+            As in :meth:`simulate`.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            As :meth:`simulate`.
+            As in :meth:`simulate`.
         """
         numbers = numbers_of(self, start)
         end = after("until", seconds("until", until), time_of(numbers))
@@ -162,20 +163,20 @@ class Machine(MachineDescription):
         start: StartLike = None,
         progress: bool = False,
     ) -> Measures:
-        """Measures of the settled motion by name; :attr:`measures` has all. As ``vibro sweep FILE`` has them.
+        """Returns measures of the settled motion by name, like ``vibro sweep FILE``; :attr:`measures` lists all.
 
-        `spread` of the result has by name how much a number would scatter from one window of the motion to the next: its standard error if it
-        is a mean, rounding where the motion repeats. `unsettled` names a measure that still went one way while it was measured, or is None.
+        `spread` of the result gives, by name, how much a measure scatters between windows of the motion: the standard error of a mean,
+        or rounding if the motion repeats. `unsettled` names a measure that still drifted during the measurement, or is None.
 
         Parameters
         ----------
         periods, settle
-            Returns to the section that are measured, and those before in which the transient dies out; each is prolonged to four periods of
-            the slowest oscillation with open stops (docs/machine-studies.md).
+            Measured returns to the section, and earlier returns for the transient; each is extended to at least
+            four periods of the slowest oscillation with open stops (docs/machine-studies.md).
         section
-            A period in s, or the name of a stop or friction whose events are the section; without it the common period of all harmonics.
+            A period in s, or the name of a stop or friction whose events are the section; by default the common period of all harmonics.
         start
-            As of :meth:`simulate`.
+            As in :meth:`simulate`.
         """
         return measures_of(self, measures, start, periods, settle, section, progress)
 
@@ -194,18 +195,18 @@ class Machine(MachineDescription):
         progress: bool = False,
         **more: ArrayLike,
     ) -> Table:
-        """Measures of all combinations of parameters, on all cores.
+        """Returns measures for all combinations of parameter values, computed on all cores.
 
-        ``damper.sweep(["amplitude.box.s"], {"stop.steel.gap": ["3 mm", "4 mm"], "body.box.mass": [12.0, 13.0]})`` is a table of shape (2, 2).
+        ``damper.sweep(["amplitude.box.s"], {"stop.steel.gap": ["3 mm", "4 mm"], "body.box.mass": [12.0, 13.0]})`` returns a table of shape (2, 2).
 
         Parameters
         ----------
         measures, periods, settle, section, start
-            As of :meth:`measure`.
+            As in :meth:`measure`.
         parameters, **more
-            Each parameter by name with its values, as :meth:`replace` takes them.
+            Each parameter by name with its values, in the form that :meth:`replace` accepts.
         errors, executor, checkpoint
-            As of :func:`measure_many`.
+            As in :func:`measure_many`.
         """
         from ._many import sweep_of
 
@@ -215,19 +216,19 @@ class Machine(MachineDescription):
     def spectrum(
         self, *, periods: int = 400, settle: int = 300, section: SectionLike = None, start: StartLike = None, progress: bool = False
     ) -> Spectrum:
-        """All Lyapunov exponents of the settled motion, exactly through impacts, sticking and sliding: ``vibro lyapunov FILE --spectrum``.
+        """Computes all Lyapunov exponents of the settled motion, exact through impacts, sticking and sliding: ``vibro lyapunov FILE --spectrum``.
 
         Parameters
         ----------
         periods, settle
-            Returns to the section that are counted, and those before in which the transient dies out.
+            Evaluated returns to the section, and earlier returns for the transient.
         section, start
-            As of :meth:`measure`.
+            As in :meth:`measure`.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            As :meth:`simulate`.
+            As in :meth:`simulate`.
         """
         return spectrum_of(self, periods, settle, section, start, progress)
 
@@ -241,23 +242,23 @@ class Machine(MachineDescription):
         start: StartLike = None,
         progress: bool = False,
     ) -> Section:
-        """A Poincaré section of the settled motion: ``vibro section FILE``.
+        """Computes a Poincaré section of the settled motion: ``vibro section FILE``.
 
         Parameters
         ----------
         section
-            As of :meth:`measure`: at an element's events the columns are those just after.
+            As in :meth:`measure`; at an element's events, the columns have the values just after the event.
         phase
             Phase of a section of whole periods, rad.
         periods, settle
-            Points of the section, and returns before in which the transient dies out.
+            Number of points of the section, and earlier returns for the transient.
         start
-            As of :meth:`simulate`.
+            As in :meth:`simulate`.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            As :meth:`simulate`.
+            As in :meth:`simulate`.
         """
         return poincare_of(self, section, phase, (start, periods, settle), progress)
 
@@ -271,23 +272,23 @@ class Machine(MachineDescription):
         progress: bool = False,
         **more: Any,
     ) -> Basins:
-        """Basins of attraction over two numbers of the starts, on all cores: bit-identical to ``vibro basin FILE``.
+        """Computes basins of attraction over two numbers of the start, on all cores: bit-identical to ``vibro basin FILE``.
 
         ``damper.basins({"block.s": ("-4 mm", "4 mm", 60), "block.v": (-1.0, 1.0, 60)})``
 
         Parameters
         ----------
         ranges, **more
-            Two of ``time`` and the bodies' coordinates and rates with (from, to, cells), in SI or as texts with units; the first across.
+            Two of ``time`` and the bodies' coordinates and rates, each with (from, to, cells), in SI or as texts with units; the first is horizontal.
         settle, section
-            As of :meth:`measure`.
+            As in :meth:`measure`.
         start
-            The other numbers of the starts, as of :meth:`simulate`.
+            The other numbers of the start, as in :meth:`simulate`.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
+            If an argument is out of its range.
         """
         return basins_of(self, merged(ranges, more, "ranges"), start, settle, section, progress)
 
@@ -305,30 +306,30 @@ class Machine(MachineDescription):
         progress: bool = False,
         **more: ArrayLike,
     ) -> Diagram:
-        """Local maxima of a quantity over a parameter in both directions, with classes: bit-identical to ``vibro bifurcation FILE``.
+        """Computes local maxima of a column over a parameter in both directions, with classes: bit-identical to ``vibro bifurcation FILE``.
 
         ``damper.bifurcation("box.s", {"stop.steel.gap": np.linspace(1e-3, 8e-3, 200)})``
 
         Parameters
         ----------
         of
-            A name of :attr:`columns`; the first without it.
+            One of :attr:`columns`; by default the first.
         parameter, **more
-            The parameter by name with its values, equally spaced and rising: numbers in SI, whatever unit the file has, or texts with
-            their units, as :meth:`replace` takes them: ``["3 mm", "4 mm", "5 mm"]``.
+            The parameter by name with its increasing, equally spaced values: numbers in SI, whatever unit the file uses, or texts with
+            units, in the form that :meth:`replace` accepts: ``["3 mm", "4 mm", "5 mm"]``.
         at_section
-            Its values at the section instead of its maxima.
+            Whether to return the column's values at the section instead of its maxima.
         periods
-            Returns to the section discarded and kept at each value.
+            Returns to the section that are discarded and kept at each value.
         exponents
-            Whether the largest exponent is computed, over 400 returns or so many.
+            Whether to compute the largest exponent, over 400 returns; a number sets the number of returns.
         section
-            As of :meth:`measure`.
+            As in :meth:`measure`.
         anew
-            Whether each value begins at the start; ``down`` is then empty of motions. Machines with a step or a record that goes on after
-            the first value's transient need it.
+            Whether each value begins at the start; ``down`` then has no motions. Required for machines with a step or a record that continues
+            after the first value's transient.
         start
-            As of :meth:`simulate`: where the motion begins at the first value of either direction.
+            As in :meth:`simulate`: where the motion begins at the first value of either direction.
         """
         of = self.columns[0] if of is None else of
         given_by_name = merged(parameter, more, "parameter")
@@ -357,29 +358,29 @@ class Machine(MachineDescription):
         section: SectionLike = None,
         progress: bool = False,
     ) -> Orbit:
-        """The periodic orbit on which a motion settles, or one with a given word or period, stable or not: ``vibro orbit FILE``.
+        """Finds the periodic orbit on which a motion settles, or an orbit with a given word or period, stable or unstable: ``vibro orbit FILE``.
 
         Parameters
         ----------
         word
-            Its events in order, ``"impact steel, press buffer"``, from any of them on; kinds of events other than impact, chatter and press
-            that it does not mention are left out.
+            The orbit's events in order, ``"impact steel, press buffer"``, beginning with any of them. Impacts, chatter and press events always count;
+            other kinds of events count only if the word mentions them.
         period
-            Its period: ``"2T"`` for two common periods of the drive, or a time, in s or as a text with a unit.
+            Period of the orbit: ``"2T"`` for two common periods of the drive, or a time, in s or as a text with a unit.
         start
-            As of :meth:`simulate`: where the motion begins.
+            As in :meth:`simulate`: where the motion begins.
         tries
-            Number of random starts from which an orbit with a word or period is sought, where the first motion does not pass near one.
+            Number of random starts for an orbit with a word or period; used if the first motion does not pass near such an orbit.
         settle
-            Returns to the section before the motion counts as settled, unless it has settled before.
+            Returns to the section after which the motion counts as settled, unless it settles earlier.
         section
-            As of :meth:`bifurcation`.
+            As in :meth:`bifurcation`.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range, a word that cannot close, a motion that settles on no periodic orbit, with its class, and where
-            none is found, with those that were.
+            If an argument is out of its range; if a word cannot close; if the motion settles on no periodic orbit (the message gives its
+            class); or if no orbit is found (the message lists the orbits that were).
         """
         return find_orbit(self, (word, period, tries), start, settle, section, progress)
 
@@ -397,25 +398,25 @@ class Machine(MachineDescription):
         section: SectionLike = None,
         progress: bool = False,
     ) -> list[Branch]:
-        """Branches of periodic orbits over a parameter, stable or not: response curves and their bifurcations, ``vibro orbits FILE --tree``.
+        """Finds branches of periodic orbits over a parameter, stable or unstable: response curves and their bifurcations, ``vibro orbits FILE --tree``.
 
         Parameters
         ----------
         name, low, high
             The parameter and its range, in SI or as texts with units.
         of
-            The output that is kept of each orbit, such as ``amplitude.box.s``; the amplitude of the first free body without one.
+            The measure that is kept for each orbit, such as ``amplitude.box.s``; by default the amplitude of the first free body.
         seeds
-            Values of the parameter at which motions are followed until they settle, rising and falling; with a depth from the start, too.
+            Number of parameter values whose settled motions start branches, up and down; with a `depth`, from the start too.
         depth
-            Most changes from one branch to another in a row, at bifurcations and touches of rigid stops; at other touches branches go on.
+            Largest number of branch switches in a row, at bifurcations and at touches of rigid stops; at other touches a branch continues.
         start, settle, section
-            As of :meth:`orbit`.
+            As in :meth:`orbit`.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
+            If an argument is out of its range.
         """
         return find_branches(self, name, (low, high), of, (start, seeds, depth, settle, section), progress)
 
@@ -433,17 +434,17 @@ class Machine(MachineDescription):
         section: SectionLike = None,
         progress: bool = False,
     ) -> list[Branch]:
-        """The response over a parameter: the branches of the orbits on which motions settle, rising and falling, ``vibro response FILE``.
+        """Finds the branches of orbits on which motions settle, for increasing and decreasing parameter: ``vibro response FILE``.
 
         Parameters
         ----------
         name, low, high, of, start, seeds, depth, settle, section
-            As of :meth:`branches`, of which it is the case of depth 0.
+            As in :meth:`branches`; the default depth is 0.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range, and where no motion settles on an orbit that can be followed.
+            If an argument is out of its range, or if no motion settles on an orbit that can be followed.
         """
         found = self.branches(
             name, low, high, of=of, start=start, seeds=seeds, depth=depth, settle=settle, section=section, progress=progress
@@ -456,20 +457,19 @@ class Machine(MachineDescription):
         return found
 
     def fit(self, record: RecordLike, **options: Any) -> Any:
-        """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
+        """Fits parameters of the machine to a record, with their errors; :func:`fit` has the options."""
         return fit(self, record, **options)
 
     def design(self, **options: Any) -> Design:
-        """The design with the best output: :func:`design`, which has the options."""
+        """Searches for the design with the best output; :func:`design` has the options."""
         return design(self, **options)
 
     def sketch(self) -> Sketch:
-        """The machine as an engineer draws it; a notebook shows the picture: byte-identical to ``vibro draw FILE``."""
+        """Draws the machine as an engineering sketch, which a notebook shows: byte-identical to ``vibro draw FILE``."""
         return Sketch(self._described)
 
     def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:
-        """Writes the machine's FMU, for Co-Simulation and Model Exchange, and returns its path. Nothing is compiled: the library that serves
-        all machines is inside the package.
+        """Writes the machine's FMU, for Co-Simulation and Model Exchange, and returns its path. Needs no compiler.
 
         Parameters
         ----------
@@ -484,9 +484,9 @@ class Machine(MachineDescription):
         ValueError, TypeError
             For another version.
         FileNotFoundError
-            Where the package was built without the library.
+            If the package was built without the library.
         OSError
-            Where the file cannot be written.
+            If the file cannot be written.
         """
         version = whole("version", version, 2, 3)
         to = Path(path) if path is not None else Path()

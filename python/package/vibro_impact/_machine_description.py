@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class _Names(type):
-    """The type of the class, which says where a constructor of the paper's machine is."""
+    """Metaclass whose error for a constructor of the paper's machine names the right class."""
 
     if not TYPE_CHECKING:
 
@@ -28,7 +28,7 @@ class _Names(type):
 
 
 class MachineDescription(AnyMachine, metaclass=_Names):
-    """A described machine: its parameters, columns and measures. Base of :class:`Machine`, from which results import it."""
+    """A described machine: its parameters, columns and measures. Base of :class:`Machine`; results import this base."""
 
     __slots__ = ("_described",)
     _described: _native.Described
@@ -60,12 +60,12 @@ class MachineDescription(AnyMachine, metaclass=_Names):
 
     @property
     def toml(self) -> str:
-        """The text of its file, in SI and with every digit."""
+        """The text of its file, in SI with every digit."""
         return self._described.text()
 
     @property
     def parameters(self) -> dict[str, float]:
-        """All parameters with their values, in SI independent of the units in the file; :attr:`units` has the SI units."""
+        """All parameters with their values, in SI whatever units the file uses; :attr:`units` has the SI units."""
         return {name: value for name, _, value, _ in self._described.parameters()}
 
     @property
@@ -75,24 +75,24 @@ class MachineDescription(AnyMachine, metaclass=_Names):
 
     @property
     def columns(self) -> list[str]:
-        """Names of a motion's columns: ``box.s``, ``box.v``, ``box.a``; ``upper.e``, ``upper.rate``, ``upper.f``; ``shaker.f``."""
+        """Names of the columns of a motion: ``box.s``, ``box.v``, ``box.a``; ``upper.e``, ``upper.rate``, ``upper.f``; ``shaker.f``."""
         return self._described.columns()
 
     @property
     def measures(self) -> dict[str, str]:
-        """All measures by name: SI unit (``1`` for none) and meaning."""
+        """All measures by name, each with its SI unit (``1`` if dimensionless) and meaning."""
         return {name: f"{unit}: {what}" for name, unit, what in self._described.measures()}
 
     def replace(self, changes: Optional[Mapping[str, Value]] = None, /, **parameters: Value) -> Self:
-        """The machine with other values: ``replace({"stop.steel.gap": 4e-3, "body.box.mass": "12 kg"})``, or as keywords.
+        """Returns the machine with some parameters changed: ``replace({"stop.steel.gap": 4e-3, "body.box.mass": "12 kg"})``, or as keywords.
 
-        A number is in SI, independent of the file's units: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
-        refused where the parameter has a unit.
+        A number is in SI, whatever units the file uses: 4e-3 is 4 mm. A text has its unit: ``"4 mm"``; ``"4"`` is
+        refused if the parameter has a unit.
 
         Raises
         ------
         ValueError, TypeError
-            For an unknown name (the message gives the nearest one), or a value not allowed in a file either.
+            For an unknown name (the message suggests the closest one), or a value that a file may not have either.
         """
         parameters = merged(changes, parameters, "changes")
         units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}
@@ -106,27 +106,27 @@ class MachineDescription(AnyMachine, metaclass=_Names):
 
     @property
     def period(self) -> float:
-        """Common period of all that drives the machine, s; infinite where nothing does, or where there is none."""
+        """Common period of all drives of the machine, s; infinite if nothing drives it or no common period exists."""
         found = self._described.period()
         return float("inf") if found is None else found
 
     def _rows(self, names: list[str], table: Floats) -> tuple[Any, ...]:
-        """The machine with rows of values of some parameters, as the library reads it."""
+        """Returns the machine, names and rows of parameter values, in the form that the library reads."""
         own = self.parameters
         for name in names:
             if name not in own:
-                self.replace({name: 0.0})  # says which name is near
+                self.replace({name: 0.0})  # the error suggests the closest name
         return self._described, names, table
 
     def _in_si(self, name: str, given: ArrayLike) -> ArrayLike:
-        """The values in SI: texts with units are converted, numbers are returned unchanged."""
-        # The machine with one of several new values may be one that is refused: only the machine
-        # with all of them is checked.
+        """Converts texts with units to SI; returns numbers unchanged."""
+        # The machine may be invalid with only one of several new values: only the machine with all
+        # of them is checked.
         found: ArrayLike = converted(given, lambda value: self._value(name, value))
         return found
 
     def _value(self, name: str, value: Any) -> float:
-        """A value of a parameter, a number in SI or a text with a unit, in SI."""
+        """Returns a value of a parameter in SI, from a number in SI or a text with a unit."""
         if not isinstance(value, str):
             return number(name, value)
         units = self.units
@@ -154,7 +154,7 @@ class MachineDescription(AnyMachine, metaclass=_Names):
 
 
 def _papers(parameters: Mapping[str, Any]) -> str:
-    """What to write for the paper's machine, whose parameters are keywords."""
+    """Returns the message that shows how to write the paper's machine, whose parameters are keywords."""
     given = ", ".join(f"{name}={value!r}" for name, value in parameters.items())
     return (
         f"vi.Machine({given}): expected the path of a machine file, its text, or a dictionary of the same form; "

@@ -1,4 +1,4 @@
-"""Searches for the best design of machines of your own."""
+"""Search for the best design of machines of your own."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from ._result import Result
 from ._show import Line, lines
 from ._start import Start
 
-#: An end of a range: a number in SI, or a text with a unit.
+#: End of a range: a number in SI, or a text with a unit.
 _End = Union[float, str]
 
-#: Values of an interval without a count.
+#: Number of values of an interval without a count.
 _VALUES = 11
 
 
 @dataclasses.dataclass(frozen=True)
 class DesignMotion:
-    """A motion of the best design at the place of its worst value."""
+    """A motion of the best design at the parameters of its worst value."""
 
     kind: str
     "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
@@ -125,7 +125,7 @@ def design(
     start: Union[StartLike, list[StartLike]] = None,
     progress: bool = False,
 ) -> Design:
-    """The design with the least or largest output of its worst motion: ``vibro design FILE``.
+    """Finds the design whose worst motion has the smallest or largest output: ``vibro design FILE``.
 
     >>> import vibro_impact as vi
     >>> slide = vi.Machine({
@@ -140,37 +140,37 @@ def design(
     Parameters
     ----------
     machine
-        The machine; its own numbers are evaluated first where they lie in the ranges.
+        The machine; its own parameter values are evaluated first if they lie in the ranges.
     vary
-        The numbers that vary, each with the ends of its range, in SI or as texts with units.
+        The parameters to vary, each with the ends of its range, in SI or as texts with units.
     minimize, maximize
-        The output that is to be small or large in its worst motion, such as ``amplitude.box.s``; :attr:`Machine.measures` has all.
+        The output to minimise or maximise for the worst motion, such as ``amplitude.box.s``; :attr:`Machine.measures` lists all.
     over
-        Parameters over which a design has its worst value: a tuple ``(from, to)`` or ``(from, to, count)`` is an interval, in which peaks are
-        also searched between the values, and a list has single values.
+        The worst value of a design is taken over these parameters. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, where
+        peaks between the values are searched too; a list has single values.
     subject_to
-        Limits that the worst motion must keep, such as ``"impact.speed.steel <= 0.5 m/s"``.
+        Constraints on the worst motion, such as ``"impact.speed.steel <= 0.5 m/s"``.
     robust
-        Relative tolerance of the numbers that vary: the worst value at the corners of the box of all tolerances counts (of more than four
-        numbers, at 16 corners), for the best design also at 32 points inside.
+        Relative tolerance of the varied parameters. The worst value at the corners of the tolerance box counts (at 16 corners for more than
+        four parameters); for the best design, at 32 interior points too.
     evaluations
-        Number of designs that are evaluated; local searches may add some ten for each of three basins.
+        Number of designs to evaluate; local searches may add about ten for each of three basins.
     periods, settle, section
-        As of :meth:`Machine.measure`.
+        As in :meth:`Machine.measure`.
     again
-        Periods of motion that may be spent on measuring the best designs longer.
+        Budget of periods of motion for measuring the best designs for longer.
     start
-        As of :meth:`Machine.simulate`, or a list of such: every design is run from each.
+        As in :meth:`Machine.simulate`, or a list of starts: every design is run from each of them.
     progress
         Whether to show a progress bar, with the stage, the number of designs and the best output so far.
 
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C, with the best design so far as its attribute ``partial``: a :class:`Design` whose verdict is ``undecided: ended by hand``;
-        None where the simulations that run do not end within 10 s, or at a second Ctrl-C.
+        On Ctrl-C, with the best design found as its attribute ``partial``: a :class:`Design` whose verdict is ``undecided: ended by hand``;
+        None if the running simulations do not end within 10 s, or at a second Ctrl-C.
     ValueError, TypeError
-        For arguments out of their range and unknown names.
+        If an argument is out of its range, or a name is unknown.
     """
     if not isinstance(machine, MachineDescription):
         raise TypeError(f"machine is of type {type(machine).__name__}: expected a Machine; a PaperMachine has `described()`")
@@ -205,7 +205,7 @@ def design(
 
 
 def _ends(machine: MachineDescription, what: str, name: str, ends: Any) -> tuple[float, float]:
-    """The ends of a range, SI."""
+    """Returns the ends of a range, SI."""
     if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
         raise TypeError(f"{what} = {ends!r}: expected a pair of its least and largest value, in SI or as texts with units")
     low, high = (_value(machine, name, end) for end in ends)
@@ -219,7 +219,7 @@ def _value(machine: MachineDescription, name: str, value: _End) -> float:
 
 
 def _axis(machine: MachineDescription, name: str, given: Any) -> tuple[str, list[float], bool]:
-    """The values of a parameter of a band, and whether they sample an interval."""
+    """Returns the name and values of a parameter of a band, and whether the values sample an interval."""
     if isinstance(given, tuple):
         count = whole(f"over: {name}[2]", given[2], 2, 1000) if len(given) == 3 else _VALUES
         low, high = _ends(machine, f"over: {name}", name, given[:2])

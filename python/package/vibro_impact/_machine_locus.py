@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from ._machine_description import MachineDescription
 
-#: What is special at a point of a curve over two parameters: why the curve ends, or which two conditions hold.
+#: Labels of points of a curve over two parameters: why the curve ends, or which two conditions hold there.
 LOCUS_LABELS = {
     "EP": "end of a parameter's range",
     "GR": "another contact is touched: the orbit changes its events there",
@@ -31,7 +31,7 @@ LOCUS_LABELS = {
     "closed": "the curve ends where it begins",
 }
 
-#: Two parameters of a curve, each with its range, SI; the first is the parameter of the branch.
+#: The two parameters of a curve, each with its range, SI; the first is the parameter of the branch.
 Ranges = tuple[tuple[str, tuple[float, float]], tuple[str, tuple[float, float]]]
 
 
@@ -74,7 +74,7 @@ class Locus(Result):
 
 
 def ranges_of(machine: MachineDescription, name: str, given: dict[str, Any]) -> Ranges:
-    """The ranges of a branch's parameter and of a second one, SI."""
+    """Returns the ranges of a branch's parameter and of a second one, SI."""
     others = [other for other in given if other != name]
     if len(given) != 2 or len(others) != 1:
         raise TypeError(
@@ -99,7 +99,7 @@ def locus_of(
     beside: list[tuple[float, float, list[tuple[str, float]]]],
     progress: bool,
 ) -> Locus:
-    """What :meth:`Branch.locus` returns, from a special point (label, element, value) and orbits beside it."""
+    """Returns the result of :meth:`Branch.locus` from a special point (label, element, value) and neighbouring orbits."""
     first, second = ranges
     with Bar(progress, 1, "curves") as bar:
         found = _native.locus(machine._described, first, second, point, beside, bar.report)

@@ -24,7 +24,7 @@ SectionLike = Union[None, float, str]
 def runs(
     machines: list[MachineDescription], starts: Any, times: ArrayLike, derivatives: Iterable[str], progress: bool
 ) -> list[Run]:
-    """Described machines' motions at instants, for :func:`simulate_many`."""
+    """Returns the motions of described machines at given times, for :func:`simulate_many`."""
     machines, begins = starts_of(machines, starts)
     t, parameters = listed(times, max((time_of(begin) for begin in begins), default=0.0)), names_of(derivatives)
 
@@ -38,7 +38,7 @@ def runs(
 
 
 def names_of(parameters: Iterable[str]) -> list[str]:
-    """Names of parameters, each once."""
+    """Returns names of parameters; raises for duplicates."""
     if isinstance(parameters, str):
         raise TypeError(f"derivatives = {parameters!r}: allowed is a list of names of parameters")
     names = list(parameters)
@@ -59,7 +59,7 @@ def measures_of(
     section: SectionLike,
     progress: bool,
 ) -> Measures:
-    """Measures of a described machine's settled motion."""
+    """Returns measures of a described machine's settled motion."""
     names = measure_names(measures)
     periods, settle = whole("periods", periods, 1, MOST_PERIODS), whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, 1, "motions") as bar:
@@ -69,10 +69,10 @@ def measures_of(
 
 
 def section_of(section: SectionLike) -> Union[None, float, str]:
-    """The section as the library reads it."""
+    """Returns the section in the form that the library reads."""
     return section if section is None or isinstance(section, str) else positive("section", section)
 
 
 def positive(name: str, value: object) -> float:
-    """A number above 0."""
+    """Returns `value` as a number greater than 0."""
     return after(name, value, 0.0)

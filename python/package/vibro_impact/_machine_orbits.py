@@ -1,4 +1,4 @@
-"""Periodic orbits of machines of your own, stable or not, and their branches along a parameter."""
+"""Periodic orbits of machines of your own, stable or unstable, and their branches along a parameter."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from ._machine_description import MachineDescription
 
-#: What is special at a point of a branch of a machine of your own.
+#: Labels of special points of a branch of a machine of your own.
 LABELS = {
     "LP": "fold: the branch turns round in the parameter",
     "BP": "branch point: two branches cross",
@@ -41,7 +41,7 @@ LABELS = {
 
 #: Labels of points at which curves over two parameters begin.
 _BEGINS = tuple(label for label in LABELS if label not in ("EP", "MX"))
-#: Number of points on either side of a special point among which the next orbit is searched.
+#: Number of points on either side of a special point that may start the search for an orbit.
 _BESIDE = 6
 
 _MOST_RETURNS = 10_000_000
@@ -73,51 +73,51 @@ class Orbit(Result):
 
     @property
     def stable(self) -> bool:
-        """Whether it attracts its neighbourhood."""
+        """Whether the orbit attracts neighbouring motions."""
         return self.stability == "stable"
 
     def measure(self, name: str) -> float:
-        """An output of :func:`measure_many` over a period, such as ``amplitude.box.s``, in SI; not powers, class and exponent."""
+        """Returns a measure of :func:`measure_many` over one period, such as ``amplitude.box.s``, in SI; not a power, class or exponent."""
         if not isinstance(name, str):
             raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
         return self._solved().measure(name)
 
     def gradient(self, name: str) -> dict[str, Optional[float]]:
-        """The derivatives of an output, as of :meth:`measure`, by every number of the machine but those of its start, by name, in SI.
+        """Returns the derivatives of a measure, as in :meth:`measure`, with respect to every parameter except the start, by name, in SI.
 
-        ``orbit.gradient("amplitude.box.s")["stop.steel.gap"]``. All flights and events are those of the orbit's word. None where there is no
-        derivative: at a fold, and where neither a larger nor a smaller value leaves an orbit, such as a frequency of which the others are
-        multiples.
+        ``orbit.gradient("amplitude.box.s")["stop.steel.gap"]``. The orbit keeps its word for the derivative. A value is None if no
+        derivative exists: at a fold, or if neither a larger nor a smaller value leaves an orbit, as for a frequency whose multiples are the other
+        frequencies.
         """
         if not isinstance(name, str):
             raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
         return {parameter: value for parameter, value, _ in self._solved().gradient(name)}
 
     def energies(self) -> Optional[dict[str, float]]:
-        """The energy that each load puts in and each other element takes, J a period; none where no motion stays on the orbit."""
+        """Returns the energy that each load supplies and each other element takes, J per period; None if no motion stays on the orbit."""
         found = self._solved().energies()
         return None if found is None else dict(found)
 
     def follow(
         self, name: str, low: Union[float, str], high: Union[float, str], *, of: Optional[str] = None, progress: bool = False
     ) -> Branch:
-        """The branch of the orbit along a parameter, stable or not, with its bifurcations.
+        """Follows the orbit along a parameter, stable or unstable, and returns the branch with its bifurcations.
 
         Parameters
         ----------
         name
             The parameter.
         low, high
-            Its range, which holds the machine's own value; in SI, or texts with units.
+            Range of the parameter, which contains the machine's own value; in SI or as texts with units.
         of
-            The output that is kept of each orbit; the amplitude of the first free body without one.
+            The measure that is kept for each orbit; by default the amplitude of the first free body.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
+            If an argument is out of its range.
         RuntimeError
-            Where the orbit cannot be followed.
+            If the orbit cannot be followed.
         """
         ends, of = _ends(self.machine, name, low, high), _of(self.machine, of)
         with Bar(progress, 1, "branches") as bar:
@@ -125,7 +125,7 @@ class Orbit(Result):
         return _branch(self.machine, name, of, found)
 
     def _solved(self) -> _native.Orbit:
-        """The library's orbit; of one from another process it is solved for again, from its start."""
+        """Returns the library's orbit; an orbit from another process is solved for again from its start."""
         handle = self._handle
         if handle is None:
             time = self.period if self.periods is None else None
@@ -178,13 +178,13 @@ class Branch(Result):
 
     @property
     def special(self) -> list[tuple[str, float, str]]:
-        """Special points as (label, value of the parameter, element), in the branch's order."""
+        """Special points as (label, value of the parameter, element), in the order of the branch."""
         return [(str(self.labels[i]), float(self.value[i]), str(self.elements[i])) for i in np.flatnonzero(self.labels != "")]
 
     def locus(
         self, point: int, ranges: Optional[Mapping[str, tuple[Any, Any]]] = None, *, progress: bool = False, **more: tuple[Any, Any]
     ) -> Locus:
-        """The curve over two parameters on which the orbit keeps a special point of this branch: ``vibro locus FILE``.
+        """Follows a special point of this branch over two parameters and returns the curve: ``vibro locus FILE``.
 
         ``branch.locus(k, {branch.name: (0.01, 0.05), "stop.floor.restitution": (0.4, 0.8)})`` for each k of ``np.flatnonzero(branch.labels == "LP")``
 
@@ -193,13 +193,13 @@ class Branch(Result):
         point
             Index of the special point among the points of this branch.
         ranges, **more
-            The branch's parameter and a second one, each with (from, to), in SI or as texts with units. The curve begins at the second parameter's
-            value in the machine and stays in both ranges.
+            The branch's parameter and a second one, each with (from, to), in SI or as texts with units. The curve begins at the machine's own
+            value of the second parameter and stays in both ranges.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range, a point at which no curve begins, and where no curve passes the point.
+            If an argument is out of its range, if no curve begins at the point, or if no curve passes through it.
         """
         point = whole("point", point, 0, len(self.value) - 1)
         label, value, name = str(self.labels[point]), float(self.value[point]), self.name
@@ -248,7 +248,7 @@ def find_orbit(
     section: SectionLike,
     progress: bool,
 ) -> Orbit:
-    """The orbit on which a motion settles, or one with a word or period."""
+    """Finds the orbit on which a motion settles, or an orbit with a given word or period."""
     word, period, tries = wanted
     numbers = numbers_of(machine, start)
     settle, tries = whole("settle", settle, 0, _MOST_RETURNS), whole("tries", tries, 0, 100_000)
@@ -266,7 +266,7 @@ def find_orbit(
 
 
 def _period(machine: MachineDescription, period: Union[None, float, str]) -> tuple[Optional[int], Optional[float]]:
-    """A period as a number of common periods of the drive, or as a time, s."""
+    """Returns a period as a number of common periods of the drive, or as a time, s."""
     if period is None:
         return None, None
     if not isinstance(period, str):
@@ -287,7 +287,7 @@ def find_branches(
     options: tuple[StartLike, int, int, int, SectionLike],
     progress: bool,
 ) -> list[Branch]:
-    """All branches over a range of a parameter."""
+    """Finds all branches over a range of a parameter."""
     start, seeds, depth, settle, section = options
     of, low_high = _of(machine, of), _ends(machine, name, *ends)
     seeds, depth = whole("seeds", seeds, 1, 10_000), whole("depth", depth, 0, 40)

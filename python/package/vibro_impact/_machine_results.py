@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-#: Energies, J: kinetic, stored, and what work and steps of stiffness put in less losses since the start;
+#: Energies, J: kinetic; stored; and the balance: work and energy from steps of stiffness, minus losses, since the start.
 #: kinetic + stored - balance is constant.
 ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
 
@@ -28,7 +28,7 @@ ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
 def _masked(
     varied: Optional[tuple[Floats, NDArray[np.bool_]]], place: int
 ) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
-    """The derivatives in a column, masked where there are none."""
+    """Returns the derivatives of a column, masked where none exists."""
     numbers, known = varied if varied is not None else (np.zeros((0, 1)), np.zeros((0, 1), bool))
     return np.ma.MaskedArray(numbers[:, place], ~known[:, place])
 
@@ -59,25 +59,25 @@ class Run(Result):
     _event_derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
 
     def derivative(self, column: str, parameter: str) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
-        """The exact derivative of a column by a parameter that :meth:`Machine.simulate` was asked for, shape (n,), SI.
+        """Returns the exact derivative of a column with respect to a parameter of :meth:`Machine.simulate`, shape (n,), SI.
 
-        It is masked from the time on from which there is none; :attr:`lost` says why.
+        It is masked from the time after which no derivative exists; :attr:`lost` gives the reason.
 
         Raises
         ------
         KeyError
-            For another column or parameter.
+            For an unknown column or parameter.
         """
         place = place_of(self.columns, column) * len(self.parameters) + place_of(self.parameters, parameter)
         return _masked(self._derivatives, place)
 
     def event_derivative(self, parameter: str) -> np.ma.MaskedArray[Any, np.dtype[np.float64]]:
-        """The derivative of the time of each of :attr:`events` by a parameter, masked where there is none.
+        """Returns the derivative of the time of each of :attr:`events` with respect to a parameter, masked where none exists.
 
         Raises
         ------
         KeyError
-            For another parameter.
+            For an unknown parameter.
         """
         return _masked(self._event_derivatives, place_of(self.parameters, parameter))
 
@@ -88,11 +88,11 @@ class Run(Result):
         return iter(self.columns)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The samples as a table of pandas, which must be installed, with times as index."""
+        """Returns the samples as a pandas DataFrame with times as index; requires pandas."""
         return frame(dict(zip(self.columns, self.values.T)), self.t)
 
     def to_xarray(self) -> xarray.Dataset:
-        """The samples as a data set of xarray, which must be installed, over the dimension ``time``."""
+        """Returns the samples as an xarray Dataset over the dimension ``time``; requires xarray."""
         return dataset(self.machine, self.columns, self.values, self.t)
 
     def _picture(self) -> str:
@@ -102,7 +102,7 @@ class Run(Result):
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Ends(Result):
-    """The ends of many machines' motions; ``ends["box.s"]`` is an array."""
+    """Final states of the motions of many machines; ``ends["box.s"]`` is an array."""
 
     t: float
     "Time of the ends, s."
@@ -119,7 +119,7 @@ class Ends(Result):
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Transition(Result):
-    """The derivatives of a motion's state at its end by its state at the start, through impacts, contacts and sticking."""
+    """Derivatives of the final state of a motion with respect to its initial state, through impacts, contacts and sticking."""
 
     machine: MachineDescription
     "Whose motion it is."
@@ -137,7 +137,7 @@ class Transition(Result):
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Direction(Result):
-    """The settled motions of one direction of a diagram."""
+    """Settled motions of one direction of a diagram."""
 
     value: Floats
     "The parameter, shape (n,), SI, rising."

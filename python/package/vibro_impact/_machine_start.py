@@ -13,15 +13,15 @@ if TYPE_CHECKING:
     from ._machine_description import MachineDescription
 
 
-#: A start: numbers by name, in SI or as texts with units, or the path of a start's file; without it the machine's own.
+#: A start: numbers by name, in SI or as texts with units, or the path of a start's file; None for the machine's own start.
 StartLike = Union[None, Mapping[str, Union[float, str]], str, os.PathLike[str]]
 
-#: Names and numbers of a start, SI; none of a machine's own.
+#: Names and numbers of a start, SI; empty for the machine's own start.
 Numbers = list[tuple[str, float]]
 
 
 def numbers_of(machine: MachineDescription, start: StartLike, name: str = "start") -> Numbers:
-    """The numbers of a start of a machine."""
+    """Returns the names and numbers of a start of a machine."""
     if start is None:
         return []
     if isinstance(start, Mapping):
@@ -42,12 +42,12 @@ def _value(name: str, value: Union[float, str]) -> Union[float, str]:
 
 
 def time_of(numbers: Numbers) -> float:
-    """The time of a start."""
+    """Returns the time of a start, s."""
     return dict(numbers).get("time", 0.0)
 
 
 def listed_starts(starts: Any) -> list[Any]:
-    """The starts of a sequence of at least one."""
+    """Returns the starts of a nonempty sequence."""
     if isinstance(starts, (str, os.PathLike)) or not isinstance(starts, Iterable):
         raise TypeError(f"starts is of type {type(starts).__name__}: allowed is a start, or a sequence with one for each motion")
     several = list(starts)
@@ -57,7 +57,7 @@ def listed_starts(starts: Any) -> list[Any]:
 
 
 def starts_of(machines: list[MachineDescription], starts: Any) -> tuple[list[MachineDescription], list[Numbers]]:
-    """A machine and a start for each motion: one start for all, or a list with one for each; one machine takes any number of starts."""
+    """Returns a machine and a start for each motion; one start serves all machines, one machine serves any number of starts."""
     if starts is None or isinstance(starts, (Mapping, str, os.PathLike)):
         return machines, [numbers_of(machine, starts, "starts") for machine in machines]
     several = listed_starts(starts)

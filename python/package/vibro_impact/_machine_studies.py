@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ._machine_description import MachineDescription
 
-#: Most cells of a plane in one direction, and most points of a section.
+#: Largest number of cells of a plane in one direction; largest number of points of a section.
 _MOST_CELLS = 5_000
 _MOST_POINTS = 10_000_000
 
@@ -50,7 +50,7 @@ class Attractor(Result):
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Basins(Result):
-    """Basins of attraction over two numbers of the starts."""
+    """Basins of attraction over two numbers of the start."""
 
     machine: MachineDescription
     "The machine."
@@ -133,7 +133,7 @@ class Spectrum(Result):
 def basins_of(
     machine: MachineDescription, ranges: dict[str, Any], start: StartLike, settle: int, section: SectionLike, progress: bool
 ) -> Basins:
-    """What :meth:`Machine.basins` returns."""
+    """Returns the result of :meth:`Machine.basins`."""
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two numbers of a start, e.g. {{'block.s': ('-4 mm', '4 mm', 60)}}")
     x, y = (_range(machine, name, given) for name, given in ranges.items())
@@ -168,7 +168,7 @@ def _centres(axis: tuple[str, float, float, int]) -> Floats:
 def poincare_of(
     machine: MachineDescription, section: SectionLike, phase: float, options: tuple[StartLike, int, int], progress: bool
 ) -> Section:
-    """What :meth:`Machine.poincare` returns."""
+    """Returns the result of :meth:`Machine.poincare`."""
     start, periods, settle = options
     periods, settle = whole("periods", periods, 1, _MOST_POINTS), whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, periods, "points") as bar:
@@ -181,7 +181,7 @@ def poincare_of(
 def spectrum_of(
     machine: MachineDescription, periods: int, settle: int, section: SectionLike, start: StartLike, progress: bool
 ) -> Spectrum:
-    """What :meth:`Machine.spectrum` returns."""
+    """Returns the result of :meth:`Machine.spectrum`."""
     periods, settle = whole("periods", periods, 8, MOST_PERIODS), whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, periods, "periods") as bar:
         found = _native.spectrum(

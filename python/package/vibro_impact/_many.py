@@ -32,7 +32,7 @@ _Path = Union[None, str, os.PathLike[str]]
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class PaperEnds(Result):
-    """The ends of many motions of paper's machines; ``ends["box.s"]`` is an array."""
+    """Final states of the motions of many of the paper's machines; ``ends["box.s"]`` is an array."""
 
     t: Floats
     "Times of the ends, shape (n,), s."
@@ -45,7 +45,7 @@ class PaperEnds(Result):
 
     @property
     def states(self) -> Floats:
-        """The states as starts of further motions, shape (n, 6)."""
+        """Returns the states as starts of further motions, shape (n, 6)."""
         found: Floats = np.zeros((*self.s.shape[:-1], 6))
         if isinstance(self.s, np.ma.MaskedArray):
             found = np.ma.MaskedArray(found, np.repeat(np.ma.getmaskarray(self.s)[..., :1], 6, axis=-1))
@@ -59,7 +59,7 @@ class PaperEnds(Result):
 
 @dataclasses.dataclass(frozen=True)
 class _Motions:
-    """Machines and their starts: of each motion its own, or one machine with rows of values, or one start for all."""
+    """Machines and their starts: a pair for each motion, or one machine with rows of values, or one start for all."""
 
     machines: list[Any]
     starts: Any
@@ -71,7 +71,7 @@ class _Motions:
         return len(self.machines) if self.table is None else len(self.table)
 
     def part(self, begin: int, end: int) -> _Motions:
-        """Some of them."""
+        """Returns the motions from `begin` to `end`."""
         one = isinstance(self.starts, Coordinates) or (isinstance(self.starts, list) and len(self.starts) == 1)
         starts = self.starts if one else self.starts[begin:end]
         if self.table is None:
@@ -79,7 +79,7 @@ class _Motions:
         return dataclasses.replace(self, table=self.table[begin:end], starts=starts)
 
     def told(self) -> Iterator[bytes]:
-        """All on which they depend."""
+        """Yields everything on which the motions depend, as bytes."""
         yield from (m.toml.encode() if isinstance(m, MachineDescription) else repr(m).encode() for m in self.machines)
         yield repr(self.names).encode()
         yield b"" if self.table is None else np.ascontiguousarray(self.table).tobytes()
@@ -87,13 +87,13 @@ class _Motions:
 
     @property
     def is_described(self) -> bool:
-        """Whether they are described machines."""
+        """Whether the machines are described machines."""
         return bool(self.machines) and isinstance(self.machines[0], MachineDescription)
 
     @property
     def given(self) -> tuple[Any, Any]:
-        """Machines and starts as the library reads them."""
-        # Copies: what came from another process may lie where the library cannot read it.
+        """Machines and starts in the form that the library reads."""
+        # Copies: the library may not be able to read an array from another process in place.
         starts = (self.starts.scaled, self.starts.si) if isinstance(self.starts, Coordinates) else self.starts
         starts = np.array(starts, order="C") if isinstance(starts, np.ndarray) else starts
         if self.table is not None:
@@ -104,7 +104,7 @@ class _Motions:
 
 @dataclasses.dataclass(frozen=True)
 class _Work:
-    """Motions with what is asked of them."""
+    """Motions with the results to compute."""
 
     motions: _Motions
     in_rows: bool
@@ -114,11 +114,11 @@ class _Work:
         return self.motions.count()
 
     def part(self, begin: int, end: int) -> Any:
-        """Some of them."""
+        """Returns the work of the motions from `begin` to `end`."""
         return dataclasses.replace(self, motions=self.motions.part(begin, end))
 
     def told(self) -> Iterator[bytes]:
-        """All on which the rows depend."""
+        """Yields everything on which the rows depend, as bytes."""
         yield from self.motions.told()
         rest = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.name != "motions"}
         yield repr((type(self).__name__, rest)).encode()
@@ -132,7 +132,7 @@ class _Measures(_Work):
     section: Union[None, float, str]
 
     def rows(self, report: Any) -> list[Any]:
-        """The row of each."""
+        """Computes the row of each motion."""
         machines, starts = self.motions.given
         if not self.motions.is_described:
             return _native.paper_measure_many(machines, starts, of_paper(self.names), self.settle, self.periods, self.in_rows, report)
@@ -145,7 +145,7 @@ class _EndsOf(_Work):
     periods: int
 
     def rows(self, report: Any) -> list[Any]:
-        """Numbers and reason of each."""
+        """Computes the final numbers of each motion, or the reason why it has none."""
         machines, starts = self.motions.given
         if self.motions.is_described:
             values, reasons = _native.simulate_many(machines, starts, self.until, self.in_rows, report)
@@ -213,39 +213,39 @@ def simulate_many(
     progress: bool = False,
     **more: ArrayLike,
 ) -> Any:
-    """Many motions on all cores: of :class:`PaperMachine` over whole drive periods from time 0, of :class:`Machine` until a time or at instants.
+    """Simulates many motions on all cores: of :class:`PaperMachine` over drive periods from time 0, of :class:`Machine` until a time or at given times.
 
-    ``simulate_many(damper, {"stop.steel.gap": gaps}, until=2.0)`` makes each machine where its motion runs, and no object for it.
+    ``simulate_many(damper, {"stop.steel.gap": gaps}, until=2.0)`` does not create a Python object for each machine.
 
-    Those of :class:`PaperMachine` run side by side in the processor's vectors. Each ends as accurately as by :meth:`PaperMachine.simulate`, but not on
-    the same bits; they do not depend on the other motions, nor on the number of threads (docs/guarantees.md). Those of :class:`Machine`
-    are bit-identical to one :meth:`Machine.simulate` to the end; with `times` each is what that returns.
+    Motions of :class:`PaperMachine` are vectorised. Each is as accurate as :meth:`PaperMachine.simulate`, but not bit-identical to it. Their
+    bits do not depend on the other motions or on the number of threads (docs/guarantees.md). Motions of :class:`Machine` are bit-identical
+    to one :meth:`Machine.simulate` to the end; with `times`, each result is the :class:`Run` of :meth:`Machine.simulate`.
 
     Parameters
     ----------
     machines
-        A machine, or machines of one kind. Of several described machines with `until` all have one structure.
+        A machine, or machines of one class. Several described machines with `until` must have the same structure.
     parameters, **more
-        Arrays of values of some parameters of one machine, SI, broadcast against each other: the results have their shape.
+        Arrays of values of parameters of one machine, SI, broadcast against each other; the results have the broadcast shape.
     starts
-        A start as of `simulate` for all, or a sequence of starts; of :class:`PaperMachine` also an array of shape (n, 6).
+        A start for all motions, as in `simulate`, or a sequence of starts; for :class:`PaperMachine` also an array of shape (n, 6).
     periods
-        Of :class:`PaperMachine`: drive periods, each machine's own; 400 unless given.
+        For :class:`PaperMachine`: number of drive periods, each of its own machine; default 400.
     until
-        Of described machines: end of the motions, in s or as a text with a unit.
+        For described machines: end time of the motions, in s or as a text with a unit.
     times, derivatives
-        Of described machines: as of :meth:`Machine.simulate`; a run for each.
+        For described machines: as in :meth:`Machine.simulate`; returns a run for each motion.
     errors, executor, checkpoint
-        As of :func:`measure_many`; not with `times`.
+        As in :func:`measure_many`; cannot be combined with `times`.
 
     Raises
     ------
     ValueError, TypeError, RuntimeError
-        As :meth:`PaperMachine.simulate` and :meth:`Machine.simulate`, with the motion's index; for numbers of machines and starts that differ;
-        for described machines of different columns.
+        As in :meth:`PaperMachine.simulate` and :meth:`Machine.simulate`, with the motion's index; if the numbers of machines and starts differ;
+        if described machines have different columns.
     KeyboardInterrupt
-        On Ctrl-C, with the ends found until then as its attribute ``partial``: a list with an array for each motion, None where it was not
-        at its end; of :class:`PaperMachine` the state, shape (6,), of described machines the values in the order of ``columns``.
+        On Ctrl-C, with the final states found before it as its attribute ``partial``: a list with an array for each finished motion and None for each
+        other. The array is the state, shape (6,), for :class:`PaperMachine`, and the values in the order of ``columns`` for described machines.
     """
     several, is_described = _listed(machines)
     given, shape = _arrays(several, merged(parameters, more, "parameters"))
@@ -281,7 +281,7 @@ def simulate_many(
 
 
 def _times(motions: _Motions, periods: int) -> Floats:
-    """Ends of motions over periods, s."""
+    """Returns the end times of motions over periods, s."""
     if motions.table is None:
         return np.array([periods * m.period for m in motions.machines])
     base, names = motions.machines[0], motions.names or []
@@ -292,7 +292,7 @@ def _times(motions: _Motions, periods: int) -> Floats:
         try:
             found.append(periods * base.replace(dict(zip(names, row.tolist()))).period)
         except ValueError:
-            found.append(0.0)  # of a machine that is refused
+            found.append(0.0)  # the machine is invalid; its row reports why
     return np.array(found)
 
 
@@ -343,46 +343,46 @@ def measure_many(
     checkpoint: _Path = None,
     progress: bool = False,
 ) -> Table:
-    """Measures of many settled motions on all cores, with the bits of :meth:`PaperMachine.measure` and :meth:`Machine.measure`.
+    """Returns measures of many settled motions, computed on all cores, bit-identical to :meth:`PaperMachine.measure` and :meth:`Machine.measure`.
 
-    Each number has its spread in :attr:`Table.spreads`, and in columns such as ``amplitude.box.s.spread``: two numbers of irregular motions
-    differ where their difference exceeds twice their spreads. :attr:`Table.unsettled` names what had not settled.
+    Each measure has its spread in :attr:`Table.spreads`, and in columns such as ``amplitude.box.s.spread``: two values of irregular motions
+    differ if their difference exceeds twice their spreads. :attr:`Table.unsettled` names measures that had not settled.
 
-    ``measure_many(damper, {"stop.steel.gap": gaps}, ["amplitude.box.s"])`` of one machine with arrays of values, which needs no object for
-    each; ``measure_many(machines, ["amplitude.box.s"])`` of several.
+    ``measure_many(damper, {"stop.steel.gap": gaps}, ["amplitude.box.s"])`` takes one machine with arrays of values and creates no Python object
+    for each value; ``measure_many(machines, ["amplitude.box.s"])`` takes several machines.
 
     Parameters
     ----------
     machines
-        A machine, or machines of one kind.
+        A machine, or machines of one class.
     parameters
-        Arrays of values of some parameters of one machine, SI, broadcast against each other: the table has their shape. Left out for machines
-        as they are.
+        Arrays of values of parameters of one machine, SI, broadcast against each other; the table has the broadcast shape. Omit it to measure the
+        machines unchanged.
     measures
-        Names: `measures` of the machine has all, with units.
+        Names of measures; `measures` of the machine lists all, with units.
     starts
-        As of :func:`simulate_many`.
+        As in :func:`simulate_many`.
     periods, settle
-        Periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro sweep``.
+        Measured periods, and earlier periods for the transient; the defaults are the same as for ``vibro sweep``.
     section
-        Of described machines, as of :meth:`Machine.measure`.
+        For described machines, as in :meth:`Machine.measure`.
     errors
-        ``"raise"``: a motion that is refused or cannot go on raises its exception. ``"row"``: its measures are masked and the table's
-        ``error`` has the reason; what is asked wrongly of all motions is raised all the same.
+        ``"raise"``: a motion that is refused or cannot continue raises its exception. ``"row"``: the measures of such a motion are masked and the
+        table's ``error`` has the reason; errors in arguments common to all motions are still raised.
     executor
-        What has ``submit``, as executors of ``concurrent.futures``, loky and mpi4py and a Client of dask: it computes parts of the work in
-        other processes, which need this package alone. Without it this process does on all its cores.
+        An object with ``submit``, such as an executor of ``concurrent.futures``, loky or mpi4py, or a Client of dask. It computes parts of the
+        work in other processes, which need only this package. By default this process computes on all its cores.
     checkpoint
-        A folder in which finished parts are kept: the same call goes on from there after Ctrl-C or a crash, and returns at once where all is
-        done. It is of this work alone, and yours to delete.
+        A folder for finished parts: the same call continues there after Ctrl-C or a crash, and returns at once if all parts
+        exist. A folder serves one call only; delete it when you no longer need it.
 
     Raises
     ------
     ValueError, TypeError, RuntimeError
-        As :meth:`PaperMachine.measure` and :meth:`Machine.measure`, with the motion's index; for numbers of machines and starts that differ.
+        As in :meth:`PaperMachine.measure` and :meth:`Machine.measure`, with the motion's index; if the numbers of machines and starts differ.
     KeyboardInterrupt
-        On Ctrl-C, with the dictionaries found until then as its attribute ``partial``: a list with None for each motion that was not at its
-        end.
+        On Ctrl-C, with the measures found before it as its attribute ``partial``: a list with a dictionary for each finished motion and None for each
+        other.
     """
     if measures is None:
         measures, parameters = parameters, {}  # type: ignore[assignment]
@@ -429,7 +429,7 @@ def _measured(
 
 
 def sweep_of(machine: AnyMachine, parameters: dict[str, Any], measures: Sequence[str], *, section: SectionLike = None, **options: Any) -> Table:
-    """What :meth:`PaperMachine.sweep` and :meth:`Machine.sweep` return."""
+    """Returns the table of :meth:`PaperMachine.sweep` and :meth:`Machine.sweep`."""
     allowed = "a list or an array of shape (n,) of values"
     for name, values in parameters.items():
         if isinstance(values, str) or np.ndim(values) != 1:
@@ -441,7 +441,7 @@ def sweep_of(machine: AnyMachine, parameters: dict[str, Any], measures: Sequence
 
 
 def _listed(machines: Any) -> tuple[list[Any], bool]:
-    """The machines as a list, and whether they are described machines."""
+    """Returns the machines as a list, and whether they are described machines."""
     several = list(machines) if isinstance(machines, Iterable) else [machines]
     is_described = bool(several) and isinstance(several[0], MachineDescription)
     return _checked(several, MachineDescription if is_described else ParameterValues), is_described
@@ -456,7 +456,7 @@ def _checked(several: list[Any], kind: type[AnyMachine]) -> list[Any]:
 
 
 def _arrays(several: list[Any], parameters: dict[str, Any]) -> tuple[dict[str, Floats], Optional[tuple[int, ...]]]:
-    """Arrays of values of one shape, flat, and that shape."""
+    """Returns flattened arrays of values of one shape, and that shape."""
     if not parameters:
         return {}, None
     if len(several) != 1:
@@ -481,13 +481,13 @@ def _of_one_structure(machines: list[MachineDescription]) -> None:
 
 
 def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_described: bool, what: str) -> _Motions:
-    """Machines with a start for each, or one for all."""
+    """Pairs each machine with its start, or all machines with one start."""
     if not given:
         if is_described:
             return _Motions(*starts_of(several, starts))
         return _Motions(*pairs(several, starts, what))
     names, table = list(given), np.stack(list(given.values()), axis=1)
-    several[0]._rows(names, table[:1])  # refuses names
+    several[0]._rows(names, table[:1])  # raises for unknown names
     if is_described:
         one = starts is None or isinstance(starts, (Mapping, str, os.PathLike))
         begins: Any = [numbers_of(several[0], start, "starts") for start in ([starts] if one else listed_starts(starts))]
@@ -497,7 +497,7 @@ def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_descr
         begins = states_of_rows(several[0], names, table, own)
     else:
         begins = coordinates("starts", starts)
-        state("starts", starts, several[0]._system)  # refuses times
+        state("starts", starts, several[0]._system)  # raises if a start has a time
     if not isinstance(begins, Coordinates) and len(begins) not in (len(table), 1 if is_described else len(table)):
         raise ValueError(f"starts has {len(begins)} rows: allowed is one start, or one for each of {len(table)} motions")
     return _Motions(several, begins, names, table)

@@ -18,14 +18,14 @@ from ._paper_values import ParameterValues
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-# The paper's symbol of a column.
+# The paper's symbol for each column.
 _OWN = dict(zip(SI_COORDINATES, COORDINATES))
-#: Every measure of :meth:`PaperMachine.measure`: its name with unit and meaning.
+#: Unit and meaning of every measure of :meth:`PaperMachine.measure`, by name.
 MEASURES = {name: (unit, meaning) for name, unit, meaning in _native.paper_measures()}
 
 
 def measure_names(measures: Sequence[str]) -> list[str]:
-    """Checks names of measures."""
+    """Returns names of measures as a list; raises for anything else."""
     names = [] if isinstance(measures, str) or not isinstance(measures, Iterable) else list(measures)
     if not isinstance(measures, Iterable) or isinstance(measures, str) or not all(isinstance(name, str) for name in names):
         raise TypeError(f"measures = {measures!r}: allowed is a sequence of names, e.g. ['amplitude.x1']")
@@ -33,17 +33,17 @@ def measure_names(measures: Sequence[str]) -> list[str]:
 
 
 def of_paper(names: list[str]) -> list[str]:
-    """Names of measures as the paper's machine has them: ``amplitude.box.s`` is ``amplitude.x1``."""
+    """Translates names of measures to the paper's symbols: ``amplitude.box.s`` is ``amplitude.x1``."""
     parts = [name.partition(".") for name in names]
     return [f"{word}.{_OWN[column]}" if column in _OWN else f"{word}{point}{column}" for word, point, column in parts]
 
 
-#: Measures of one motion: numbers, their spreads, class, index of the measure that had not settled, reason for which there are none.
+#: Measures of one motion: numbers, their spreads, class, index of the measure that had not settled, reason for missing measures.
 Row = tuple[list[Optional[float]], list[float], Optional[str], Optional[int], Optional[str]]
 
 
 class Measures(dict[str, Union[float, str, None]]):
-    """Measures of a motion by name: a dictionary, with the spread of each number."""
+    """Measures of a motion by name: a dictionary, with the spread of each measure."""
 
     def __init__(self, values: Mapping[str, Union[float, str, None]], spread: dict[str, Optional[float]], unsettled: Optional[str]) -> None:
         super().__init__(values)
@@ -55,7 +55,7 @@ class Measures(dict[str, Union[float, str, None]]):
 
 
 def measured(names: list[str], row: Row) -> Measures:
-    """Measures of a motion by name."""
+    """Returns the measures of a motion by name."""
     numbers, spreads, kind, _, error = row
     if error is not None:
         numbers = [None] * len(names)
@@ -65,19 +65,19 @@ def measured(names: list[str], row: Row) -> Measures:
 
 
 def spread_of(name: str) -> str:
-    """Name of the spread of a measure, as in the tables of ``vibro sweep``."""
+    """Returns the name of the spread of a measure, as in the tables of ``vibro sweep``."""
     return f"{name}.spread"
 
 
 def unsettled(names: list[str], row: Row) -> Optional[str]:
-    """What of a motion had not settled when it was measured: a measure's name, or the motion."""
+    """Returns the name of the measure that had not settled, or "the motion", or None if all had settled."""
     index = row[3]
     return None if index is None else names[index] if index < len(names) else "the motion"
 
 
 @contextlib.contextmanager
 def keeping(made: Callable[[int, Any], Any]) -> Iterator[None]:
-    """Adds the results so far to a KeyboardInterrupt as `partial`: an entry for each motion, by its index, None for an unfinished one."""
+    """Adds the results found before a KeyboardInterrupt to it as `partial`: a list with an entry for each motion, None for an unfinished one."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
@@ -89,7 +89,7 @@ def keeping(made: Callable[[int, Any], Any]) -> Iterator[None]:
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class PaperSpectrum(Result):
-    """A Lyapunov spectrum."""
+    """Lyapunov spectrum of a motion of the paper's machine."""
 
     machine: ParameterValues
     "Whose motion it is."
@@ -106,7 +106,7 @@ class PaperSpectrum(Result):
 
     @property
     def dimensionless(self) -> Floats:
-        """The exponents per unit of the dimensionless time, in units of omega10, shape (7,)."""
+        """The exponents per unit of dimensionless time, i.e. in units of omega10, shape (7,)."""
         found: Floats = self.exponents / np.sqrt(self.machine.box_k / self.machine.box_m)
         return found
 

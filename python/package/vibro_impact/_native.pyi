@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 _Floats = NDArray[np.float64]
 _Complex = NDArray[np.complex128]
 _Progress = Callable[[int, int], object] | None
-#: Parts of a result by the names of its fields.
+#: Parts of a result by field name.
 _Parts = dict[str, Any]
 #: Names and numbers of a start.
 _Numbers = list[tuple[str, float]]
 _Row = tuple[list[float | None], list[float], str | None, int | None, str | None]
-#: Machines of many motions: one by one, or one with names and rows of values.
+#: Machines of many motions: one for each motion, or one with names and rows of parameter values.
 _Machines = Sequence[Described] | tuple[Described, Sequence[str], _Floats]
 _Systems = Sequence[System] | tuple[_Numbers, _Numbers, Sequence[int], _Floats]
-#: Their starts: states, or one in units of L and L omega10 where it is not in SI.
+#: Starts of many motions: states, or one start whose numbers are in units of L and L omega10 unless given in SI.
 _Starts = _Floats | tuple[Sequence[float], Sequence[float | None]]
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""The paper's machine with its motions, closed forms, orbits and measures."""
+"""The paper's machine: its motions, closed forms, orbits and measures."""
 
 from __future__ import annotations
 
@@ -46,20 +46,20 @@ if TYPE_CHECKING:
 
 
 class PaperMachine(ParameterValues):
-    """A vibro-impact machine: box, block between two stops in it, secondary oscillator, drive. An immutable value.
+    """The paper's vibro-impact machine: box, block between two stops in it, secondary oscillator, drive. An immutable value.
 
     Parameters are given by name, in SI (:data:`SI_NAMES`) or as dimensionless groups (:data:`GROUP_NAMES`), as in a parameter file of
-    `vibro`; the symbols of the paper (``m1``, ``kappa``) are understood too. First those in SI are set, then the groups, which leave
-    the other groups and the scales ``box_m``, ``box_k``, ``stop_gap`` as they are. What is not given comes from the default set, a
-    reconstruction of the paper's machine. Of ``alpha23`` and ``beta2``, two names of one coupling, the one set last is held when
-    ``epsilon`` changes, and ``secondary_m`` equals ``block_m`` until it or ``mu13`` is set.
+    `vibro`; the paper's symbols (``m1``, ``kappa``) are accepted too. SI parameters are set first. Each group then changes neither the
+    other groups nor the scales ``box_m``, ``box_k``, ``stop_gap``. The default set, a reconstruction of the paper's machine, supplies
+    missing parameters. ``alpha23`` and ``beta2`` express the same coupling: the one set last keeps its value when ``epsilon``
+    changes. ``secondary_m`` equals ``block_m`` until ``secondary_m`` or ``mu13`` is set.
 
-    A machine without a spring between box and ground (``box_k=0``) has no groups, and starts and studies in their units are refused.
+    A machine without a spring between box and ground (``box_k=0``) has no groups; starts and studies in units of groups are refused.
 
     Constant forces ``load_box``, ``load_block``, ``load_secondary`` (N) are parameters too: gravity on a vertical machine is
-    ``load_block=-9.81 * block_m``. They take the machine its symmetry; closed forms refuse them.
+    ``load_block=-9.81 * block_m``. They break the machine's symmetry, so the closed forms refuse them.
 
-    Two machines are equal when their physical parameters are, loads included.
+    Two machines are equal if their physical parameters are equal, including the loads.
 
     >>> from vibro_impact import PaperMachine
     >>> PaperMachine.from_groups(f10=2.5).replace(kappa=0.8)
@@ -70,15 +70,15 @@ class PaperMachine(ParameterValues):
     Warns
     -----
     MixedParametersWarning
-        Where some physical parameters are given and others are left to the default set, whose values belong to a machine of 1 kg and a
-        gap of 1 m. ``PaperMachine().replace(...)`` says that this is meant, and does not warn.
+        If some but not all physical parameters are given: the default set belongs to a machine of 1 kg with a gap of 1 m and
+        supplies the others. ``PaperMachine().replace(...)`` states that this is intended, and does not warn.
 
     Raises
     ------
     TypeError
-        For a name that is none, with the nearest one, and for what is no number.
+        For an unknown name (the message suggests the closest one), or a value that is not a number.
     ValueError
-        For a value out of its range.
+        If a value is out of its range.
     """
 
     def simulate(
@@ -93,35 +93,35 @@ class PaperMachine(ParameterValues):
         loads: Iterable[Load] = (),
         progress: bool = False,
     ) -> PaperRun:
-        """The exact motion with all its impacts, reported at equal steps or at given times.
+        """Simulates the exact motion with all its impacts, reported at equal steps or at given times.
 
-        Steps are for reporting only: the result does not depend on them but for round-off (docs/guarantees.md). The bits are those of the
-        FMU that is asked for the same times.
+        Steps are for reporting only: they change the result by no more than round-off (docs/guarantees.md). The result is bit-identical to
+        the FMU at the same communication points.
 
         Parameters
         ----------
         until, samples
-            End of the motion, in s or as a text with a unit, and number of equal parts; there is a sample at the start too.
+            End time, in s or as a text with a unit, and number of equal parts; the start is reported too.
         periods, per_period
-            Instead of a time: drive periods from the start on, and reports in each; ``periods * per_period + 1`` instants in all.
+            Alternative to an end time: number of drive periods, and samples in each period; ``periods * per_period + 1`` times in all.
         times
-            Instants instead, shape (n,), s, ascending from the start on.
+            Alternative: times to report, shape (n,), s, ascending, not before the start.
         start
             Where the motion begins: numbers by name, ``x1, x2, x3`` (units of L), ``v1, v2, v3`` (L omega10) or ``box.s``, ``block.v``, ... in SI
-            or as texts with units, all others zero, and ``time`` (s), at which the phase of the drive is ``drive_frequency * time +
-            drive_phase``; or six numbers, displacements (m), then velocities (m/s); or ``run.end`` of another motion. Without it everything
-            rests in the middle at time 0 but the block, which moves up with L omega10.
+            or as texts with units (default 0), and ``time`` (s), at which the phase of the drive is ``drive_frequency * time + drive_phase``;
+            or six numbers, displacements (m), then velocities (m/s); or ``run.end`` of another motion. By default, at time 0, everything
+            rests in the middle except the block, which moves up with L omega10.
         loads
             Force histories on the bodies.
         progress
-            Whether a bar shows how far it is.
+            Whether to show a progress bar.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range; with `periods` for a machine whose drive has no frequency.
+            If an argument is out of its range; with `periods`, if the drive has no frequency.
         RuntimeError
-            For a motion that hardly progresses: a block that bounces without end.
+            If the motion hardly progresses because the block bounces without end.
         """
         begun = coordinates("start", start)
         if periods is not None:
@@ -134,18 +134,18 @@ class PaperMachine(ParameterValues):
         return run_of(self, t, found)
 
     def start(self, numbers: StartOfMachine = None) -> Start:
-        """A start of the machine with all its numbers in SI: from what :meth:`simulate` takes.
+        """Returns a start of the machine with all its numbers in SI, from any start that :meth:`simulate` accepts.
 
         Raises
         ------
         ValueError, TypeError
-            For unknown names, with the nearest one.
+            For an unknown name; the message suggests the closest one.
         """
         begun = coordinates("numbers", numbers)
         return Start({"time": begun.time, **dict(zip(SI_COORDINATES, begun.state(self._system)))})
 
     def _begun(self, start: StartOfMachine) -> tuple[_native.System, list[float], float]:
-        """A machine whose drive has at time 0 the phase that this one has at the start, with the state and the time there."""
+        """Returns the system with its drive phase shifted by the start's time, the state at the start, and the start's time."""
         begun = coordinates("start", start)
         shift = self.drive_frequency * begun.time
         own = self.replace(drive_phase=self.drive_phase + shift) if shift else self
@@ -160,26 +160,26 @@ class PaperMachine(ParameterValues):
         start: StartOfMachine = None,
         progress: bool = False,
     ) -> Measures:
-        """Measures of the settled motion by name: :attr:`measures` has all, with units.
+        """Returns measures of the settled motion by name; :attr:`measures` lists all, with units.
 
-        A number is exact for the motion over these periods, not for samples of it. `spread` of the result has by name how much it
-        would scatter from one window of the motion to the next: its standard error if it is a mean, rounding where the motion repeats. The
-        measure ``class`` is a text, and a measure that is not defined for the machine is None. `unsettled` of the result names a measure that
-        still went one way while it was measured, or is None.
+        A measure is exact for the motion over these periods; it is not computed from samples. `spread` of the result gives, by name, how much
+        a measure scatters between windows of the motion: the standard error of a mean, or rounding if the motion repeats. The measure
+        ``class`` is a text; a measure that is undefined for the machine is None. `unsettled` of the result names a measure that still
+        drifted during the measurement, or is None.
 
         Parameters
         ----------
         measures
             Names such as ``"amplitude.x1"`` or ``"amplitude.box.s"``, ``"impacts"``, ``"power.input"``.
         periods, settle
-            Drive periods that are measured, and those before in which the transient dies out; the defaults are those of ``vibro paper sweep``.
+            Measured drive periods, and earlier periods for the transient; the defaults are the same as for ``vibro paper sweep``.
         start
-            As of :meth:`simulate`.
+            As in :meth:`simulate`.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            As :meth:`simulate`; for a name that is none, with the nearest one.
+            As in :meth:`simulate`; for an unknown name (the message suggests the closest one).
         """
         self._needs_period("a measure")
         names = measure_names(measures)
@@ -191,7 +191,7 @@ class PaperMachine(ParameterValues):
 
     @property
     def measures(self) -> dict[str, str]:
-        """All measures by name: SI unit (``1`` for none) and meaning."""
+        """All measures by name, each with its SI unit (``1`` if dimensionless) and meaning."""
         return {name: f"{unit or '1'}: {what}" for name, (unit, what) in MEASURES.items()}
 
     def sweep(
@@ -208,18 +208,18 @@ class PaperMachine(ParameterValues):
         progress: bool = False,
         **more: ArrayLike,
     ) -> Table:
-        """Measures of all combinations of parameters, on all cores.
+        """Returns measures for all combinations of parameter values, computed on all cores.
 
-        ``machine.sweep(["amplitude.x1"], f10=[1.0, 1.5], kappa=np.linspace(0.4, 0.8, 9))`` is a table of shape (2, 9).
+        ``machine.sweep(["amplitude.x1"], f10=[1.0, 1.5], kappa=np.linspace(0.4, 0.8, 9))`` returns a table of shape (2, 9).
 
         Parameters
         ----------
         measures, periods, settle, start
-            As of :meth:`measure`; the start at time 0.
+            As in :meth:`measure`; the start must be at time 0.
         parameters, **more
             Each parameter by name with its values, in SI or as texts with units.
         errors, executor, checkpoint
-            As of :func:`measure_many`.
+            As in :func:`measure_many`.
         """
         from ._many import sweep_of
 
@@ -237,33 +237,33 @@ class PaperMachine(ParameterValues):
         progress: bool = False,
         **more: ArrayLike,
     ) -> PaperDiagram:
-        """A bifurcation diagram: local maxima, classes and impacts of settled motions over a parameter, upwards and downwards.
+        """Computes a bifurcation diagram: local maxima, classes and impacts of settled motions over a parameter, up and down.
 
-        As in the paper, section 4: the last state at a value is the start of the next one. Maxima are exact, not samples. All cores are used;
-        the result does not depend on their number.
+        As in section 4 of the paper, the last state at a value is the start for the next value. Maxima are exact, not sampled. The study uses
+        all cores; the result does not depend on their number.
 
         Parameters
         ----------
         of
-            The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``, also ``"box.s"``, ``"block.s"``, ``"secondary.s"``; ``"x2"`` without it.
+            The displacement: ``"x1"``, ``"x2"``, ``"x3"`` or ``"w"``, also ``"box.s"``, ``"block.s"``, ``"secondary.s"``; default ``"x2"``.
         parameter, **more
-            The parameter by name with its values, equally spaced and rising: ``f10=np.linspace(0.5, 5, 451)``.
+            The parameter by name with its increasing, equally spaced values: ``f10=np.linspace(0.5, 5, 451)``.
         periods
-            Drive periods discarded and kept at each value; the defaults of this and of the others are those of the command line.
+            Drive periods discarded and kept at each value. All defaults are the same as on the command line.
         exponents
-            Whether Lyapunov exponents are computed as well, over 1500 drive periods or so many.
+            Whether to compute Lyapunov exponents too, over 1500 drive periods; a number sets the number of periods.
         start
-            Where the motion at the first value of either direction starts, as of :meth:`simulate`, at time 0.
+            Where the motion at the first value of either direction begins, as in :meth:`simulate`, at time 0.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
+            If an argument is out of its range.
 
         Warns
         -----
         SimilarNameWarning
-            For a symbol such as ``F10`` (N), from which the name of another parameter, ``f10``, differs by case alone.
+            For a symbol such as ``F10`` (N) that differs only by case from the name of another parameter, ``f10``.
         """
         return diagram_of(self, merged(parameter, more, "parameter"), start, periods, of, exponents, progress)
 
@@ -278,31 +278,31 @@ class PaperMachine(ParameterValues):
         symmetric: bool = False,
         progress: bool = False,
     ) -> PaperOrbit:
-        """A periodic orbit by the order of its impacts, stable or not; or the one on which a motion has settled.
+        """Finds a periodic orbit with given impacts, stable or unstable, or the orbit on which a motion has settled.
 
-        It is solved for its impact phases by Newton's method and certified: no impact that the word does not list
+        Newton's method solves for the impact phases. The orbit is certified to have only the impacts of its word
         (docs/theory.md, section 14).
 
         Parameters
         ----------
         word
-            The stops in order, letters U and L; without it the orbit of the motion from `start` after `settle` drive periods.
+            The stops in order, letters U and L; by default, the orbit of the motion from `start` after `settle` drive periods.
         period
-            Its period: ``"2T"`` for two drive periods, or a time, in s or as a text with a unit; of a word ``"1T"`` without it. Without a
-            word that which the settled motion must have.
+            Period of the orbit: ``"2T"`` for two drive periods, or a time, in s or as a text with a unit; default ``"1T"`` with a word.
+            Without a word, the settled motion must have this period.
         tries
-            Guesses of the phases from which it is sought. Of several orbits with the word the stable one is returned, else the first.
-            Where all that is found is an orbit of a shorter word, passed several times, or a symmetric one, that is returned with
+            Number of guesses of the phases for Newton's method. If several orbits have the word, the stable one is returned, else the first.
+            If only an orbit of a shorter word, passed several times, or a symmetric orbit is found, it is returned with
             ``passages``.
         symmetric
-            Whether the word is half of a symmetric orbit and closes with the opposite sign, after half of an odd number of drive periods.
+            Whether the word is half of a symmetric orbit and closes with opposite sign, after an odd number of half drive periods.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
+            If an argument is out of its range.
         RuntimeError
-            Where none is found.
+            If no orbit is found.
         """
         self._needs_period("a periodic orbit")
         settle = whole("settle", settle, 0, MOST_PERIODS)
@@ -322,7 +322,7 @@ class PaperMachine(ParameterValues):
         return find_orbit(self, word, None, self._turns(period), bool(symmetric), tries, progress)
 
     def _turns(self, period: Union[None, float, str]) -> int:
-        """A period in drive periods."""
+        """Returns a period as a number of drive periods."""
         allowed = f"allowed are '1T' to '1000T', or a multiple of the drive's period, {self.period:.9g} s"
         if period is None:
             return 1
@@ -349,25 +349,25 @@ class PaperMachine(ParameterValues):
         settle: int = 1000,
         progress: bool = False,
     ) -> list[PaperBranch]:
-        """Branches of periodic orbits over a parameter, stable or not, with their bifurcations: ``vibro paper orbits --tree``.
+        """Finds branches of periodic orbits over a parameter, stable or unstable, with their bifurcations: ``vibro paper orbits --tree``.
 
         Parameters
         ----------
         name, low, high
             The parameter and its range, in SI or as texts with units.
         of
-            The displacement whose maxima are kept, as of :meth:`bifurcation`.
+            The displacement whose maxima are kept, as in :meth:`bifurcation`.
         seeds
-            Values of the parameter at which motions are followed until they settle, rising and falling.
+            Number of parameter values whose settled motions start branches, up and down.
         depth
-            Most changes from one branch to another in a row.
+            Largest number of branch switches in a row.
         settle
-            Drive periods in which transients die out.
+            Drive periods for transients.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
+            If an argument is out of its range.
         """
         self._needs_period("a branch of orbits")
         return find_branches(self, name, (low, high), of, (seeds, depth, settle), progress)
@@ -384,17 +384,17 @@ class PaperMachine(ParameterValues):
         settle: int = 1000,
         progress: bool = False,
     ) -> list[PaperBranch]:
-        """The response over a parameter: the branches of the orbits on which motions settle, rising and falling.
+        """Finds the branches of orbits on which motions settle, for increasing and decreasing parameter.
 
         Parameters
         ----------
         name, low, high, of, seeds, depth, settle
-            As of :meth:`branches`, of which it is the case of depth 0.
+            As in :meth:`branches`; the default depth is 0.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range, and where no motion settles on an orbit that can be followed.
+            If an argument is out of its range, or if no motion settles on an orbit that can be followed.
         """
         found = self.branches(name, low, high, of=of, seeds=seeds, depth=depth, settle=settle, progress=progress)
         if not found:
@@ -414,23 +414,23 @@ class PaperMachine(ParameterValues):
         start: StartOfMachine = None,
         progress: bool = False,
     ) -> PaperSection:
-        """A Poincaré section: states at a phase of the drive, or just after the impacts at a stop.
+        """Computes a Poincaré section: states at a phase of the drive, or just after the impacts at a stop.
 
         Parameters
         ----------
         section
-            A stop, ``"upper"`` or ``"lower"``; without it the section is at a phase.
+            A stop, ``"upper"`` or ``"lower"``; by default the section is at a phase.
         phase
-            That phase of the drive, rad.
+            Phase of the drive of the section, rad.
         periods, settle
-            Drive periods of the section, and those before it in which the transient dies out.
+            Drive periods of the section, and earlier periods for the transient.
         start
-            As of :meth:`simulate`.
+            As in :meth:`simulate`.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            As :meth:`simulate`.
+            As in :meth:`simulate`.
         """
         self._needs_period("a section")
         at = "phase" if section is None else choice("section", section, ("upper", "lower"))
@@ -448,19 +448,19 @@ class PaperMachine(ParameterValues):
     def spectrum(
         self, *, periods: int = 1500, settle: int = 400, start: StartOfMachine = None, progress: bool = False
     ) -> PaperSpectrum:
-        """The seven Lyapunov exponents: six coordinates and the phase of the drive (docs/theory.md, section 11).
+        """Computes the seven Lyapunov exponents: six coordinates and the phase of the drive (docs/theory.md, section 11).
 
         Parameters
         ----------
         periods, settle
-            Drive periods counted, and those before in which the transient dies out.
+            Evaluated drive periods, and earlier periods for the transient.
         start
-            As of :meth:`simulate`.
+            As in :meth:`simulate`.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            As :meth:`simulate`.
+            As in :meth:`simulate`.
         """
         self._needs_period("a Lyapunov spectrum")
         periods = whole("periods", periods, 1, 10_000_000)
@@ -479,39 +479,39 @@ class PaperMachine(ParameterValues):
         progress: bool = False,
         **more: tuple[float, float, int],
     ) -> PaperBasins:
-        """Basins of attraction: where motions from a plane of two initial values end, with the attractors that coexist.
+        """Computes basins of attraction: the attractors to which motions from a plane of two initial values lead.
 
         Parameters
         ----------
         ranges, **more
-            Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), or in SI of ``box.s``, ``block.v``, ..., the first across, each as (from, to,
-            cells): ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
+            Two of x1, x2, x3 (units of L), v1, v2, v3 (L omega10), or ``box.s``, ``block.v``, ... in SI, each with (from, to, cells); the first
+            is horizontal: ``v2=(-2, 2, 100), x1=(-1, 1, 100)``.
         settle
-            Drive periods before a motion is recognized.
+            Drive periods after which a motion is classified.
         start
-            The other numbers, as of :meth:`simulate`, at time 0; zero without it.
+            The other numbers, as in :meth:`simulate`, at time 0; default 0.
 
         Raises
         ------
         ValueError, TypeError, RuntimeError
-            For arguments out of their range; what the simulator refuses, starts outside the stops apart.
+            If an argument is out of its range, or the simulator refuses a motion, except for starts outside the stops.
         """
         middle = [0.0] * 6 if start is None else state("start", start, self._system)
         return basins_of(self, merged(ranges, more, "ranges"), settle, middle, progress)
 
     def fit(self, record: RecordLike, **options: Any) -> Any:
-        """Numbers of the machine fitted to a record, with their errors: :func:`fit`, which has the options."""
+        """Fits parameters of the machine to a record, with their errors; :func:`fit` has the options."""
         return fit(self, record, **options)
 
     def described(self) -> Machine:
-        """The machine as a described one: the same bodies, springs, stops and loads with these numbers, started in the middle.
+        """Returns the equivalent described machine: the same bodies, springs, stops, loads and values, started in the middle.
 
-        Its motions are the same but for round-off; it has what needs no groups: a file, a sketch, an FMU, derivatives, joining to other parts.
+        Its motions agree to round-off. It has everything that needs no groups: a file, a sketch, an FMU, derivatives, joining to other parts.
 
         Raises
         ------
         ValueError
-            For a machine whose drive has no frequency.
+            If the machine's drive has no frequency.
         """
         self._needs_period("the described machine")
         value = {name: repr(getattr(self, name)) for name in SI_NAMES}
@@ -545,35 +545,35 @@ load.drive = {{ on = "box", amplitude = {value["drive_amplitude"]}, frequency = 
         return self.described().toml
 
     def sketch(self) -> Sketch:
-        """The machine as an engineer draws it; a notebook shows the picture."""
+        """Draws the machine as an engineering sketch, which a notebook shows."""
         return self.described().sketch()
 
     def fmu(self, path: Union[None, str, os.PathLike[str]] = None, version: int = 3) -> Path:
-        """Writes an FMU of the machine with these numbers: that of :meth:`described`. :func:`fmu_path` has the one of all paper's machines.
+        """Writes the FMU of :meth:`described`, with these values. :func:`fmu_path` returns the FMU that serves all of the paper's machines.
 
         Parameters
         ----------
         path, version
-            As of :meth:`Machine.fmu`.
+            As in :meth:`Machine.fmu`.
 
         Raises
         ------
         ValueError, TypeError, FileNotFoundError, OSError
-            As :meth:`Machine.fmu`.
+            As in :meth:`Machine.fmu`.
         """
         return self.described().fmu(path, version)
 
     def steady(self, *, sheet: str = "upper") -> SteadyStates:
-        """The symmetric motion with two impacts a drive period in closed form, by three theories (docs/theory.md, sections 6 to 9).
+        """Computes the symmetric motion with two impacts per drive period in closed form, by three theories (docs/theory.md, sections 6 to 9).
 
         Parameters
         ----------
         sheet
-            Which of the two solutions: ``"upper"``, of the larger amplitude, or ``"lower"``.
+            Which of the two solutions: ``"upper"``, with the larger amplitude, or ``"lower"``.
 
         Raises
         ------
         ValueError, TypeError
-            For another word.
+            For any other word.
         """
         return steady_states(self, choice("sheet", sheet, ("upper", "lower")))

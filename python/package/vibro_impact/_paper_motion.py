@@ -1,4 +1,4 @@
-"""Motions and loads."""
+"""Motions and loads of the paper's machine."""
 
 from __future__ import annotations
 
@@ -30,25 +30,25 @@ ENERGY = np.dtype([("mechanical", "f8"), ("input", "f8"), ("damped", "f8"), ("im
 
 
 class Load:
-    """A measured force on one body: straight lines or monotone cubics between samples, zero before the first and from the last on.
+    """A measured force on one body, interpolated by straight lines or monotone cubics; zero before the first sample and from the last on.
 
-    The motion is exact for that interpolant. An immutable value.
+    The motion is exact for the interpolant. An immutable value.
 
     Parameters
     ----------
     body
         ``"box"``, ``"block"`` or ``"secondary"``.
     t
-        Times of the samples, shape (n,), s, strictly ascending, two at least.
+        Times of the samples, shape (n,), s, strictly ascending, at least two.
     force
         Forces, shape (n,), N.
     interpolation
-        ``"linear"``, or ``"cubic"``: the scheme known as PCHIP, which never passes the samples' range.
+        ``"linear"``, or ``"cubic"`` for PCHIP, whose values stay between neighbouring samples.
 
     Raises
     ------
     ValueError, TypeError
-        For arguments of another shape, and for the first sample that is not allowed.
+        If an argument has another shape; for the first invalid sample.
     """
 
     __slots__ = ("_native", "body", "force", "interpolation", "t")
@@ -74,7 +74,7 @@ class Load:
             object.__setattr__(self, name, value)
 
     def __call__(self, t: ArrayLike) -> Floats:
-        """The force (N) at times (s), shape (n,)."""
+        """Returns the force (N) at times (s), shape (n,)."""
         return self._native.at(array("t", t, "an array of shape (n,) of times in s"))
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -97,7 +97,7 @@ class Load:
 
 
 def load_list(loads: Iterable[Load]) -> list[_native.Load]:
-    """The native loads."""
+    """Returns the loads as native objects."""
     if isinstance(loads, Load):
         return [loads._native]
     try:
@@ -112,7 +112,7 @@ def load_list(loads: Iterable[Load]) -> list[_native.Load]:
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class PaperRun(Result):
-    """A motion."""
+    """A motion of the paper's machine."""
 
     machine: ParameterValues
     "Whose motion it is."
@@ -133,13 +133,13 @@ class PaperRun(Result):
 
     @property
     def w(self) -> Floats:
-        """Displacement of the block in the box x2 - x1, shape (n,), m: within +-stop_gap."""
+        """Displacement of the block relative to the box, x2 - x1, shape (n,), m: within +-stop_gap."""
         found: Floats = self.s[:, 1] - self.s[:, 0]
         return found
 
     @property
     def end(self) -> Start:
-        """Time and state at the last instant, a start of a further motion."""
+        """Time and state at the last sample, as a start of a further motion."""
         numbers = np.concatenate([self.s[-1], self.v[-1]]).tolist()
         return Start({"time": float(self.t[-1]), **dict(zip(SI_COORDINATES, numbers))})
 
@@ -155,8 +155,8 @@ class PaperRun(Result):
 
     @property
     def events(self) -> NDArray[np.void]:
-        """All events in order of time, as those of a described machine: fields t (s), kind (impact, rest, release), element (stop.upper, stop.lower),
-        value (the speed of an impact, m/s), stops."""
+        """All events in order of time, in the form of a described machine: fields t (s), kind (impact, rest, release), element (stop.upper,
+        stop.lower), value (the speed of an impact, m/s), stops."""
         found = np.empty(len(self.impacts) + len(self.rests) + len(self.releases), EVENT)
         at = 0
         for kind, some in (("impact", self.impacts), ("rest", self.rests), ("release", self.releases)):
@@ -174,12 +174,12 @@ class PaperRun(Result):
         return iter(self.columns)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The samples as a table of pandas, which must be installed: columns as the FMU's variables, energies, times as index."""
+        """Returns the samples as a pandas DataFrame: columns named like the FMU's variables, energies, times as index. Requires pandas."""
         energy = {f"energy.{name}": self.energy[name] for name in ENERGY.names or ()}
         return frame({**dict(zip(self.columns, self.values.T)), **energy}, self.t)
 
     def to_xarray(self) -> xarray.Dataset:
-        """The samples as a data set of xarray, which must be installed, over the dimension ``time``."""
+        """Returns the samples as an xarray Dataset over the dimension ``time``; requires xarray."""
         return dataset(self.machine, self.columns, self.values, self.t)
 
     def _picture(self) -> str:
@@ -188,7 +188,7 @@ class PaperRun(Result):
 
 
 def run_of(machine: ParameterValues, t: Floats, found: dict[str, Any]) -> PaperRun:
-    """A run from what the computation returns."""
+    """Returns a run from the result of the computation."""
     impacts, rests, releases = (
         records(kind, found[name]) for name, kind in (("impacts", IMPACT), ("rests", CONTACT), ("releases", CONTACT))
     )
@@ -197,7 +197,7 @@ def run_of(machine: ParameterValues, t: Floats, found: dict[str, Any]) -> PaperR
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class PaperSection(Result):
-    """A Poincaré section."""
+    """A Poincaré section of the paper's machine."""
 
     machine: ParameterValues
     "Whose motion it is."

@@ -1,4 +1,4 @@
-"""Periodic orbits by the order of their impacts."""
+"""Periodic orbits of the paper's machine by the order of their impacts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _WEIGHTS = {"x1": (1.0, 0.0, 0.0), "x2": (0.0, 1.0, 0.0), "x3": (0.0, 0.0, 1.0), "w": (-1.0, 1.0, 0.0)}
 
-#: What is special at a point of a branch.
+#: Labels of special points of a branch.
 PAPER_LABELS = {
     "LP": "fold: the branch turns round in the parameter",
     "BP": "branch point: on a symmetric orbit the symmetry breaks",
@@ -72,37 +72,37 @@ class PaperOrbit(Result):
         return _native.PaperOrbit(self.machine._system, self.word, closing, self._half_periods, self.phases)
 
     def motion(self, theta: ArrayLike) -> tuple[Floats, Floats]:
-        """Displacements (m) and velocities (m/s), shape (n, 3) each, at phases of the drive (rad), shape (n,); just after an impact."""
+        """Returns displacements (m) and velocities (m/s), shape (n, 3) each, at phases of the drive (rad), shape (n,); just after an impact."""
         return self._handle().motion(array("theta", theta, "an array of shape (n,) of phases in rad"))
 
     @property
     def start(self) -> Start:
-        """A start on it, at time 0."""
+        """A start on the orbit, at time 0."""
         s, v = self.motion([self.machine.drive_phase])
         return Start({"time": 0.0, **dict(zip(SI_COORDINATES, np.concatenate([s[0], v[0]]).tolist()))})
 
     def maxima(self, of: Optional[str] = None) -> Floats:
-        """Local maxima of x1, x2, x3 or w over the period, shape (k,), m; of x2 unless given."""
+        """Returns local maxima of x1, x2, x3 or w over the period, shape (k,), m; by default of x2."""
         return self._handle().maxima(_WEIGHTS[displacement(of)])
 
     def follow(self, name: str, low: Value, high: Value, *, of: Optional[str] = None, progress: bool = False) -> PaperBranch:
-        """The branch of the orbit along a parameter, stable or not, with its bifurcations (docs/theory.md, section 14).
+        """Follows the orbit along a parameter, stable or unstable, and returns the branch with its bifurcations (docs/theory.md, section 14).
 
         Parameters
         ----------
         name
             The parameter.
         low, high
-            Its range, which holds the machine's own value; in SI, or texts with units.
+            Range of the parameter, which contains the machine's own value; in SI or as texts with units.
         of
-            The displacement whose maxima are kept, as of :meth:`PaperMachine.bifurcation`.
+            The displacement whose maxima are kept, as in :meth:`PaperMachine.bifurcation`.
 
         Raises
         ------
         ValueError, TypeError
-            For arguments out of their range.
+            If an argument is out of its range.
         RuntimeError
-            Where the orbit cannot be followed.
+            If the orbit cannot be followed.
         """
         name, ends = _span(self.machine, name, low, high)
         value = getattr(self.machine, name)
@@ -154,12 +154,12 @@ class PaperBranch(Result):
 
     @property
     def multiplier_periods(self) -> float:
-        """Drive periods over which the multipliers are: the period, for a symmetric orbit half of it."""
+        """Span of the multipliers in drive periods: the period, or half of it for a symmetric orbit."""
         return 0.5 * self.periods if self.symmetric else float(self.periods)
 
     @property
     def special(self) -> list[tuple[str, float]]:
-        """Special points as (label, value of the parameter), in the branch's order."""
+        """Special points as (label, value of the parameter), in the order of the branch."""
         return [(str(self.labels[i]), float(self.value[i])) for i in np.flatnonzero(self.labels != "")]
 
     def _picture(self) -> str:
@@ -168,7 +168,7 @@ class PaperBranch(Result):
 
 
 def _span(machine: ParameterValues, name: str, low: Value, high: Value) -> tuple[str, tuple[float, float]]:
-    """A parameter and its range."""
+    """Returns the name of a parameter and its range."""
     if not isinstance(name, str):
         raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
     return find(name), (number("low", machine._in_si(name, low)), number("high", machine._in_si(name, high)))
@@ -182,13 +182,13 @@ def _branch(machine: ParameterValues, name: str, of: str, found: dict[str, Any])
 def find_branches(
     machine: ParameterValues, name: str, ends: tuple[Value, Value], of: Optional[str], options: tuple[int, int, int], progress: bool
 ) -> list[PaperBranch]:
-    """All branches over a range of a parameter."""
+    """Finds all branches over a range of a parameter."""
     name, low_high = _span(machine, name, *ends)
     of = displacement(of)
     seeds, depth, settle = options
     seeds, depth = whole("seeds", seeds, 1, 10_000), whole("depth", depth, 0, 40)
     settle = whole("settle", settle, 0, 10_000_000)
-    # Islands, which motions along the range do not reach, are sought where branches lead to others.
+    # With a depth, random starts find isolated branches that motions along the range miss.
     starts = 0 if depth == 0 else 512
     with Bar(progress, 0, "branches") as bar:
         found = _native.paper_branches(machine._system, name, low_high, _WEIGHTS[of], seeds, depth, settle, starts, bar.report)
@@ -204,7 +204,7 @@ def find_orbit(
     tries: int,
     progress: bool,
 ) -> PaperOrbit:
-    """The orbit of a word, or that of a settled motion."""
+    """Finds the orbit of a word, or the orbit of a settled motion."""
     with Bar(progress, 1, "orbits") as bar:
         if settled is not None:
             found = _native.paper_settled_orbit(*settled, bar.report)
@@ -213,7 +213,7 @@ def find_orbit(
                 raise TypeError(f"word = {word!r}: allowed is a word of the letters U and L, e.g. 'UL'")
             closing, half_periods = (-1, period) if symmetric else (1, 2 * period)
             all_found = _native.paper_orbit(machine._system, word, closing, half_periods, tries, bar.report)
-            # Those of the word itself, if there are some, before those of a shorter one.
+            # Orbits of the word itself come before orbits of a shorter word.
             rank = (all_found[0].word, all_found[0].closing, all_found[0].passages)
             alike = [orbit for orbit in all_found if (orbit.word, orbit.closing, orbit.passages) == rank]
             found = next((orbit for orbit in alike if orbit.stable), alike[0])

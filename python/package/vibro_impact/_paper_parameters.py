@@ -1,4 +1,4 @@
-"""The parameters of a machine by name: their types, and arguments made parameters."""
+"""The parameters of the paper's machine by name: their types, and their values from arguments."""
 
 from __future__ import annotations
 
@@ -48,22 +48,22 @@ if TYPE_CHECKING:
 
 
 class MixedParametersWarning(UserWarning):
-    """Some physical parameters of a machine were given, and the others are the default set's, which belong to another machine."""
+    """Warns that some physical parameters were given and that the others come from the default set, which belongs to another machine."""
 
 
 class SimilarNameWarning(UserWarning):
-    """A parameter is given by its symbol, from which the name of another parameter differs by case alone: ``F10`` (N) and ``f10``."""
+    """Warns that a parameter was given by a symbol that differs only by case from another parameter's name: ``F10`` (N) and ``f10``."""
 
 
 _COUNT, _ROWS = _native.parameters()
-#: Every parameter by name: label of an axis, unit, what it is, what is allowed.
+#: Every parameter by name: label of an axis, unit, meaning, accepted values.
 PARAMETERS = {name: about for name, *about in _ROWS}
 #: Names of the physical parameters and of the groups.
 SI_NAMES = tuple(row[0] for row in _ROWS[:_COUNT])
 GROUP_NAMES = tuple(row[0] for row in _ROWS[_COUNT:])
 
 
-# The physical parameter that each group says.
+# The physical parameter that each group determines.
 _MEANT = {
     "epsilon": "block_m",
     "kappa": "stop_restitution",
@@ -79,7 +79,7 @@ _MEANT = {
 
 
 def find(given: str) -> str:
-    """The canonical name of a parameter; warns where another parameter's name differs by case alone."""
+    """Returns the canonical name of a parameter; warns if another parameter's name differs only by case."""
     name = _native.find(given)
     similar = [other for other in PARAMETERS if other.lower() == given.lower() and other != name]
     if similar and given != name:
@@ -98,7 +98,7 @@ def _unit(name: str) -> str:
 
 
 def _outside() -> int:
-    """Number of frames from the caller to the first one outside the package (`stacklevel` of a warning)."""
+    """Returns the number of frames from the caller to the first frame outside the package (`stacklevel` of a warning)."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(__package__):
         level, frame = level + 1, frame.f_back
@@ -106,7 +106,7 @@ def _outside() -> int:
 
 
 def named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
-    """Parameters under their own names: those in SI, the groups."""
+    """Returns parameters under their canonical names: first the SI parameters, then the groups."""
     si: dict[str, float] = {}
     groups: dict[str, float] = {}
     for given, value in parameters.items():
@@ -121,7 +121,7 @@ def named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def as_changes(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
-    """As :func:`named`, where a group and the physical parameter that it says are not given together."""
+    """Like :func:`named`; raises if a group and the physical parameter that it determines are both given."""
     si, groups = named(parameters)
     for group, own in _MEANT.items():
         if group in groups and own in si:
@@ -130,20 +130,20 @@ def as_changes(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
 
 
 def value_of(name: str, given: str, value: object) -> float:
-    """The value of a parameter: a number in SI, or a text with a unit."""
+    """Returns the value of a parameter in SI, from a number in SI or a text with a unit."""
     return quantity(given, PARAMETERS[name][1] or "1", value) if isinstance(value, str) else number(given, value)
 
 
 def with_changes(values: dict[str, float], changes: dict[str, float]) -> dict[str, float]:
-    """The values with changes appended: of two tied groups the one set last is held."""
+    """Returns the values with changes appended, because the later of two tied groups keeps its value."""
     return {**{name: value for name, value in values.items() if name not in changes}, **changes}
 
 
 def in_order(si: dict[str, float]) -> dict[str, float]:
-    """Physical parameters in canonical order, so that equal machines are represented alike."""
+    """Returns physical parameters in canonical order, so that equal machines have the same representation."""
     return {name: si[name] for name in SI_NAMES if name in si}
 
 
 def written(values: dict[str, float]) -> str:
-    """Values as the arguments of a call."""
+    """Formats values as the arguments of a call."""
     return ", ".join(f"{name}={value!r}" for name, value in values.items())

@@ -14,7 +14,7 @@ from ._paper_values import ParameterValues
 
 
 def pairs(several: list[ParameterValues], starts: Any, what: str) -> tuple[list[ParameterValues], Floats]:
-    """A machine and a start for each motion."""
+    """Returns a machine and a start for each motion."""
     rows = _rows(several, starts)
     if len(several) == 1:
         several = several * len(rows)
@@ -29,7 +29,7 @@ def pairs(several: list[ParameterValues], starts: Any, what: str) -> tuple[list[
 
 
 def states(starts: Any) -> Floats:
-    """Starts given as an array of shape (n, 6)."""
+    """Returns starts given as an array of shape (n, 6)."""
     found = array("starts", starts, "an array of shape (n, 6)", 2)
     if found.shape[1] != 6:
         raise ValueError(f"starts has the shape {found.shape}: allowed is (n, 6)")
@@ -37,7 +37,7 @@ def states(starts: Any) -> Floats:
 
 
 def several_of(starts: Any) -> Optional[list[Any]]:
-    """The starts of a sequence; none where it is one start: none, numbers by name, or six numbers."""
+    """Returns the starts of a sequence; None if `starts` is a single start: None, numbers by name, or six numbers."""
     if starts is None or isinstance(starts, Mapping):
         return None
     found = listed_starts(starts)
@@ -45,7 +45,7 @@ def several_of(starts: Any) -> Optional[list[Any]]:
 
 
 def states_of_rows(machine: ParameterValues, names: list[str], table: Floats, several: list[Any]) -> Floats:
-    """Starts as an array of shape (n, 6), of a machine with rows of values: units of L are those of each row's machine."""
+    """Returns starts as an array of shape (n, 6) for rows of parameter values; units of L are taken from the machine of each row."""
     if len(several) != len(table):
         raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(table)} motions")
     found = np.zeros((len(table), 6))
@@ -59,7 +59,7 @@ def states_of_rows(machine: ParameterValues, names: list[str], table: Floats, se
 
 
 def _rows(machines: list[ParameterValues], starts: Any) -> Floats:
-    """Starts as an array of shape (n, 6): one for each machine, or one for each of several starts of a machine."""
+    """Returns starts as an array of shape (n, 6): one for each machine, or several starts of one machine."""
     if isinstance(starts, np.ndarray) and starts.ndim == 2:
         return states(starts)
     several = several_of(starts)

@@ -1,4 +1,4 @@
-"""Steady states in closed form."""
+"""Steady states of the paper's machine in closed form."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _THEORIES = ("multiple_scales", "strong_coupling", "exact_orbit")
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class SteadyState(Result):
-    """The symmetric motion with two impacts a drive period by one theory."""
+    """The symmetric motion with two impacts per drive period, by one theory."""
 
     machine: ParameterValues
     "Whose motion it is."
@@ -47,7 +47,7 @@ class SteadyState(Result):
 
     @property
     def stable(self) -> bool:
-        """Whether the motion exists and attracts: all three tests."""
+        """Whether the motion exists and is attracting: all three tests pass."""
         return self.geometric and self.fixed_point and self.periodic_motion
 
     @property
@@ -66,9 +66,9 @@ class SteadyState(Result):
         return float(self.amplitudes[2] / self.machine.stop_gap)
 
     def motion(self, theta: ArrayLike) -> tuple[Floats, Floats]:
-        """Displacements (m) and velocities (m/s), shape (n, 3) each, at phases of the drive (rad), shape (n,); just after an impact.
+        """Returns displacements (m) and velocities (m/s), shape (n, 3) each, at phases of the drive (rad), shape (n,); just after an impact.
 
-        On the motion the phase is ``drive_frequency * t + machine.drive_phase``.
+        The phase at time t is ``drive_frequency * t + machine.drive_phase``.
         """
         phases = array("theta", theta, "an array of shape (n,) of phases in rad")
         return _native.paper_steady_motion(self.machine._system, self.theory, self.sheet == "upper", phases)
@@ -82,7 +82,7 @@ class SteadyState(Result):
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class SteadyStates(Result):
-    """The steady states of a machine by three theories, each None where it has no answer."""
+    """The steady states of a machine by three theories; None for a theory without a solution."""
 
     multiple_scales: Optional[SteadyState]
     "The paper's sections 3 and 4."
@@ -95,7 +95,7 @@ class SteadyStates(Result):
 
 
 def steady_states(machine: ParameterValues, sheet: str) -> SteadyStates:
-    """The steady states on a sheet."""
+    """Returns the steady states on a sheet."""
     states: list[Optional[SteadyState]] = []
     reasons = {}
     for theory in _THEORIES:

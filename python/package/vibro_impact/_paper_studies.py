@@ -1,4 +1,4 @@
-"""Bifurcation diagrams and basins of attraction."""
+"""Bifurcation diagrams and basins of attraction of the paper's machine."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from ._paper_values import ParameterValues
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-#: Most values of a diagram, and most cells of a plane in one direction.
+#: Largest number of values of a diagram; largest number of cells of a plane in one direction.
 _MOST_VALUES = 1_000_000
 _MOST_CELLS = 20_000
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class PaperDirection(Result):
-    """The settled motions of one direction of a diagram."""
+    """Settled motions of one direction of a diagram."""
 
     value: Floats
     "The parameter, shape (n,), in its unit, rising."
@@ -78,7 +78,7 @@ def diagram_of(
     exponents: Union[bool, int],
     progress: bool,
 ) -> PaperDiagram:
-    """What :meth:`PaperMachine.bifurcation` returns."""
+    """Returns the result of :meth:`PaperMachine.bifurcation`."""
     machine._needs_period("a bifurcation diagram")
     if len(parameter) != 1:
         raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
@@ -146,7 +146,7 @@ class PaperBasins(Result):
 def basins_of(
     machine: ParameterValues, ranges: dict[str, tuple[float, float, int]], settle: int, start: list[float], progress: bool
 ) -> PaperBasins:
-    """What :meth:`PaperMachine.basins` returns."""
+    """Returns the result of :meth:`PaperMachine.basins`."""
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
         raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")

@@ -1,4 +1,4 @@
-"""The parameters of a machine as an immutable value."""
+"""The parameters of the paper's machine as an immutable value."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class ParameterValues(AnyMachine):
-    """Thirteen physical parameters with three constant loads and, where defined, the dimensionless groups. Base of :class:`PaperMachine`, from which results import it."""
+    """Thirteen physical parameters, three constant loads and, if defined, the dimensionless groups. Base of :class:`PaperMachine`; results import this base."""
 
     box_m: float
     "Mass of the box m1, kg."
@@ -97,12 +97,12 @@ class ParameterValues(AnyMachine):
 
     @classmethod
     def from_groups(cls, *given: NoReturn, **groups: Unpack[Groups]) -> Self:
-        """The machine with these dimensionless groups, in the scales of the default set (m1 = 1 kg, k1 = 1 N/m, L = 1 m).
+        """Returns the machine with these dimensionless groups, in the scales of the default set (m1 = 1 kg, k1 = 1 N/m, L = 1 m).
 
         Raises
         ------
         TypeError, ValueError
-            As the class; a physical parameter is no group.
+            As for the class; also for a physical parameter, which is not a group.
         """
         if given:
             raise TypeError(_unnamed("vi.PaperMachine.from_groups", given, "groups as keywords, such as f10=1.5"))
@@ -114,44 +114,44 @@ class ParameterValues(AnyMachine):
     def replace(  # type: ignore[override] # names of keywords are checked
         self, changes: Optional[Mapping[str, Value]] = None, /, **parameters: Unpack[Parameters]
     ) -> Self:
-        """The machine with some parameters changed: ``replace({"stop.gap": "4 mm"})``, or ``replace(stop_gap=4e-3)``.
+        """Returns the machine with some parameters changed: ``replace({"stop.gap": "4 mm"})``, or ``replace(stop_gap=4e-3)``.
 
         A number is in SI, a text has its unit.
 
-        A group leaves the other groups as they are, a physical parameter the other physical parameters; a physical parameter that
-        follows groups makes of the machine one in SI, all of whose physical parameters are given.
+        Setting a group keeps the other groups; setting a physical parameter keeps the other physical parameters. If a physical parameter
+        of a machine given by groups is set, the result is a machine in SI with all physical parameters given.
 
         Raises
         ------
         TypeError, ValueError
-            As the class.
+            As for the class.
         """
         made = type(self).__new__(type(self))
         made._fill(*self._changed(*as_changes(merged(changes, parameters, "changes"))))
         return made
 
     def _changed(self, si: dict[str, float], groups: dict[str, float]) -> tuple[dict[str, float], dict[str, float]]:
-        """The values in SI and the groups with changes."""
+        """Returns the SI values and the groups after changes."""
         before = {name: getattr(self, name) for name in SI_NAMES} if si and self._groups else self._si
         return in_order(with_changes(before, si)), with_changes({} if si else self._groups, groups)
 
     def _rows(self, names: list[str], table: Floats) -> tuple[Any, ...]:
-        """The machine with rows of values of some parameters, as the library reads it: each is what :meth:`replace` makes."""
+        """Returns the machine with rows of parameter values for the library; each row has the machine that :meth:`replace` returns."""
         own = [find(name) for name in names]
         si, groups = self._changed(*as_changes({name: 0.0 for name in names}))
         order = [*si, *groups]
         return list(si.items()), list(groups.items()), [order.index(name) for name in own], table
 
     def _described_by(self, text: str) -> Any:
-        """The :class:`Machine` of a text."""
+        """Returns the :class:`Machine` of a text."""
         raise NotImplementedError
 
     def _changes_period(self, name: str) -> bool:
-        """Whether a parameter changes the drive's period."""
+        """Whether a parameter changes the period of the drive."""
         return find(name) in ("drive_frequency", "sigma1", "epsilon", "box_k", "box_m")
 
     def _in_si(self, given: str, values: ArrayLike) -> ArrayLike:
-        """Values of a parameter in SI: texts with units are converted, numbers are returned unchanged."""
+        """Converts texts with units to SI; returns numbers unchanged."""
         name = find(given)
         found: ArrayLike = converted(values, lambda value: value_of(name, given, value))
         return found
@@ -163,17 +163,17 @@ class ParameterValues(AnyMachine):
 
     @property
     def parameters(self) -> dict[str, float]:
-        """All parameters with their values: those in SI, then the groups, where there are some."""
+        """All parameters with their values: SI parameters first, then the groups if they are defined."""
         return {name: vars(self)[name] for name in SI_NAMES + GROUP_NAMES if name in vars(self)}
 
     @property
     def units(self) -> dict[str, str]:
-        """The SI unit of each parameter, ``1`` for none."""
+        """The SI unit of each parameter; ``1`` for a dimensionless parameter."""
         return {name: PARAMETERS[name][1] or "1" for name in self.parameters}
 
     @property
     def columns(self) -> list[str]:
-        """Names of a motion's columns: ``box.s``, ``block.s``, ``secondary.s`` (m), ``box.v``, ``block.v``, ``secondary.v`` (m/s)."""
+        """Names of the columns of a motion: ``box.s``, ``block.s``, ``secondary.s`` (m), ``box.v``, ``block.v``, ``secondary.v`` (m/s)."""
         return list(SI_COORDINATES)
 
     def _fill(self, si: dict[str, float], groups: dict[str, float]) -> None:
@@ -234,7 +234,7 @@ class ParameterValues(AnyMachine):
 
 
 def _unnamed(call: str, given: tuple[Any, ...], expected: str) -> str:
-    """The refusal of values without a name, with the class that takes a machine's file."""
+    """Returns the error message for values without a name; it names the class that takes a machine's file."""
     values = ", ".join(map(repr, given))
     return f"{call}({values}): expected {expected}; for a machine of your own write vi.Machine({given[0]!r})"
 

@@ -1,4 +1,4 @@
-"""What all pictures by matplotlib share: axes, units, colours."""
+"""Shared parts of all matplotlib pictures: axes, units, colours."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ COLOURS = {"x1": "#004696", "x2": "#c84b00", "x3": "#14a073", "w": "#a52882"}
 #: Names of the displacements in legends and on axes.
 SYMBOLS = {"x1": "$x_1$", "x2": "$x_2$", "x3": "$x_3$", "w": "$w$"}
 
-#: Below this gap (m) lengths are drawn in mm.
+#: Lengths are drawn in mm if the gap (m) is smaller than this.
 _SMALL_GAP = 0.1
 
 
 def length(machine: ParameterValues) -> tuple[float, str]:
-    """The unit of lengths: how many of it are in a metre, and its symbol."""
+    """Returns the unit of lengths: its number per metre, and its symbol."""
     return (1e3, "mm") if machine.stop_gap < _SMALL_GAP else (1.0, "m")
 
 
 def require(what: str, result: object, *kinds: type) -> None:
-    """Refuses results of types that the picture does not draw."""
+    """Raises for results of types that the picture does not draw."""
     if not isinstance(result, kinds):
         allowed = " or ".join(kind.__name__ for kind in kinds)
         raise TypeError(f"{what} is of type {type(result).__name__}: allowed is {allowed}")
 
 
 def axes_of(axes: Optional[Axes]) -> Axes:
-    """The axes to draw into: the current ones unless given."""
+    """Returns the axes to draw into; by default the current axes."""
     if axes is None:
         return plt.gca()
     require("axes", axes, Axes)

@@ -1,4 +1,4 @@
-"""Pictures of branches of periodic orbits and of curves of their special points."""
+"""Pictures of branches of periodic orbits and of curves of special points."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from ._plot_axes import COLOURS, SYMBOLS, axes_of, length, require
 
 
 def _parameter(machine: MachineDescription, name: str) -> str:
-    """A parameter of a machine of your own with its unit."""
+    """Returns the name of a parameter of a machine of your own with its unit."""
     unit = machine.units[name]
     return name if unit == "1" else f"{name} ({unit})"
 
 
 def _mark(axes: Axes, labels: NDArray[np.str_], x: Floats, y: Floats) -> None:
-    """Special points with their labels; ends of a range have none."""
+    """Marks special points with their labels; ends of a range are not marked."""
     for index in np.flatnonzero((labels != "") & (labels != "EP")):
         place = (x[index], y[index])
         axes.plot(*place, "o", color="black", markersize=3.5)
@@ -34,9 +34,9 @@ def _mark(axes: Axes, labels: NDArray[np.str_], x: Floats, y: Floats) -> None:
 
 
 def branch(branch: Union[Branch, PaperBranch], axes: Optional[Axes] = None) -> Axes:
-    """What is kept along a branch of periodic orbits: solid where stable, dashed where not, special points with labels.
+    """Draws the kept quantity along a branch of periodic orbits: solid if stable, dashed if unstable, special points with labels.
 
-    It is the largest maximum; of a machine of your own the branch's measure, in SI.
+    The quantity is the largest maximum for the paper's machine, and the branch's measure in SI for a machine of your own.
     """
     if isinstance(branch, Sequence):
         raise TypeError(f"branch is of type {type(branch).__name__}: allowed is Branch or PaperBranch; plot.response draws several")
@@ -52,33 +52,33 @@ def branch(branch: Union[Branch, PaperBranch], axes: Optional[Axes] = None) -> A
         top = scale * np.array([maxima[0] if len(maxima) else np.nan for maxima in branch.maxima])
         colour, across = COLOURS[branch.of], PARAMETERS[branch.name][0]
         up = f"largest maximum of {SYMBOLS[branch.of]} ({symbol})"
-    # A piece goes from a point to the next, whose stability is that of its first point.
+    # A piece connects a point with the next one and has the stability of its first point.
     for stable, style in ((True, "-"), (False, (0, (3, 2)))):
         begins = np.flatnonzero(branch.stable[:-1] == stable)
         label = "stable" if stable else "unstable"
         for run in np.split(begins, np.flatnonzero(np.diff(begins) > 1) + 1):
             points = np.append(run, run[-1:] + 1)
             axes.plot(branch.value[points], top[points], color=colour, linewidth=1.4, linestyle=style, label=label)
-            label = "_"  # one entry of the legend for all runs
-    if len(top) == 1:  # an orbit of a family, which no branch leaves
+            label = "_"  # one entry of the legend for all pieces
+    if len(top) == 1:  # an isolated orbit, from which no branch continues
         axes.plot(branch.value, top, "o", color=colour, markersize=3.5, label="stable" if branch.stable[0] else "unstable")
     _mark(axes, branch.labels, branch.value, top)
     axes.margins(y=0.1)
     axes.set_xlabel(across)
     axes.set_ylabel(up)
     handles, labels = axes.get_legend_handles_labels()
-    own = dict(zip(reversed(labels), reversed(handles)))  # several branches in one picture have one entry each
+    own = dict(zip(reversed(labels), reversed(handles)))  # one legend entry each for several branches in one picture
     axes.legend([own[key] for key in sorted(own)], sorted(own), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, frameon=False)
     return axes
 
 
 def response(branches: Sequence[Union[Branch, PaperBranch]], axes: Optional[Axes] = None) -> Axes:
-    """A response curve, or all branches over a parameter: what `response` and `branches` return, each as by :func:`branch`.
+    """Draws a response curve, or all branches over a parameter: the result of `response` or `branches`, each branch as in :func:`branch`.
 
     Raises
     ------
     TypeError, ValueError
-        For another kind of result, and for none.
+        For another kind of result, or no result.
     """
     branches = _several("branches", branches, Branch, PaperBranch)
     axes = axes_of(axes)
@@ -88,7 +88,7 @@ def response(branches: Sequence[Union[Branch, PaperBranch]], axes: Optional[Axes
 
 
 def _several(what: str, results: Any, *kinds: type) -> Sequence[Any]:
-    """One result or several, at least one, all of types that the picture draws."""
+    """Returns at least one result as a sequence; raises for types that the picture does not draw."""
     if isinstance(results, kinds):
         return [results]
     if not isinstance(results, Sequence) or isinstance(results, str):
@@ -102,12 +102,12 @@ def _several(what: str, results: Any, *kinds: type) -> Sequence[Any]:
 
 
 def locus(curves: Union[Locus, Sequence[Locus]], axes: Optional[Axes] = None) -> Axes:
-    """Curves of special points over two parameters, one or several, with the points of two conditions on them.
+    """Draws one or several curves of special points over two parameters, with points at which two conditions hold.
 
     Raises
     ------
     TypeError, ValueError
-        For another kind of result, for none, and for curves over different parameters.
+        For another kind of result, no result, or curves over different parameters.
     """
     several = _several("curves", curves, Locus)
     axes = axes_of(axes)

@@ -9,7 +9,7 @@ from typing import Any, Callable, Optional
 
 
 class Bar:
-    """A bar of tqdm where that is installed, else a line on standard error."""
+    """A tqdm bar if tqdm is installed, else a line on standard error."""
 
     def __init__(self, wanted: bool, total: int, unit: str) -> None:
         self.total = total
@@ -26,7 +26,7 @@ class Bar:
 
     @property
     def report(self) -> Optional[Callable[..., None]]:
-        """Callback of the computation: number of parts done, of all parts (0 where this bar knows it), and optional words for the present part."""
+        """Callback of the computation: number of finished parts, number of all parts (0 if this bar knows it), and optional words for the current part."""
         return self._show if self.wanted else None
 
     def _show(self, done: int, total: int, words: str = "") -> None:
@@ -36,7 +36,7 @@ class Bar:
             self.bar.set_postfix_str(words, refresh=False)
             self.bar.update(done - self.shown)
         elif (words, 100 * done // max(self.total, 1)) != (self.words, 100 * self.shown // max(self.total, 1)):
-            # Shorter words leave nothing of longer ones.
+            # Pad, so that shorter words overwrite longer ones.
             sys.stderr.write(f"\r{100 * done // max(self.total, 1):3d} % {words}".ljust(len(self.words) + 7))
             sys.stderr.flush()
         self.shown, self.words = done, words
@@ -53,7 +53,7 @@ class Bar:
 
 @contextlib.contextmanager
 def partial(made: Callable[[Any], Any]) -> Iterator[None]:
-    """Makes the best result so far of a search, which a KeyboardInterrupt has as its attribute `partial`."""
+    """Converts the best result so far of a search, which a KeyboardInterrupt has as its attribute `partial`."""
     try:
         yield
     except KeyboardInterrupt as interrupt:

@@ -13,8 +13,8 @@ from ._arguments import Floats
 from ._show import page
 
 
-#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value (0 for a kind without one), and how
-#: many stops took part in an impact.
+#: Events: time (s), kind, element as ``stop.NAME`` or ``friction.NAME``, value (0 for a kind without a value), and
+#: number of stops that took part in an impact.
 EVENT = np.dtype([("t", "f8"), ("kind", "U7"), ("element", "U112"), ("value", "f8"), ("stops", "i4")])
 
 
@@ -25,25 +25,25 @@ class Result:
         return f"{type(self).__name__}({', '.join(f'{name}={shown}' for name, shown in self._parts())})"
 
     def _parts(self) -> list[tuple[str, str]]:
-        """Names of the parts with short texts."""
+        """Returns the names of the parts with short texts."""
         shown = [field.name for field in dataclasses.fields(self) if field.repr]  # type: ignore[arg-type]
         return [(name, _short(getattr(self, name))) for name in shown]
 
     def _picture(self) -> str:
-        """A small SVG, or nothing."""
+        """Returns a small SVG, or an empty text."""
         return ""
 
     def _repr_svg_(self) -> Optional[str]:
-        """The picture, where there is one."""
+        """The picture, if the result has one."""
         return self._picture() or None
 
     def _repr_html_(self) -> str:
-        """Picture and main numbers, by which a notebook shows the result."""
+        """The picture and main numbers that a notebook shows."""
         return page(type(self).__name__, self._parts(), self._picture())
 
 
 def _short(value: object) -> str:
-    """A value as a text of some words."""
+    """Returns a value as a short text."""
     if isinstance(value, np.ndarray) and value.size > 8:
         return f"array{value.shape}"
     if isinstance(value, (list, tuple, dict)) and len(value) > 4:
@@ -61,12 +61,12 @@ Part = TypeVar("Part")
 
 
 def direction(kind: Callable[..., Part], found: dict[str, Any]) -> Part:
-    """One direction of a diagram from what the computation returns, with the classes as an array."""
+    """Returns one direction of a diagram from the result of the computation, with the classes as an array."""
     return kind(**{**found, "kind": np.array(found["kind"], dtype=np.str_)})
 
 
 def place_of(names: list[str], name: str) -> int:
-    """The place of a name."""
+    """Returns the index of a name."""
     try:
         return names.index(name)
     except ValueError:
@@ -76,13 +76,13 @@ def place_of(names: list[str], name: str) -> int:
 
 
 def column_of(columns: list[str], values: Floats, name: str) -> Floats:
-    """The column with a name."""
+    """Returns the column with a name."""
     found: Floats = values[..., place_of(columns, name)]
     return found
 
 
 def records(kind: np.dtype[np.void], parts: dict[str, Any]) -> NDArray[np.void]:
-    """A record of each entry of some columns of one length."""
+    """Returns a record array from columns of equal length."""
     found = np.empty(len(parts["t"]), kind)
     for name in kind.names or ():
         found[name] = parts[name]
@@ -90,7 +90,7 @@ def records(kind: np.dtype[np.void], parts: dict[str, Any]) -> NDArray[np.void]:
 
 
 def fields_of(kind: np.dtype[np.void], table: Floats) -> NDArray[np.void]:
-    """A record of each row of a table."""
+    """Returns a record array from the rows of a table."""
     found = np.empty(len(table), kind)
     for index, name in enumerate(kind.names or ()):
         found[name] = table[:, index]

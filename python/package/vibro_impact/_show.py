@@ -1,4 +1,4 @@
-"""Small pictures of results as SVG, for notebooks: some kilobytes each, without matplotlib."""
+"""Small pictures of results as SVG for notebooks, a few kilobytes each, without matplotlib."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ._arguments import Floats
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 #: Size of a picture and of the rectangle within it, pixels.
 _WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 420, 200, 8, 412, 22, 178
-#: Most windows of a line, each with its least and largest value; most dots; most cells in one direction.
+#: Largest numbers, to keep a picture small: windows of a line, each with its minimum and maximum; dots; cells in one direction.
 _WINDOWS, _DOTS, _CELLS = 250, 1500, 120
 
 
@@ -30,7 +30,7 @@ class Line:
         self.label, self.dots, self.dashed, self.colour = label, dots, dashed, COLOURS[colour % len(COLOURS)]
 
     def drawn(self, x: Floats, y: Floats) -> str:
-        """The path with these coordinates in pixels."""
+        """Returns the SVG path for these coordinates in pixels."""
         if self.dots or len(x) == 1:
             step, width = -(-len(x) // _DOTS) or 1, 1.6 if self.dots else 4
             path = "".join(f"M{a:.0f} {b:.0f}h0" for a, b in zip(x[::step], y[::step]))
@@ -42,7 +42,7 @@ class Line:
 
 
 def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Of a long line the least and the largest value in each of some windows."""
+    """Replaces a long line by the minimum and maximum in each of some windows."""
     if len(x) <= 2 * _WINDOWS:
         return x, y
     parts = np.array_split(np.arange(len(x)), _WINDOWS)
@@ -51,14 +51,14 @@ def _thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 
 def pieces(x: Floats, y: Floats, stable: NDArray[np.bool_]) -> list[Line]:
-    """A branch: a line for each run of points of one stability, to the first point of the next run, dashed where unstable."""
+    """Splits a branch into lines of one stability, each to the first point of the next line; dashed if unstable."""
     begins = np.flatnonzero(np.append(True, np.diff(stable.astype(int)) != 0)) if len(x) else np.empty(0, dtype=int)
     ends = np.append(begins[1:] + 1, len(x))
     return [Line(x[begin:end], y[begin:end], dashed=not stable[begin]) for begin, end in zip(begins, ends)]
 
 
 def lines(some: Sequence[Line], across: str, up: str) -> str:
-    """Lines and dots over a common axis, with the ends of both axes as numbers."""
+    """Draws lines and dots over a common axis, with the ends of both axes as numbers."""
     some = [line for line in some if len(line.x)]
     if not some:
         return ""
@@ -78,7 +78,7 @@ def _ends(arrays: list[Floats]) -> tuple[float, float]:
 
 
 def cells(numbers: NDArray[np.int32], edges: tuple[float, float, float, float], across: str, up: str) -> str:
-    """A plane of cells, a colour for each number from 0 on and white or grey for those below."""
+    """Draws a plane of cells, with a colour for each number from 0 on and white or grey for negative numbers."""
     step = [-(-count // _CELLS) for count in numbers.shape]
     shown = np.asarray(numbers)[:: step[0], :: step[1]][::-1]
     palette = bytes(byte for colour in ("#ffffff", "#b0b0b0", "#606060", *COLOURS) for byte in bytes.fromhex(colour[1:]))
@@ -87,7 +87,7 @@ def cells(numbers: NDArray[np.int32], edges: tuple[float, float, float, float], 
 
 
 def shades(values: Floats, edges: tuple[float, float, float, float], across: str, up: str, what: str) -> str:
-    """A plane of numbers, light for the least and dark for the largest."""
+    """Draws a plane of numbers, from light for the smallest to dark for the largest."""
     plain = np.ma.filled(values.astype(float), np.nan)
     step = [-(-count // _CELLS) for count in plain.shape]
     shown = plain[:: step[0], :: step[1]][::-1]
@@ -133,7 +133,7 @@ def _framed(drawn: str, x: tuple[float, float, str], y: tuple[float, float, str]
 
 
 def page(title: str, numbers: Sequence[tuple[str, str]], picture: str) -> str:
-    """A result as HTML: its numbers beside its picture."""
+    """Returns a result as HTML: its numbers next to its picture."""
     cell = "text-align:left;padding:1px 8px"
     rows = "".join(f'<tr><th style="{cell}">{escape(name)}</th><td style="{cell}">{escape(text)}</td></tr>' for name, text in numbers)
     return f"<div><b>{escape(title)}</b><div>{picture}</div><table>{rows}</table></div>"

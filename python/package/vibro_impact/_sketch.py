@@ -21,14 +21,14 @@ class Sketch:
         self.svg = described.sketch()
 
     def save(self, path: Union[str, os.PathLike[str]]) -> Path:
-        """Writes the picture into a file that ends in ``.svg`` or ``.png``; returns its path.
+        """Writes the picture to a file that ends in ``.svg`` or ``.png``; returns its path.
 
         Raises
         ------
         ValueError
-            For another ending.
+            If the file has another extension.
         OSError
-            Where the file cannot be written.
+            If the file cannot be written.
         """
         to = Path(path)
         if to.suffix == ".svg":
@@ -40,7 +40,7 @@ class Sketch:
         return to
 
     def _repr_svg_(self) -> str:
-        """The SVG, by which a notebook shows the sketch."""
+        """The SVG that a notebook shows."""
         return self.svg
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -51,5 +51,5 @@ class Sketch:
 
 
 def _of_text(text: str) -> Sketch:
-    """The sketch of the machine of a text."""
+    """Returns the sketch of the machine that a text describes."""
     return Sketch(_native.Described(text, None))

@@ -11,10 +11,10 @@ import numpy as np
 
 
 class Start(Mapping[str, float]):
-    """A time and a state from which a motion starts; an immutable mapping of names to numbers in SI: ``time``, ``box.s``, ``box.v``.
+    """Time and state at the start of a motion; an immutable mapping of names to numbers in SI: ``time``, ``box.s``, ``box.v``.
 
-    ``run.end`` is one, and ``{**run.end, "box.v": 0.0}`` one with another speed. :meth:`save` writes a file that reads back to an equal
-    start, which :meth:`Machine.start` and ``vibro run FILE --start`` read. ``np.array(start)`` has the numbers but the time.
+    ``run.end`` is a start, and so is ``{**run.end, "box.v": 0.0}`` with another velocity. :meth:`save` writes a file that reads back to an
+    equal start; :meth:`Machine.start` and ``vibro run FILE --start`` read it. ``np.array(start)`` has all numbers except the time.
     """
 
     __slots__ = ("_numbers",)
@@ -24,12 +24,12 @@ class Start(Mapping[str, float]):
 
     @property
     def time(self) -> float:
-        """The time, s, at which signals have their values."""
+        """The time at which signals have their values, s."""
         return self._numbers["time"]
 
     @property
     def toml(self) -> str:
-        """The text of its file, in SI and with every digit."""
+        """The text of its file, in SI with every digit."""
         bodies: dict[str, str] = {}
         for name, value in self._numbers.items():
             body, _, key = name.rpartition(".")
@@ -38,12 +38,12 @@ class Start(Mapping[str, float]):
         return f"time = {self.time!r}\n" + "".join(bodies.values())
 
     def save(self, path: Union[str, os.PathLike[str]]) -> Path:
-        """Writes its file; returns the path.
+        """Writes the start to a file; returns the path.
 
         Raises
         ------
         OSError
-            Where the file cannot be written.
+            If the file cannot be written.
         """
         to = Path(path)
         to.write_text(self.toml, encoding="utf-8")

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Table(Result):
-    """Measures of many motions: ``table["amplitude.box.s"]`` is an array, ``table[3]`` a dictionary, and so is each row in a loop.
+    """Measures of many motions: ``table["amplitude.box.s"]`` is an array; ``table[3]`` is a dictionary, and so is each row in a loop.
 
-    An array is masked where there is no number: of a motion that was refused, or of a measure that is not defined.
+    An array is masked where no number exists: for a motion that was refused, or a measure that is undefined.
     """
 
     parameters: dict[str, NDArray[Any]]
@@ -74,12 +74,12 @@ class Table(Result):
         return (dict(zip(lists, row)) for row in zip(*lists.values())) if lists else iter([{} for _ in range(len(self))])
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A row for each motion; pandas must be installed."""
+        """Returns a pandas DataFrame with a row for each motion; requires pandas."""
         found: pandas.DataFrame = needed("pandas", "to_pandas").DataFrame(list(self), columns=list(self.columns))
         return found
 
     def to_xarray(self) -> xarray.Dataset:
-        """A data set of the table's shape, of a sweep with its parameters as coordinates; xarray, which has no masks but NaN, must be installed."""
+        """Returns an xarray Dataset of the table's shape, for a sweep with its parameters as coordinates and NaN for masked numbers; requires xarray."""
         module = needed("xarray", "to_xarray")
         dims = self.axes or tuple(f"dim_{k}" for k in range(len(self.shape)))
         across = [tuple(slice(None) if i == k else 0 for i in range(len(dims))) for k in range(len(dims))]
@@ -90,7 +90,7 @@ class Table(Result):
         return found
 
     def to_parquet(self, path: Union[str, os.PathLike[str]]) -> Path:
-        """Writes the rows as a Parquet file, with the units as metadata, and returns its path; pyarrow must be installed."""
+        """Writes the rows as a Parquet file, with the units as metadata, and returns its path; requires pyarrow."""
         arrow, parquet = needed("pyarrow", "to_parquet"), needed("pyarrow.parquet", "to_parquet")
         columns = {name: arrow.array(column.reshape(-1).tolist()) for name, column in self.columns.items()}
         table = arrow.table(columns).replace_schema_metadata(self.units)
@@ -112,12 +112,12 @@ class Table(Result):
 
 
 def _plain(value: Any) -> Any:
-    """A number of an array as Python has it; None where it is masked."""
+    """Converts a number of an array to a Python number; None if it is masked."""
     return None if value is np.ma.masked else value.item() if isinstance(value, np.generic) else value
 
 
 def _filled(column: NDArray[Any]) -> NDArray[Any]:
-    """What xarray takes for a masked array."""
+    """Returns a column for xarray, with NaN for masked numbers."""
     return column.filled(np.nan) if isinstance(column, np.ma.MaskedArray) and column.dtype.kind == "f" else np.asarray(column)
 
 
@@ -130,7 +130,7 @@ def table_of(
     shape: tuple[int, ...],
     axes: Optional[tuple[str, ...]] = None,
 ) -> Table:
-    """A table of rows of measures in the order of its elements."""
+    """Returns a table from rows of measures, in the order of its elements."""
     values: dict[str, NDArray[Any]] = {}
     spreads: dict[str, NDArray[Any]] = {}
 

@@ -1,4 +1,4 @@
-"""Results as tables of pandas and xarray, which are imported where they are asked for."""
+"""Results as tables of pandas and xarray, which are imported on first use."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 
 def needed(module: str, what: str) -> Any:
-    """An optional module.
+    """Imports an optional module.
 
     Raises
     ------
     ImportError
-        Where it is not installed, with the command that installs it.
+        If the module is not installed; the message has the command that installs it.
     """
     try:
         return importlib.import_module(module)
@@ -30,14 +30,14 @@ def needed(module: str, what: str) -> Any:
 
 
 def frame(columns: Mapping[str, Any], t: Floats) -> pandas.DataFrame:
-    """A table over times."""
+    """Returns a DataFrame over times."""
     module = needed("pandas", "to_pandas")
     found: pandas.DataFrame = module.DataFrame(dict(columns), index=module.Index(t, name="time"))
     return found
 
 
 def dataset(machine: AnyMachine, columns: list[str], values: Floats, t: Floats) -> xarray.Dataset:
-    """Columns of a motion over times."""
+    """Returns the columns of a motion as a Dataset over times."""
     module = needed("xarray", "to_xarray")
     parts = {name: ("time", values[:, k]) for k, name in enumerate(columns)}
     time = module.Variable("time", t, {"units": "s"})

@@ -10,7 +10,7 @@ import numpy as np
 
 
 def toml(machine: Mapping[str, Any]) -> str:
-    """A dictionary as the text of a file: each value of the top level a line, tables within it in braces."""
+    """Returns a dictionary as the text of a file: a line for each top-level value, with inline tables within it."""
     return "".join(f"{_key(name)} = {_value(str(name), value)}\n" for name, value in machine.items())
 
 
@@ -23,7 +23,7 @@ def _key(name: object) -> str:
 def _value(name: str, value: object) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{_key(k)} = {_value(f'{name}.{k}', v)}" for k, v in value.items()) + "}"
-    if hasattr(value, "toarray"):  # a sparse matrix of SciPy, which need not be there
+    if hasattr(value, "toarray"):  # a sparse matrix of SciPy, which may not be installed
         value = value.toarray()
     if isinstance(value, np.ndarray):
         value = value.tolist()

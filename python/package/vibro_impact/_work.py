@@ -1,7 +1,7 @@
-"""Work on many motions in parts: in this process, on an executor, kept in a folder.
+"""Computes many motions in parts: in this process or on an executor, with finished parts optionally kept in a folder.
 
-The folder is laid out as those of the command line's long studies: ``manifest.toml`` says what is computed, a file ``00000.part`` holds
-each finished part, complete or absent. A part has the sum of its rows (SHA-256) in a line, then the rows as JSON.
+The folder has the layout of the command line's long studies: ``manifest.toml`` describes the computation, and a file ``00000.part``
+holds each finished part, written completely or not at all. A part is a line with the SHA-256 checksum of its rows, then the rows as JSON.
 """
 
 from __future__ import annotations
@@ -16,40 +16,40 @@ from typing import Any, Optional, Protocol, Union
 
 from ._progress import Bar
 
-#: Most parts of a study, and the least and most rows of one.
+#: Largest number of parts of a study; smallest and largest number of rows of a part.
 _PARTS, _LEAST, _MOST = 200, 8, 4096
-#: The form of a part; parts of other forms are refused.
+#: Version of the format of a part; parts of other versions are refused.
 _FORM = 3
 
 
 class Work(Protocol):
-    """Rows of many motions; it is sent to other processes."""
+    """Rows of many motions; must be picklable, because other processes compute parts."""
 
     def count(self) -> int:
         """Number of rows."""
 
     def part(self, begin: int, end: int) -> Work:
-        """Some of the rows."""
+        """Returns the work of the rows from `begin` to `end`."""
 
     def told(self) -> Iterator[bytes]:
-        """All on which the rows depend."""
+        """Yields everything on which the rows depend, as bytes to hash."""
 
     def rows(self, report: Any) -> list[Any]:
         """Computes the rows."""
 
 
 def _computed(work: Work) -> list[Any]:
-    """Rows of a part, in another process."""
+    """Computes the rows of a part, in another process."""
     return work.rows(None)
 
 
 def rows_of(work: Work, executor: Any, checkpoint: Union[None, str, os.PathLike[str]], progress: bool) -> list[Any]:
-    """All rows, computed where they are not kept yet.
+    """Returns all rows; computes the rows that the checkpoint does not hold yet.
 
     Raises
     ------
     KeyboardInterrupt
-        With the rows so far as its attribute ``partial``, None for those that are missing.
+        The rows computed before it are its attribute ``partial``, which has None for each missing row.
     """
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise TypeError(
@@ -88,8 +88,8 @@ def _here(work: Work, ends: list[tuple[int, int]], missing: list[int]) -> Iterat
 
 
 def _there(executor: Any, work: Work, ends: list[tuple[int, int]], missing: list[int]) -> Iterator[tuple[int, list[Any]]]:
-    """Parts by an executor, in their order; what is not begun is cancelled where the work ends early."""
-    # Dask takes calls with equal arguments for one, whose result it may still have: so they are.
+    """Yields parts computed by an executor, in order; cancels parts that have not begun if the work ends early."""
+    # Dask may reuse the result of an earlier, equal call; equal parts have equal rows.
     futures = [(k, executor.submit(_computed, work.part(*ends[k]))) for k in missing]
     try:
         for k, future in futures:
@@ -105,7 +105,7 @@ def _there(executor: Any, work: Work, ends: list[tuple[int, int]], missing: list
 
 
 def _place(error: Exception, begin: int) -> None:
-    """Says where the numbers of motions in a message of a part begin."""
+    """Shifts the number of the motion in a part's error message by the index of the part's first row."""
     if begin and error.args and isinstance(error.args[0], str) and error.args[0].startswith("motion "):
         number, _, rest = error.args[0][len("motion ") :].partition(":")
         if number.isdecimal():
@@ -123,12 +123,12 @@ def _partial(found: list[Optional[list[Any]]], ends: list[tuple[int, int]]) -> I
 
 
 def _sum_of(rows: bytes) -> bytes:
-    """The sum by which a damaged part is known."""
+    """Returns the checksum that reveals a damaged part."""
     return hashlib.sha256(rows).hexdigest().encode()
 
 
 class _Folder:
-    """Finished parts in a folder."""
+    """Finished parts, kept in a folder."""
 
     def __init__(self, path: Path, work: Work, count: int, size: int) -> None:
         from ._native import __version__
@@ -158,7 +158,7 @@ class _Folder:
         return self.path / f"{k:05d}.part"
 
     def load(self, k: int) -> Optional[list[Any]]:
-        """A finished part."""
+        """Returns the rows of a part, or None if it is not finished."""
         if not self._file(k).exists():
             return None
         total, _, rows = self._file(k).read_bytes().partition(b"\n")
@@ -168,7 +168,7 @@ class _Folder:
         return found
 
     def save(self, k: int, rows: list[Any]) -> None:
-        """Keeps a part, completely or not at all."""
+        """Writes a part, completely or not at all."""
         text = json.dumps(rows)
         self._write(self._file(k), f"{_sum_of(text.encode()).decode()}\n{text}")
 

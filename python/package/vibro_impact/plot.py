@@ -1,14 +1,14 @@
-"""Pictures by matplotlib: each function draws one result into axes and returns them.
+"""Pictures by matplotlib: each function draws one result into axes and returns the axes.
 
-``axes`` is where to draw; without it the current axes are taken, as matplotlib's own functions do. Bodies have the colours of the
-pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths are in m, and in mm where
-the gap is under 0.1 m; the numbers of the results stay in SI. Results of a :class:`Machine` are drawn in SI, in matplotlib's colours:
-every function takes those of both kinds of machine.
+``axes`` are the axes to draw into; by default the current axes, as in matplotlib's own functions. Bodies have the same colours as in the
+pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths are drawn in mm if the gap
+is under 0.1 m, else in m; the numbers of the results stay in SI. Results of a :class:`Machine` are drawn in SI, in matplotlib's colours.
+Every function accepts results of both kinds of machine.
 
 >>> from vibro_impact import PaperMachine, plot
 >>> axes = plot.portrait(PaperMachine().simulate(periods=20), of="x2")
 
-Needs matplotlib: ``pip install vibro-impact[plot]``.
+Requires matplotlib: ``pip install vibro-impact[plot]``.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _BODIES = {"x1": "box", "x2": "block", "x3": "secondary oscillator", "w": "block
 #: Colours of areas (Okabe and Ito).
 _AREAS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 
-#: Drive periods up to which a history is drawn as a line; more would run into a bar.
+#: Largest number of drive periods that a history draws as a line; more would merge into a solid bar.
 _DRAWN = 40
 
 __all__ = ["COLOURS", "basins", "bifurcation", "branch", "forces", "history", "locus", "portrait", "response", "section"]
@@ -51,7 +51,7 @@ def _columns(result: Union[PaperRun, PaperSection], of: str) -> tuple[Floats, Fl
 
 
 def _windows(run: PaperRun) -> NDArray[np.intp]:
-    """The first instants of windows of whole drive periods, at most 400; none where a run is short enough to be drawn as a line."""
+    """Returns the first samples of at most 400 windows of whole drive periods; none if a run is short enough to be drawn as a line."""
     period = 2 * np.pi / run.machine.drive_frequency
     periods = (run.t[-1] - run.t[0]) / period if len(run.t) else 0.0
     if periods <= _DRAWN * (1 + 1e-9):
@@ -62,30 +62,30 @@ def _windows(run: PaperRun) -> NDArray[np.intp]:
 
 
 def _stops(axes: Axes, gap: float, horizontal: bool) -> None:
-    """The stops, where the block's displacement in the box is drawn."""
+    """Draws the stops into a picture of the block's displacement in the box."""
     for stop in (-gap, gap):
         line = axes.axhline if horizontal else axes.axvline
         line(stop, color="black", linewidth=0.8, linestyle=(0, (4, 3)), zorder=1)
 
 
 def _unit(machine: MachineDescription, column: str) -> str:
-    """The SI unit of a column of a machine of your own."""
+    """Returns the SI unit of a column of a machine of your own."""
     return machine.measures[f"maximum.{column}"].split(":")[0]
 
 
 def history(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
-    """Displacements over time; of more than 40 drive periods the least and largest in each, or in every so many.
+    """Draws displacements over time; over more than 40 drive periods, the minimum and maximum in each window of whole periods.
 
     Parameters
     ----------
     of
-        Some of x1, x2, x3 (also box.s, block.s, secondary.s) and w = x2 - x1, the first three unless given; with w the stops are dashed. Of
-        a machine of your own some of its columns, the displacements of all bodies unless given, each sample of it.
+        Some of x1, x2, x3 (also box.s, block.s, secondary.s) and w = x2 - x1; by default the first three. The stops of w are dashed. For
+        a machine of your own, some of its columns, by default the displacements of all bodies; every sample is drawn.
 
     Raises
     ------
     TypeError, ValueError
-        For another kind of result, and names that it has not.
+        For another kind of result, or unknown names.
     """
     require("run", run, Run, PaperRun)
     axes = axes_of(axes)
@@ -110,7 +110,7 @@ def history(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union
     axes.set_ylabel(f"displacement ({unit})" if len(names) > 1 else f"{SYMBOLS[names[0]]} ({unit})")
     axes.margins(x=0)
     if len(names) > 1:
-        # Above the axes, where no line is.
+        # Above the axes, clear of the lines.
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(names), frameon=False)
     return axes
 
@@ -144,17 +144,17 @@ def _portrait_of_described(run: Run, axes: Axes, of: str) -> Axes:
 
 
 def forces(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union[None, str, Sequence[str]] = None) -> Axes:
-    """Forces over time: of a described machine those of its elements and loads, of the paper's machine the impulses (N.s) at its stops, a stem each.
+    """Draws forces over time: elements and loads of a described machine, or impulses (N.s) at the stops of the paper's machine as stems.
 
     Parameters
     ----------
     of
-        Of a described machine some of its columns that end in ``.f``, all of its stops unless given; of the paper's machine ``upper`` or ``lower``.
+        For a described machine, some columns that end in ``.f``, by default of all stops; for the paper's machine ``upper`` or ``lower``.
 
     Raises
     ------
     TypeError, ValueError
-        For another kind of result, names that it has not, and a described machine without such elements.
+        For another kind of result, unknown names, or a described machine without such elements.
     """
     require("run", run, Run, PaperRun)
     axes = axes_of(axes)
@@ -179,18 +179,18 @@ def forces(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union[
 
 
 def portrait(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Optional[str] = None) -> Axes:
-    """Velocity (m/s) over displacement: the line is interrupted at impacts, where the velocity jumps.
+    """Draws velocity (m/s) over displacement; the line is interrupted at impacts, where the velocity jumps.
 
     Parameters
     ----------
     of
-        One of x1, x2, x3 and w = x2 - x1, x2 unless given; with w the stops are dashed. Of a machine of your own the displacement of a body
-        or the elongation of an element, ``box.s`` or ``upper.e``, that of the first body unless given; it is interrupted at every impact.
+        One of x1, x2, x3 and w = x2 - x1; default x2. The stops of w are dashed. For a machine of your own, the displacement of a body or the
+        elongation of an element, ``box.s`` or ``upper.e``, by default of the first body; the line is interrupted at every impact.
 
     Raises
     ------
     TypeError, ValueError
-        For another kind of result, and names that it has not.
+        For another kind of result, or unknown names.
     """
     require("run", run, Run, PaperRun)
     axes = axes_of(axes)
@@ -212,18 +212,18 @@ def portrait(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Opti
 
 
 def section(section: Union[Section, PaperSection], axes: Optional[Axes] = None, *, of: Optional[str] = None) -> Axes:
-    """The points of a Poincaré section: velocity (m/s) over displacement at a phase, speed (m/s) over phase (rad) at a stop.
+    """Draws the points of a Poincaré section: velocity (m/s) over displacement at a phase, speed (m/s) over phase (rad) at a stop.
 
     Parameters
     ----------
     of
-        One of x1, x2, x3 and w = x2 - x1, x2 unless given. Of a machine of your own the displacement of a body or the elongation of an
-        element; at a driven machine's stop the closing speed over the phase unless given.
+        One of x1, x2, x3 and w = x2 - x1; default x2. For a machine of your own, the displacement of a body or the elongation of an
+        element; by default, at a stop of a driven machine, the closing speed over the phase.
 
     Raises
     ------
     TypeError, ValueError
-        For another kind of result, and names that it has not.
+        For another kind of result, or unknown names.
     """
     require("section", section, Section, PaperSection)
     axes = axes_of(axes)
@@ -256,7 +256,7 @@ def _points(axes: Axes, x: Floats, y: Floats, colour: str) -> Axes:
 
 
 def _section_of_described(section: Section, axes: Axes, of: Optional[str]) -> tuple[Floats, Floats]:
-    """The points, with the axes' labels."""
+    """Returns the points of a section and labels the axes."""
     if of is None and section.phase is not None and section.speed is not None:
         _phases(axes)
         axes.set_ylabel(f"closing speed of {section.at}, SI")
@@ -269,24 +269,24 @@ def _section_of_described(section: Section, axes: Axes, of: Optional[str]) -> tu
 
 
 def _rates(columns: Sequence[str]) -> dict[str, str]:
-    """Displacements and elongations with their rates."""
+    """Maps displacements and elongations to their rates."""
     rates = {".s": ".v", ".e": ".rate"}
     pairs = {name: name[:-2] + rates[name[-2:]] for name in columns if name[-2:] in rates}
     return {place: rate for place, rate in pairs.items() if rate in columns}
 
 
 def bifurcation(diagram: Union[Diagram, PaperDiagram], axes: Optional[Axes] = None, *, direction: str = "up") -> Axes:
-    """The maxima of a bifurcation diagram over its parameter, in units of L; of a machine of your own in SI.
+    """Draws the maxima of a bifurcation diagram over its parameter, in units of L; for a machine of your own in SI.
 
     Parameters
     ----------
     direction
-        ``"up"``, ``"down"``, or ``"both"``: then the falling direction is grey, below the rising one.
+        ``"up"``, ``"down"``, or ``"both"``, which draws the downward direction in grey behind the upward one.
 
     Raises
     ------
     TypeError, ValueError
-        For another kind of result, and another direction.
+        For another kind of result, or another direction.
     """
     require("diagram", diagram, Diagram, PaperDiagram)
     axes = axes_of(axes)
@@ -326,9 +326,9 @@ def _dots(axes: Axes, shown: Union[Direction, PaperDirection], colour: str, labe
 
 
 def basins(basins: Union[Basins, PaperBasins], axes: Optional[Axes] = None) -> Axes:
-    """Basins of attraction: a colour for each attractor, lighter for its mirror image; starts outside the stops are white.
+    """Draws basins of attraction: a colour for each attractor, lighter for its mirror image; starts outside the stops are white.
 
-    Of a machine of your own cells whose motion was not decided are grey, and those whose motion ends are black.
+    For a machine of your own, cells whose motion is undecided are grey, and cells whose motion ends are black.
     """
     require("basins", basins, Basins, PaperBasins)
     axes = axes_of(axes)
@@ -372,7 +372,7 @@ def _areas(
     handles: list[Patch],
     place: tuple[tuple[float, float, float, float], str, str],
 ) -> Axes:
-    """A plane of coloured cells with its legend."""
+    """Draws a plane of coloured cells with its legend."""
     edges, across, up = place
     axes.imshow(
         shown,
@@ -391,11 +391,11 @@ def _areas(
 
 
 def _start(name: str) -> str:
-    """A start's coordinate with its unit."""
+    """Returns the label of a coordinate of the start with its unit."""
     return f"$x_{name[1]}$ (units of L)" if name[0] == "x" else f"$\\dot x_{name[1]}$ (units of L$\\,\\omega_{{10}}$)"
 
 
 def _lighter(colour: str) -> str:
-    """A colour mixed half and half with white."""
+    """Mixes a colour with white, half and half."""
     parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
     return "#" + "".join(f"{(part + 255) // 2:02x}" for part in parts)

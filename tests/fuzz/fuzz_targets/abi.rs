@@ -22,8 +22,8 @@ use vibro_paper_component::fmi2::description;
 use vibro_paper_component::fmi2::types::FmiEventInfo;
 use vibro_paper_component::component::variables::{VARIABLES, reference};
 
-/// Value references are taken modulo this, so that a new variable does not give the kept inputs
-/// another meaning; those beyond the table are bad references.
+/// Value references are taken modulo this, so that a new variable does not change the meaning of
+/// the kept inputs; references beyond the table are bad references.
 const REFERENCES: u32 = 96;
 const _: () = {
     let mut i = 0;

@@ -1,8 +1,7 @@
 //! Any calls with any arguments through the C interface of FMI 3.0, in both interface types, with
-//! any handling of events, with a callback that makes any calls: no crash, no panic
-//! (`fmi3Fatal`), no status the standard does not have, nothing written beyond an array, no number
-//! that is not finite, and an instance that still answers. Saved states go on in an instance of FMI
-//! 2.0.
+//! any handling of events, with a callback that makes any calls: no crash, no panic (`fmi3Fatal`),
+//! no status outside the standard, nothing written beyond an array, only finite numbers, and an
+//! instance that still answers. Saved states continue in an instance of FMI 2.0.
 //!
 //! `cargo fuzz run --fuzz-dir tests/fuzz -s none abi3 -- -max_total_time=1800` on the stable
 //! toolchain; where there is a nightly one,
@@ -28,7 +27,7 @@ use vibro_paper_component::fmi3::description::{CLOCKED, MAIN, instantiation_toke
 
 const OK: c_int = 0;
 const ERROR: c_int = 3;
-/// Value references are taken modulo this; those beyond the table are bad references.
+/// Value references are taken modulo this; references beyond the table are bad references.
 const REFERENCES: u32 = 96;
 const _: () = assert!(VARIABLES.len() < REFERENCES as usize, "more variables than references: double REFERENCES");
 
@@ -64,7 +63,7 @@ struct Input {
     /// Calls that the callback makes, in turn.
     inside: Vec<Call>,
     calls: Vec<Call>,
-    /// Whether errors are left without a reset.
+    /// Whether errors are not followed by a reset.
     stubborn: bool,
 }
 
@@ -138,10 +137,10 @@ impl Host {
         let absent = |bit: u8| call.null & call.null >> 1 & 1 << bit != 0;
         let (r, x, y) = (vr.pointer(absent(0)), reals.pointer(absent(1)), results.pointer(absent(2)));
         let (i, l, b, s, f) = (ints.pointer(absent(3)), longs.pointer(absent(3)), bytes.pointer(absent(4)), sizes.pointer(absent(5)), flags.0.as_mut_ptr());
-        // Inside the callback the time may not be asked for.
+        // The time must not be read inside the callback.
         let (time, longest) = if self.depth == 0 { (self.real("time"), self.longest()) } else { (0.0, 1.0) };
         let place = &mut self.states[usize::from(call.slot) % 3];
-        // SAFETY: buffers of as many elements as are not refused; states are this instance's or
+        // SAFETY: buffers of as many elements as are accepted; states are this instance's or
         // refused.
         let status = unsafe {
             match call.function % 72 {
@@ -218,14 +217,14 @@ impl Host {
         status
     }
 
-    /// No number of the motion is NaN or infinite.
+    /// All numbers of the motion are finite.
     fn assert_finite(&self) {
         for (r, variable) in variables(CLOCKED) {
             let mut values = [0.0; 128];
             if variable.base() != Base::Real {
                 continue;
             }
-            // SAFETY: as many values as any variable has.
+            // SAFETY: enough values for any variable.
             let status = unsafe { fmi3GetFloat64(self.c, &r, 1, values.as_mut_ptr(), variable.size()) };
             if status == OK {
                 assert!(values.iter().all(|value| value.is_finite()), "{}: {values:?}", variable.name);

@@ -1,5 +1,5 @@
 //! Any text as a machine's file: it is refused with a message, or gives an instance that moves and
-//! whose values are numbers.
+//! whose values are finite numbers.
 //!
 //! Begun from the examples:
 //! ```text
@@ -15,9 +15,9 @@ use libfuzzer_sys::fuzz_target;
 use std::sync::Arc;
 use vibro_machine_component::{FILE, Machine, Plan};
 
-/// Largest size of a file; longer files are no better test.
+/// Largest size of a file; longer files do not test more.
 const LONGEST: usize = 4096;
-/// Steps, s: some in which little happens, and some in which work must have its limit.
+/// Steps, s: some in which little happens, and some in which the work must be limited.
 const STEPS: [f64; 4] = [1e-6, 1e-3, 0.03, 0.1];
 
 struct Silent;

@@ -6,11 +6,11 @@ use std::ptr::null_mut;
 use vibro_numerics::digest::fnv1a;
 
 pub const FATAL: c_int = 4;
-/// Elements of every buffer: the largest count that is not refused.
+/// Number of elements of every buffer: the largest accepted count.
 pub const ROOM: usize = 4096;
 /// Value of the guard behind every buffer.
 pub const GUARD: u64 = 0x5afe_5afe_5afe_5afe;
-/// Most sub-steps of a step, so that an iteration is fast; a longer step is cut.
+/// Largest number of sub-steps of a step; longer steps are cut to keep iterations fast.
 const WORK: f64 = 2000.0;
 
 /// A number: plain, over many decades, or raw bits.

@@ -1,10 +1,9 @@
 //! Any parameters, loads, steps and changes: no panic, no hang, no block outside the box, no lost
-//! energy, no error but the ones that are documented.
+//! energy, and only documented errors.
 //!
-//! `cargo install cargo-fuzz`, then
-//! `cargo fuzz run --fuzz-dir tests/fuzz -s none simulator -- -max_total_time=1200` (without a
-//! sanitizer it runs on the stable toolchain; the library has no unsafe code outside the C
-//! interface).
+//! `cargo install cargo-fuzz`, then `cargo fuzz run --fuzz-dir tests/fuzz -s none simulator --
+//! -max_total_time=1200` (without a sanitizer it runs on the stable toolchain; the library has no
+//! unsafe code outside the C interface).
 
 #![no_main]
 
@@ -54,12 +53,13 @@ struct Input {
     actions: Vec<Action>,
 }
 
-/// Most sub-steps of a step, so that an iteration is fast; a longer step is cut.
+/// Largest number of sub-steps of a step; longer steps are cut to keep iterations fast.
 const WORK: f64 = 200.0;
-/// Most sub-steps of a step with nearly elastic stops, where up to 10⁶ impacts in a sub-step length
-/// are followed one by one, which takes a tenth of a second.
+/// Largest number of sub-steps of a step with nearly elastic stops, where up to 10⁶ impacts per
+/// sub-step length take a tenth of a second.
 const ELASTIC_WORK: f64 = 5.0;
-/// Imbalance relative to the energy that passed, or is stored at the scale of the springs.
+/// Imbalance relative to the energy that passed through, or that is stored at the scale of the
+/// springs.
 const BALANCE: f64 = 1e-6;
 
 fn set(p: &mut Parameters, field: u8, value: f64) {
@@ -86,7 +86,7 @@ fn run(input: &Input) -> Option<()> {
     }
     let state = State { x, v: input.speed.map(Number::value) };
     let mut simulator = Simulator::new(&p, &state, 0.0).ok()?;
-    // Beyond these the energies differ so much in size that their balance is meaningless.
+    // Beyond these limits the energies differ so much in size that their balance is meaningless.
     let plain = |x: f64| x.abs() < 1e4;
     let mut comparable = state.x.iter().chain(&state.v).all(|&x| plain(x))
         && FIELDS.iter().all(|f| plain((f.get)(&p))) && p.block_mass > 1e-4 && p.box_mass > 1e-4 && p.secondary_mass > 1e-4;

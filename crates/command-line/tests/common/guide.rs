@@ -8,12 +8,12 @@ pub struct Guide {
     text: String,
 }
 
-/// The folder in which a page's commands have run.
+/// The folder of a page's commands and their files.
 fn home(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
-/// The numbers of a table that a command has written; NaN for a cell that is no number.
+/// The numbers of a table that a command has written; NaN for a cell that is not a number.
 #[allow(dead_code)] // Each test program uses its share of these.
 pub fn rows(name: &str, table: &str) -> Vec<Vec<f64>> {
     let mut reader = csv::Reader::from_path(home(name).join(table)).expect("a table");
@@ -47,7 +47,7 @@ impl Guide {
         &self.text
     }
 
-    /// Fenced blocks as (what follows the fence, text).
+    /// Fenced blocks as (info string, text).
     fn blocks(&self) -> Vec<(&str, String)> {
         let mut found = Vec::new();
         let mut lines = self.text.lines();
@@ -62,8 +62,8 @@ impl Guide {
 
     /// Writes the page's files (blocks with a name after the language) and runs its `vibro`
     /// commands, in the order of the page, in a fresh folder. `shortened` are words of commands
-    /// that are replaced so that the test is quick; each must occur. Returns the commands' standard
-    /// output.
+    /// and their replacements, which make the test quick; each must occur. Returns the commands'
+    /// standard output.
     pub fn perform(&self, name: &str, shortened: &[(&str, &str)]) -> Vec<String> {
         let home = home(name);
         // Absent on the first run.

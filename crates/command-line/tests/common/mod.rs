@@ -1,6 +1,6 @@
 //! Runs the real `vibro`.
 
-// Each test program uses its share of these.
+// Each test program uses only a part of this module.
 #![allow(dead_code)]
 
 use std::collections::{BTreeMap, HashMap};
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 pub const DAMPER: &str =
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/damper_with_buffer.toml");
 
-/// Far longer than a part takes on a busy computer.
+/// Much longer than a part takes on a busy computer.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A fresh folder for one test.
@@ -27,18 +27,18 @@ pub fn folder(name: &str) -> PathBuf {
 /// Commands for the paper's machine alone.
 pub const OF_PAPER: [&str; 8] =
     ["steady", "manifold", "stability", "plane", "compare", "isoperiodic", "template", "reproduce"];
-/// Commands for the machine of a FILE, which is their first argument, or for the paper's machine.
+/// Commands for the machine of a FILE, their first argument, or for the paper's machine.
 pub const OF_BOTH: [&str; 9] =
     ["run", "sweep", "bifurcation", "lyapunov", "response", "basin", "orbits", "orbit", "locus"];
 
-/// Whether arguments name a command for the paper's machine, which is called `vibro paper COMMAND`.
+/// Whether arguments name a command of the paper's machine, called `vibro paper COMMAND`.
 fn is_of_paper(arguments: &[&str]) -> bool {
     let Some((name, options)) = arguments.split_first() else { return false };
     let has_file = options.first().is_some_and(|word| !word.starts_with('-'));
     OF_PAPER.contains(name) || OF_BOTH.contains(name) && !has_file && options != ["--help"]
 }
 
-/// `vibro` with its output in a folder, where the command writes one. Commands for the paper's
+/// `vibro` with its output in a folder, if the command writes any. Commands for the paper's
 /// machine are called by their names alone here.
 pub fn command(out: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibro"));
@@ -54,7 +54,7 @@ pub fn drawn(out: &Path, arguments: &[&str]) -> String {
     let output = command(out, arguments).output().expect("vibro runs");
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
     assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
-    // No progress bar where there is no terminal.
+    // No progress bar without a terminal.
     assert_eq!(text(&output.stderr), "", "{arguments:?}");
     text(&output.stdout)
 }
@@ -87,7 +87,7 @@ pub fn parts(out: &Path, study: &str) -> BTreeMap<String, Vec<u8>> {
 }
 
 /// All files of a folder and its subfolders by relative name, with their bytes; a file that a
-/// program renames meanwhile is left out.
+/// program renames meanwhile is omitted.
 pub fn files(home: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(home).expect("a folder") {
@@ -116,7 +116,7 @@ pub fn pixels(path: &Path) -> (u32, u32, Vec<u8>) {
 
 /// Exit code and standard error of a run that must fail.
 pub fn refused(arguments: &[&str]) -> (i32, String) {
-    // Each test has a folder of its own, since tests run in parallel.
+    // Each test has a separate folder, since tests run in parallel.
     let home = tempfile::tempdir().expect("a folder");
     let output = command(&home.path().join("out"), arguments).output().expect("vibro runs");
     assert!(output.stdout.is_empty(), "{arguments:?}");

@@ -105,7 +105,7 @@ fn closed_form_directional_derivatives_by_an_input() {
     assert!(near(adjoint, 2.0 * 0.5 + 1.0), "{adjoint}");
 }
 
-/// A stop's force never pulls; its derivatives have either sign.
+/// A stop's force never pulls; its derivatives may have either sign.
 #[test]
 fn closed_form_derivatives_of_a_stops_force_that_falls() {
     // Rounding of a sine and of a weight in a sum.
@@ -319,7 +319,7 @@ fn invariant_products_of_steps_between_events() {
     for (a, b) in all.iter().flatten().zip(expected.iter().flatten()) {
         assert!((a - b).abs() < ROUNDING * largest, "{a} {b}");
     }
-    // A restored instance has made no step.
+    // A restored instance has not made a step.
     let mut state = std::ptr::null_mut();
     unsafe {
         assert_eq!(fmi3GetFMUState(parts.c, &mut state), OK);

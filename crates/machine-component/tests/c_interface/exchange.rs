@@ -237,7 +237,7 @@ fn set(host: &Host, plan: &Plan, name: &str, value: f64) {
     assert_eq!(unsafe { fmi3SetFloat64(host.c, &reference, 1, &value, 1) }, OK, "{name}");
 }
 
-/// Friction whose level is an input alone has only the size that the host sets.
+/// The friction of a brake whose level is only an input equals the host's value.
 #[test]
 fn closed_form_a_brake_that_a_host_presses_acts_at_once() {
     let text = "name = \"Brake\"\n[body.sled]\nmass = 2.0\nstart = { v = 3.0 }\n\
@@ -288,7 +288,7 @@ fn closed_form_a_buffer_that_a_jump_of_its_base_takes_away_has_no_force() {
     unsafe { fmi3FreeInstance(host.c) };
 }
 
-/// Values set at an event act after it, in any order, with an update or without, and through a
+/// Values set at an event act after it, in any order, with or without an update, and through a
 /// saved state.
 #[test]
 fn closed_form_a_parameter_and_an_input_of_one_event() {

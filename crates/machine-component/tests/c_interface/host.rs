@@ -1,4 +1,4 @@
-//! A host of FMI 3.0 for one machine, with its messages.
+//! An FMI 3.0 host for one machine, with its messages.
 
 use crate::*;
 use fmi_doors::fmi3::abi::FmiInstance;
@@ -13,7 +13,7 @@ pub const OK: c_int = 0;
 pub const DISCARD: c_int = 2;
 pub const ERROR: c_int = 3;
 
-/// The plan of an example, changed in its text.
+/// The plan of an example after a change of its text.
 pub fn plan(example: &str, change: impl Fn(String) -> String) -> Plan {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly").join(example);
     let machine = file::read(&path).unwrap();

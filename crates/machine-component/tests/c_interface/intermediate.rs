@@ -143,7 +143,7 @@ fn invariant_a_host_sees_both_ends_of_every_flight_and_the_motion_is_the_same() 
     assert!(times.len() > 20 && times.iter().all(|time| events.contains(time)), "{times:?}");
     assert_eq!(value(c, &plan, "block.v"), native.body(1)[1] + 0.0);
     unsafe { fmi3FreeInstance(c) };
-    // With event mode the step ends at the first event.
+    // If event mode is used, the step ends at the first event.
     let mut host = Course { output: plan.table.reference("block.v").unwrap(), ..Course::default() };
     let c = instance(&plan, "looked at", &mut host, true);
     assert_eq!(step(c, 0.0, 1.0), (OK, true, true, events[0]));

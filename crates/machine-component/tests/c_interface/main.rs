@@ -1,5 +1,5 @@
 //! Described machines through the C interface of both versions: steps, events, saved states,
-//! refusals.
+//! errors.
 #![allow(unsafe_code)] // the C interface
 
 #[path = "../../../doors/tests/common/calls.rs"]

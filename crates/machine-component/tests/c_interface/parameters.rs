@@ -1,4 +1,4 @@
-//! Parameters: refusals, and changes during the motion.
+//! Parameters: errors, and changes during the motion.
 
 use crate::host::*;
 use crate::*;
@@ -11,8 +11,8 @@ fn parameters_that_are_no_machine_are_refused_by_name_and_nothing_is_lost() {
     assert_eq!(ball.set("stop.floor.restitution", 1.5), DISCARD);
     let last = || ball.messages.last().unwrap().clone();
     assert!(last().ends_with("stop.floor.restitution = 1.5: allowed is a number from 0 to 1"), "{}", last());
-    // A start beyond the stop is refused when initialization ends, since both may be set one after
-    // the other.
+    // A start beyond the stop is refused only when initialization ends, because start and gap may
+    // be set in either order.
     assert_eq!(ball.set("body.ball.start.s", 2.0), OK);
     unsafe {
         assert_eq!(fmi3EnterInitializationMode(ball.c, 0, 0.0, 0.0, 0, 0.0), OK);
@@ -41,7 +41,7 @@ fn closed_form_parameters_that_change_under_way() {
     assert_eq!(ball.set("gravity", 1.62), OK);
     assert_eq!([ball.get("ball.s"), ball.get("ball.v")], [s, v]);
     assert!((ball.get("ball.a") - 1.62).abs() < 1e-15);
-    // A state saved before the change acts continues identically, also in another instance.
+    // A state saved before the change acts continues identically, in another instance too.
     let (mut state, mut size) = (std::ptr::null_mut(), 0);
     let other = Instance::of("tuned", &plan, false);
     unsafe {

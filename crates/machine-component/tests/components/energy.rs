@@ -1,4 +1,4 @@
-//! The energy balance of a run in which a host sets inputs and parameters.
+//! The energy balance while a host sets inputs and parameters.
 
 use crate::solver::{Silent, Solver, get, set};
 use fmi_doors::{Component, EventHandling, Interface, Life};

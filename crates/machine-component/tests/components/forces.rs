@@ -10,7 +10,7 @@ use vibro_machine_component::Plan;
 
 /// Steps of a run; the states are displaced after each.
 const STEPS: usize = 60;
-/// Displacement of a state in nominal values: beyond the end of most contacts.
+/// Displacement of a state in nominal values, enough to end most contacts.
 const BESIDE: f64 = 0.03;
 /// Rounding relative to the largest force on a body.
 const ROUNDING: f64 = 1e-9;

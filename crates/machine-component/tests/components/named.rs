@@ -6,7 +6,7 @@ use fmi_doors::{Bases, Component, Interface, Model, Phase};
 use std::sync::Arc;
 use vibro_machine_component::{FILE, Plan};
 
-/// A ball between two stops; a restitution is within 0 and 1, a stiffness at least 0.
+/// A ball between two stops; the range of a restitution is 0 to 1, a stiffness is at least 0.
 const BALL: &str = r#"
 name = "Ball"
 [parameters]
@@ -38,7 +38,7 @@ fn golden_named_parameters_have_comment_use_and_range_and_what_follows_is_calcul
     let plan = plan();
     for (name, text, [min, max]) in [
         ("play", "from stop to stop, <clear>; sets stop.left.gap, stop.right.gap", [None, None]),
-        // 0 <= 1 - 2 bounce <= 1; the square says nothing.
+        // 0 <= 1 - 2 bounce <= 1; the square gives no limit.
         (
             "bounce",
             "Named parameter; sets stop.left.restitution, stop.right.restitution",

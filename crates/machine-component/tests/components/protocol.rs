@@ -57,7 +57,7 @@ fn closed_form_what_changes_at_events_is_shown_once_they_are_handled() {
     let mut pieces = Pieces::begin(&ball, 0.0, 0.5).unwrap();
     pieces.start(&mut ball, &mut Silent).unwrap();
     assert_eq!(pieces.next(&mut ball, None, &mut Silent).unwrap(), Piece::Event);
-    // The fall of a metre.
+    // The fall over one metre.
     assert!((ball.time() - (2.0 / 9.81f64).sqrt()).abs() < ROUNDING);
     assert!(!pieces.ends_before_event());
     pieces.pass_event(&mut ball, &mut Silent);
@@ -111,7 +111,7 @@ fn closed_form_an_input_is_zero_until_it_is_set() {
         assert_eq!((get(&mut sled, input), get(&mut sled, acceleration)), (Some(8.0), Some(2.0)));
         sled.exit_initialization(&mut Silent).unwrap();
         assert_eq!((get(&mut sled, input), get(&mut sled, acceleration)), (Some(8.0), Some(2.0)));
-        // As it was made.
+        // The same as when it was made.
         sled.reset();
         assert_eq!(get(&mut sled, input), Some(0.0));
     }

@@ -63,7 +63,7 @@ fn invariant_no_value_of_a_run_is_minus_zero() {
     }
 }
 
-/// Values set by hosts, and matrices, are never -0 either.
+/// Values set by hosts, and matrices, never read as -0 either.
 #[test]
 fn invariant_a_zero_that_was_set_with_a_sign_is_read_without() {
     for plan in plans().into_iter().filter(|plan| !plan.table.inputs.is_empty()) {

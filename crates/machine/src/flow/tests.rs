@@ -214,7 +214,7 @@ fn second_method_long_steps_and_their_bounds() {
                 table.rates(z.as_slice(), &mut rates);
                 rung.at_end(z.as_slice(), &rates, &mut to);
                 assert!(apart(&to, &(&end * &z)) < STIFF_ROUNDING, "{size}: {k}");
-                // Not a whole number of sub-steps.
+                // A non-integer number of sub-steps.
                 let time = 1.3 * rung.length;
                 let exact = (&a * time).exp() * &z;
                 to.copy_from_slice(z.as_slice());

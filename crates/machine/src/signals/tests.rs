@@ -12,7 +12,7 @@ const ACROSS: f64 = 1e-6;
 
 const KNOTS: [(f64, f64); 5] = [(0.5, 1.0), (0.75, -2.0), (1.5, -2.5), (2.0, 0.5), (3.0, 0.25)];
 
-/// A signal of every kind at once, with its own rate and an input, and one of steps alone.
+/// A signal with parts of every kind, its own rate and an input; and a signal of steps alone.
 fn signals(interpolation: Interpolation) -> (Signals, Vec<DVector<f64>>) {
     let harmonic = |amplitude, frequency, phase| Harmonic { amplitude, frequency, phase };
     let step = |time, height| Step { time, height };

@@ -46,6 +46,6 @@ fn what_is_no_table_is_refused_by_its_line() {
         let found = read(text).unwrap_err();
         assert!(found.starts_with(words), "{text}: {found}");
     }
-    // A row of numbers is not a heading, whatever its decimal point.
+    // A row of numbers is not a heading, whatever its decimal separator.
     assert_eq!(Table::read("0,5;1\n").heading(), None);
 }

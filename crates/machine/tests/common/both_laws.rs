@@ -1,5 +1,5 @@
-//! Random motions of which each event is handled in both ways from one state: directly, as an event
-//! of a single element may be, and by the general law.
+//! Random motions whose events are each handled in two ways from one state: directly, as an event
+//! of a single element, and by the general law.
 
 use super::{motion, unaccounted};
 use proptest::prelude::*;
@@ -9,32 +9,31 @@ use vibro_machine::description::Description;
 use vibro_machine::mode::Mode;
 use vibro_machine::motion::{Event, Reached};
 
-/// How far motions are followed, and how closely both ways agree.
+/// Length of motions, and tolerance between both ways.
 pub struct BothLaws {
-    /// Events at most.
+    /// Largest number of events.
     pub events: usize,
-    /// Time, s.
+    /// End time, s.
     pub end: f64,
     /// Difference of the two states, relative to the largest coordinate.
     pub rounding: f64,
 }
 
-/// An event that has been handled in both ways.
+/// An event handled in both ways.
 pub struct Handled<'a> {
-    /// The motion after it.
+    /// The motion after the event.
     pub direct: &'a Motion,
-    /// The motion after it by the general law.
+    /// The motion after the event, by the general law.
     pub general: &'a Motion,
-    /// The mode before it.
+    /// The mode before the event.
     pub before: &'a Mode,
-    /// What was observed.
+    /// The observed events.
     pub observed: &'a [Event],
 }
 
 impl BothLaws {
-    /// Follows a machine from its start and calls `look` after each event. Both ways are required
-    /// to refuse the same, to observe events of the same kinds, and to reach the same mode and
-    /// state.
+    /// Simulates a machine from its start and calls `look` after each event. Both ways must refuse
+    /// the same events, observe events of the same kinds, and reach the same mode and state.
     pub fn follow(
         &self,
         start: Motion,
@@ -79,12 +78,12 @@ pub struct Balance {
 }
 
 impl Balance {
-    /// From a motion's present state on.
+    /// Starts at a motion's current state.
     pub fn new(m: &Motion) -> Self {
         Self { begin: unaccounted(m), largest: 1.0 }
     }
 
-    /// Requires that the accounts say what has become of the energy, up to a part of the largest.
+    /// Requires that the accounts explain the energy, up to a fraction of the largest energy.
     pub fn check(&mut self, m: &Motion, part: f64) -> Result<(), TestCaseError> {
         let (kinetic, stored) = m.kinetic_and_stored();
         self.largest = self.largest.max(kinetic).max(stored.abs());
@@ -94,8 +93,8 @@ impl Balance {
     }
 }
 
-/// Runs a test on so many machines, the same ones in each run: at a zero threshold the two ways may
-/// differ, once in tens of thousands of machines.
+/// Runs a test on a number of machines, the same ones in each run: at a zero threshold the two
+/// ways may differ, once in tens of thousands of machines.
 pub fn on_machines(
     machines: &impl Strategy<Value = Description>,
     cases: u32,

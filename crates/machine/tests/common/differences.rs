@@ -1,15 +1,14 @@
-//! Derivatives of a motion by all numbers of its machine, against differences of motions.
+//! Derivatives of a motion by all numbers of its machine, compared with differences of motions.
 
 use std::sync::Arc;
 use vibro_machine::description::Description;
 use vibro_machine::{Assembly, Differentiated, Motion};
 
-/// Steps of differences of the fourth order, relative to a number or to 0.1; the best of them
-/// counts, since one may be so long that other events happen, another so short that rounding is
-/// all.
+/// Steps of fourth-order differences, relative to a number or to 0.1. The best difference counts:
+/// a step may be so long that other events happen, or so short that rounding dominates.
 const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
 /// Error of the best difference relative to the derivative and to the value: rounding over the
-/// step, magnified by the motion.
+/// step, amplified by the motion.
 const DIFFERENCE: f64 = 2e-7;
 
 /// Values of all quantities at the end.

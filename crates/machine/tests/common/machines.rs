@@ -41,7 +41,7 @@ fn record(size: f64) -> impl Strategy<Value = Option<Record>> {
     })
 }
 
-/// Between a body and the one before it, or the ground.
+/// Between a body and the previous one, or the ground.
 fn place(bodies: usize) -> impl Strategy<Value = Vec<(usize, f64)>> {
     (0..bodies, 0..=bodies, any::<bool>()).prop_map(move |(a, b, turned)| {
         let sign = if turned { -1.0 } else { 1.0 };
@@ -49,8 +49,8 @@ fn place(bodies: usize) -> impl Strategy<Value = Vec<(usize, f64)>> {
     })
 }
 
-/// A machine of one to six bodies, sometimes of up to twelve; in some a wheel is linked to the
-/// first.
+/// A machine of one to six bodies, sometimes of up to twelve; sometimes with a wheel linked to the
+/// first body.
 pub fn assembly() -> impl Strategy<Value = Description> {
     let count = prop_oneof![4 => 1usize..=6, 1 => 7usize..=11];
     let wheel = prop::option::weighted(0.3, (inertia(), prop_oneof![-3.0..-0.3f64, 0.3..3.0f64]));

@@ -16,7 +16,7 @@ pub fn machine(text: &str) -> Description {
     file::parse(text, "machine.toml", &file::no_records).unwrap_or_else(|refusal| panic!("{refusal}"))
 }
 
-/// What is said of a text that is no machine.
+/// The error of an invalid text.
 #[track_caller]
 pub fn refusal(text: &str) -> String {
     file::parse(text, "machine.toml", &file::no_records).unwrap_err().to_string()
@@ -34,7 +34,7 @@ pub fn moving(text: &str) -> Motion {
     motion(machine(text))
 }
 
-/// The machine of a text beside ten oscillators of its own: more than twenty coordinates, of which
+/// The machine of a text next to ten separate oscillators: more than twenty coordinates, for which
 /// no tables are kept.
 pub fn with_company(text: &str) -> String {
     let one = |i: usize| {
@@ -45,29 +45,29 @@ pub fn with_company(text: &str) -> String {
     text.to_owned() + "\n" + &(1..=10).map(one).collect::<String>()
 }
 
-/// A quantity of an element, by its place.
+/// A quantity of an element, by the element's index.
 pub fn of(m: &Motion, element: usize, what: What) -> f64 {
     m.value(Quantity::of_element(element, what))
 }
 
-/// The mechanical energy less what the accounts say of it: constant, J.
+/// Mechanical energy minus the balance of the accounts: constant, J.
 pub fn unaccounted(m: &Motion) -> f64 {
     let (kinetic, stored) = m.kinetic_and_stored();
     kinetic + stored - m.energy().balance()
 }
 
-/// Requires a difference below what is allowed.
+/// Requires a difference below `allowed`.
 #[track_caller]
 pub fn near(found: f64, exact: f64, allowed: f64) {
     assert!((found - exact).abs() < allowed, "{found} instead of {exact}");
 }
 
-/// A machine with elements whose force has further pieces.
+/// A machine with elements with additional pieces of force.
 pub fn laws() -> Description {
     file::parse(include_str!("../data/laws.toml"), "laws.toml", &file::no_records).unwrap()
 }
 
-/// A machine with stiffness that steps.
+/// A machine with stepping stiffness.
 pub fn stepped() -> Description {
     file::parse(include_str!("../data/stepped.toml"), "stepped.toml", &file::no_records).unwrap()
 }

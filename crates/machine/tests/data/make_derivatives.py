@@ -1,8 +1,8 @@
-"""Derivatives of random machines' motions by their numbers, in 60 and more digits: python make_derivatives.py > derivatives.txt
+"""Derivatives of random machines' motions with respect to their numbers, in 60 or more digits: python make_derivatives.py > derivatives.txt
 
 Central differences of the motions of make_motions.py, whose method shares nothing with the crate. Steps of 1e-18 leave 1e-36 of the
-third derivative, and motions in 72 digits 1e-40 of rounding. Numbers by which the differences on both sides are not the same have no
-derivative, and are left out, as are those with which the law has no or several modes.
+third derivative, and motions in 72 digits leave 1e-40 of rounding. Numbers with different one-sided differences have no derivative
+and are omitted, as are numbers for which the law has no mode or several modes.
 """
 
 import random
@@ -21,9 +21,9 @@ second.SLOW = mpf(10) ** -38
 STEP = mpf(10) ** -18
 TIMES = [mpf(1) / 4, mpf(1) / 2]
 MACHINES = 50
-NUMBERS = 6  # of each machine, those of the kinds that have been compared least
+NUMBERS = 6  # of each machine, of the kinds that have been compared least
 ROUNDED = mpf(10) ** -36  # derivatives below this are 0
-SAME = mpf(10) ** -9  # differences on both sides, relative to 1 and the derivative: their step's share is 1e-18
+SAME = mpf(10) ** -9  # tolerance of one-sided differences, relative to 1 and the derivative; their step contributes 1e-18
 
 
 def machine(r):
@@ -46,7 +46,7 @@ def machine(r):
 
 
 def numbers(d):
-    """The numbers of a machine: name, kind, and where they are: a list or dictionary with the key in it."""
+    """Returns the numbers of a machine: name, kind, and location: a list or dictionary with the key in it."""
 
     def signal(name, kind, s):
         if set(s) == {"constant"} and kind.startswith("friction"):
@@ -100,7 +100,7 @@ def run(d):
 
 
 def derivative(d, name, here):
-    """By time and value the derivative; None where there is none."""
+    """The derivatives by time and value; None if a derivative does not exist."""
     try:
         (above, _), (below, _) = (run(moved(d, name, sign * STEP)) for sign in (1, -1))
     except (ArithmeticError, ZeroDivisionError, TypeError):

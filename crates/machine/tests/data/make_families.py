@@ -2,7 +2,7 @@
 
 Families of random machines by the second method of make_motions.py: touching by a billionth of the gap, redundant stops, loops of friction,
 buffers that are pressed again before they are left, corners that are met at one instant, levels of friction that pass or touch
-zero, buffers a million times as stiff as the mount. Every number is the double that a file's reader makes of it.
+zero, buffers a million times as stiff as the mount. Every number is the double that a file's reader returns.
 """
 
 import random
@@ -65,7 +65,7 @@ def log(r, a, b):
 
 
 def peak(d, arms, after, until, rate):
-    """The first greatest value of an elongation (or of its rate) between two times in a machine without events."""
+    """Returns the first maximum of an elongation (or of its rate) between two times in a machine without events."""
     m = Machine(d, exact)
     q, v = m.start()
     t, mode = mpf(0), {"s": [], "f": [], "l": []}
@@ -86,7 +86,7 @@ def peak(d, arms, after, until, rate):
 
 
 def grazing(r):
-    """An elongation comes to within a billionth of a gap, or goes beyond it by as much; or a rate to that of a belt."""
+    """An elongation that comes within a billionth of a gap, or exceeds it by as much; or a rate near a belt's rate."""
     n = r.randint(1, 3)
     d = empty(r.choice(["0", "9.81"]))
     for _ in range(n):
@@ -113,7 +113,7 @@ def grazing(r):
 
 
 def redundant(r):
-    """Stops that say the same: twice, as a multiple, as a sum of others."""
+    """Redundant stops: duplicated, as a multiple, or as a sum of others."""
     n = r.randint(1, 3)
     d = empty("9.81")
     for i in range(n):
@@ -141,7 +141,7 @@ def redundant(r):
 
 
 def loops(r):
-    """Frictions of which some depend on the others: two on one pair, three around three bodies, with the ground."""
+    """Redundant frictions: two on one pair, or three between three bodies and the ground."""
     n = r.randint(1, 3)
     d = empty()
     for _ in range(n):
@@ -165,7 +165,7 @@ def loops(r):
 
 
 def repressed(r):
-    """Buffers that let go beyond their gap and are pressed again there."""
+    """Buffers that release beyond their gap and are pressed again there."""
     n = r.randint(1, 2)
     d = empty(r.choice(["0", "9.81"]))
     for i in range(n):
@@ -185,13 +185,13 @@ def repressed(r):
 
 
 def corners(r):
-    """Several things at one instant: flights and decelerations that end at a dyadic time."""
+    """Several events at one instant: flights and decelerations that end at a dyadic time."""
     d = empty()
     t = r.choice([0.25, 0.5])
     count = r.randint(1, 3)
     kind = r.choice(["flight", "flight", "slowed", "symmetric", "chain"])
     if kind == "flight":
-        # Bodies that all come to their stops, to the ground or to one another, at t.
+    # All bodies reach their stops, to the ground or to one another, at t.
         for i in range(count):
             body(d, r.choice([1.0, 0.5, 2.0, 0.125]), 0.0, r.choice([1.0, 2.0, 0.5, 4.0]))
         ends = [float(b["v"]) * t for b in d["bodies"]]
@@ -220,8 +220,8 @@ def corners(r):
             elif choice == "buffer":
                 buffer(d, [(i, 1)], end, log(r, 1, 3), r.choice([0.0, 3.0]), r.choice(["no-pull", "elastogap"]))
     elif kind == "symmetric":
-        # Equal bodies on both sides of one, with equal stops: all that happens, happens twice at
-        # once.
+        # Equal bodies on both sides of one body, with equal stops: every event happens twice at
+        # the same time.
         k, c, m, gap, v, e = log(r, 1, 2.5), r.choice([0.0, 1.0]), log(r, -0.5, 0.5), r.uniform(0.01, 0.1), r.uniform(0.5, 2), r.choice([0.0, 0.5, 0.8])
         body(d, log(r, -0.5, 0.5))
         for sign in (1, -1):
@@ -239,7 +239,7 @@ def corners(r):
         if r.random() < 0.5:
             spring(d, [(0, 1)], log(r, 0, 2))
     else:
-        # A row of bodies that touch, hit by one or by two at t.
+        # A row of touching bodies, hit by one or by two bodies at t.
         count = r.randint(2, 4)
         e = [r.choice([0.0, 0.5, 1.0]) for _ in range(count)]
         for i in range(count):
@@ -309,8 +309,8 @@ def stiff(r):
 
 
 def laws(r):
-    """Buffers that may pull, and buffers without a dashpot in the rebound, beside walls and friction; some are met at rest, or by bodies
-    that turn round at their edge."""
+    """Buffers that may pull, and buffers without a dashpot in the rebound, with walls and friction; some bodies are at rest there or
+    reverse at the edge."""
     n = r.randint(1, 2)
     d = empty(r.choice(["0", "9.81"]))
     law = lambda: r.choice(["pull", "undamped-rebound"])
@@ -333,7 +333,7 @@ def laws(r):
 
 
 def follows(r):
-    """Friction that follows the force of a buffer of any law, on the buffer's own bodies or on others, with static levels and without."""
+    """Friction that follows the force of a buffer of any law, on the buffer's own or other bodies, with and without static levels."""
     n = r.randint(1, 2)
     d = empty(r.choice(["0", "9.81"]))
     for i in range(n):

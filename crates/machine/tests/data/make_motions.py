@@ -1,9 +1,9 @@
 """Motions of random machines in 50 digits: python make_motions.py > motions.txt
 
-A second method, written once more and nothing of it from the crate: power series in time of each mode, roots by bisection with a
-bound on every interval, impacts by trying all sets of impulses, and the mode that follows an event by trying all modes and keeping
-the one in which every watched quantity begins with the right sign; where several do, all must give one motion. Machines for which
-none or more than one motion does so are left out. Bounces are followed until they are 1e-20 m/s slow.
+A second, independent method that uses nothing from the crate: power series in time of each mode, roots by bisection with a bound on
+every interval, impacts by trying all sets of impulses. The mode after an event is found by trying all modes and keeping each in
+which every watched quantity begins with the right sign; if there are several, all must give the same motion. Machines without a
+unique motion are omitted. Bounces are followed down to 1e-20 m/s.
 """
 
 import itertools
@@ -13,7 +13,7 @@ import sys
 from mpmath import matrix, mp, mpf, pi, sin
 
 mp.dps = 50
-ZERO = mpf(10) ** -32  # above the rounding of sums and roots, below anything that a machine of short decimals has by itself
+ZERO = mpf(10) ** -32  # above the rounding of sums and roots, below any value that short decimals give
 ORDERS = 44
 TAIL = mpf(10) ** -46
 SLOW = mpf(10) ** -20
@@ -46,7 +46,7 @@ def leading(p, h, scale):
 
 
 def first_root(p, h):
-    """The first time in (0, h] at which p, negative at first, is positive; None where it is proved that there is none."""
+    """Returns the first time in (0, h] at which p, negative at first, is positive; None if provably there is none."""
     stack = [(mpf(0), mpf(h))]
     while stack:
         a, b = stack.pop()
@@ -71,11 +71,11 @@ def first_root(p, h):
 
 
 class Machine:
-    """A machine; `number` reads its numbers, `times` are those at which states are wanted."""
+    """A machine; `number` reads its numbers, `times` are the times at which states are wanted."""
 
     def __init__(self, d, number=mpf, times=TIMES):
         self.d, self.n, self.number, self.times = d, len(d["bodies"]), number, times
-        # The inverse of the inertia: of bodies that move as prescribed it is zero.
+        # The inverse of the inertia, which is zero for prescribed bodies.
         self.inverse = [1 / number(b["mass"]) if "mass" in b else mpf(0) for b in d["bodies"]]
         self.g = number(d["gravity"])
         signals = [*d["loads"], *(b["motion"] for b in d["bodies"] if "motion" in b)]
@@ -100,7 +100,7 @@ class Machine:
         return c
 
     def series(self, q, v, t, mode, orders=ORDERS):
-        """Coefficients of q (by body), of contact forces, of every element's e; None where contacts depend on one another."""
+        """Returns coefficients of q (by body), of contact forces, of every element's e; None if contacts are redundant."""
         d, n, number = self.d, self.n, self.number
         held = [(self.row(s["arms"]), "s", i) for i, s in enumerate(d["stops"]) if mode["s"][i] == "closed"]
         held += [(self.row(f["arms"]), "f", i) for i, f in enumerate(d["frictions"]) if mode["f"][i] == "stuck"]
@@ -157,7 +157,7 @@ class Machine:
         return qs, forces
 
     def level(self, i, mode, t, k, qs, key=None):
-        """Taylor coefficient of the level that a friction has in a mode: its static one, or that of slipping."""
+        """Returns the Taylor coefficient of the friction level in a mode: static or kinetic."""
         f, key = self.d["frictions"][i], key or mode["l"][i]
         if "follows" not in f:
             return self.signal(f[key], t, k)
@@ -175,7 +175,7 @@ class Machine:
         return [sum(w[i] * qs[i][k] for i in range(self.n)) for k in range(len(qs[0]))]
 
     def watched(self, qs, forces, t, mode):
-        """Series that are negative in the mode, or zero throughout; and those that are zero throughout."""
+        """Returns series that are negative in the mode or zero throughout; and the series that are zero throughout."""
         found, still = [], []
         rate_of = lambda e: [(k + 1) * e[k + 1] for k in range(len(e) - 1)]
         neg = lambda p: [-x for x in p]
@@ -224,8 +224,8 @@ class Machine:
         return found, still
 
     def impacts(self, q, v, touching, t):
-        """Newton's impact law in Moreau's form, until nothing closes. In second and later impacts of an instant stops without closing speed
-        take part where they stay closed."""
+        """Applies Newton's impact law in Moreau's form until nothing closes. In second and later impacts of an instant, stops without
+        closing velocity take part if they stay closed."""
         number = self.number
         for turn in range(EVENTS):
             ws = {i: self.row(self.d["stops"][i]["arms"]) for i in touching}
@@ -262,8 +262,8 @@ class Machine:
         raise ArithmeticError("impacts without end")
 
     def select(self, q, v, t):
-        """The mode that follows, by trying all: those frictions that slip although they rest up to their static level have left it, and
-        all is tried anew."""
+        """Returns the next mode by trying all. If a friction slips although it is within its static level, it is released, and the
+        search is repeated."""
         released = set()
         while True:
             mode, slips = self.try_all(q, v, t, released)
@@ -303,7 +303,7 @@ class Machine:
         for ss in itertools.product(*choices_s):
             for fs in itertools.product(*choices_f):
                 mode = {"s": list(ss), "f": list(fs), "l": levels}
-                # What a few orders show to be wrong is not followed to all.
+        # Modes that a few orders prove wrong need no further orders.
                 for orders in (4, ORDERS):
                     found = self.series(q, v, t, mode, orders)
                     if found is None or not self.fits(*found, t, mode):

@@ -1,7 +1,7 @@
 """A driven snap-through spring in 40 digits: python make_points.py > points.txt
 
-Nothing of it is from the crate: Taylor's method of order 40 for the whole machine as a system of equations, with the line that acts found
-from the elongation at each step, and corners by bisection of the step's polynomial. A row for each corner: time, rate e'; then rows
+Independent of the crate: Taylor's method of order 40 for the whole machine as a system of equations. The elongation at each step selects
+the active line, and bisection of the step's polynomial finds corners. A row for each corner: time, rate e'; then rows
 `state` with time, s and v of both bodies.
 """
 
@@ -18,7 +18,7 @@ TIMES = [mpf(k) / 2 for k in range(1, 9)]
 
 
 def line(e):
-    """The slope and the value at e = 0 of the line that acts at e."""
+    """Returns slope and value at e = 0 of the line that acts at e."""
     j = 0
     while j < len(POINTS) - 2 and e >= POINTS[j + 1][0]:
         j += 1
@@ -52,7 +52,7 @@ def rate(p, t):
 
 
 def corner(p, h):
-    """The first time in (0, h] at which e comes to a corner, and whether upwards."""
+    """Returns the first time in (0, h] at which e reaches a corner, and whether upwards."""
     n, found = 64, None
     for e, _ in POINTS[1:-1]:
         grid = [value(p, h * i / n) - e for i in range(n + 1)]
@@ -76,7 +76,7 @@ def main():
     for end in TIMES:
         while t < end:
             h = min(STEP, end - t)
-            # The line just after the present instant.
+        # The line just after the current instant.
             k = line(q[0] + v[0] * mpf(10) ** -25)
             qs = series(q, v, t, k)
             at = corner(qs[0], h)

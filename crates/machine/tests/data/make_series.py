@@ -1,7 +1,7 @@
 """Motions with springs in series, by power series in 50 digits: the numbers of tests/series.rs.
 
-A ball of 0.5 kg falls by 0.2 m on a plate of 0.05 kg and sticks to a compliant stop between both
-(20 kN/m, never pulls); the plate rests on a Zener buffer of 800 N/m beside 3 kN/m in series with
+A ball of 0.5 kg falls 0.2 m onto a plate of 0.05 kg and hits a compliant stop between both
+(20 kN/m, never pulls); the plate rests on a Zener buffer of 800 N/m parallel to 3 kN/m in series with
 12 N s/m. Each mode is z' = A z; events are roots of rows times z, found by Newton's method.
 """
 
@@ -13,7 +13,7 @@ CONTACT, SOFT, K, C = mp.mpf(20000), mp.mpf(800), mp.mpf(3000), mp.mpf(12)
 
 
 def matrix(pressed):
-    """z = (ball, plate, v_ball, v_plate, x, 1), places downwards."""
+    """Returns the matrix for z = (ball, plate, v_ball, v_plate, x, 1), with coordinates downwards."""
     a = mp.zeros(6)
     a[0, 2] = a[1, 3] = 1
     a[2, 5], a[3, 5] = G, G

@@ -1,8 +1,8 @@
 """A gear mesh and a buffer whose stiffnesses step, in 40 digits: python make_stepped.py > stepped.txt
 
-Nothing of it is from the crate: Taylor's method for the whole machine as a linear system of each piece, with the buffer's state found from the
-signs of its elongation and force at each knot and each crossing, which is bisected. Rows `event` with time and the buffer's new state, then rows
-`state` with time, s and v of both bodies, and what the steps have put in.
+Independent of the crate: Taylor's method for the whole machine as a linear system on each piece. The signs of the buffer's elongation and
+force at each knot and each bisected crossing give its state. Rows `event` with time and the buffer's new state, then rows
+`state` with time, s and v of both bodies, and the work of the steps.
 """
 
 from mpmath import mp, mpf
@@ -12,7 +12,7 @@ ORDER, PART = 24, 32
 MESH, MESH_PERIOD = [("0", "300"), ("0.03", "500"), ("0.11", "50")], mpf("0.17")
 PAD, PAD_PERIOD = [("0", "600"), ("0.07", "1600"), ("0.09", "600")], mpf("0.13")
 GAP, DASHPOT, WEIGHT = mpf("0.01"), mpf(4), mpf("0.5") * mpf("9.81")
-TIMES = [mpf(k) / 4 - mpf(1) / 64 for k in range(1, 9)]  # no knot is there
+TIMES = [mpf(k) / 4 - mpf(1) / 64 for k in range(1, 9)]  # not at knots
 
 
 def value(pieces, period, t):

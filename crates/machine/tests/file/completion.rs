@@ -1,4 +1,4 @@
-//! Completion of a text that is being written, by the reader itself.
+//! Completion of a text that is being written, which uses the file's reader itself.
 
 use std::collections::BTreeSet;
 use vibro_machine::elements::SECTIONS;
@@ -6,7 +6,7 @@ use vibro_machine::file::{Completion, completion, no_records, parse};
 
 use crate::refusals::SOUND;
 
-/// The completion at the mark `|` of a text.
+/// The completion at the mark `|` in a text.
 fn at(text: &str) -> Completion {
     let (head, tail) = text.split_once('|').expect("a mark");
     completion(head, tail)
@@ -28,7 +28,7 @@ const MACHINE: &str = "name = \"A\"\n[body.ball]\nmass = 1.0\n[body.wheel]\niner
 
 #[test]
 fn second_method_names_are_those_of_the_readers_refusal() {
-    // What the reader says of a wrong word in the same place: "valid are …".
+    // The reader's error for a wrong word in the same place lists "valid are …".
     for (open, wrong) in [
         (
             "[stop.a]\nbetween = [\"ground\", \"ball\"]\n|",
@@ -87,10 +87,10 @@ fn kinds_of_tables_keys_words_and_units_are_offered_where_they_may_stand() {
         names(&after("[load.a]\non = \"ball\"\nharmonics = [\n  { amplitude = 1.0, fr|\n")),
         ["frequency"]
     );
-    // None in a comment, none of a name that is free.
+    // None in a comment, and none for a name that may be chosen freely.
     assert!(names(&after("# sti|")).is_empty());
     assert!(names(&after("[spring.s|")).is_empty());
-    // Keys that stand already are not offered again.
+    // Existing keys are not offered again.
     assert!(!names(&after("[body.b]\nmass = 1.0\n|")).contains(&"mass".to_owned()));
 }
 
@@ -119,7 +119,7 @@ fn an_offer_takes_the_place_of_the_whole_word() {
 fn invariant_every_key_and_unit_of_a_machine_is_offered_where_it_stands() {
     let (mut keys, mut units, mut begin) = (0, 0, 0);
     for line in SOUND.split_inclusive('\n') {
-        // What stands there whole is not offered again: bytes behind the place are left out.
+        // Complete words are not offered again: bytes after the position are omitted.
         let offered = |at: usize, left_out: usize| {
             let (head, tail) = SOUND.split_at(begin + at);
             completion(head, &tail[left_out..]).offers.into_iter().map(|own| own.0).collect::<Vec<String>>()

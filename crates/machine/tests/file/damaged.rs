@@ -94,7 +94,7 @@ fn invariant_more_elements_than_allowed_are_refused() {
     assert_eq!(refusal.to_string(), "m.toml: elements: there are 10001; allowed are up to 10000");
 }
 
-/// Thousands of problems are refused at once, with a readable message.
+/// Thousands of problems are reported at once, in a readable message.
 #[test]
 fn invariant_thousands_of_problems_are_counted() {
     let body = |i: usize| format!("[body.b{i}]\nmass = 1.0\n[spring.s{i}]\nbetween = [\"c{i}\", \"d{i}\"]\n");

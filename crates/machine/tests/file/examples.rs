@@ -1,4 +1,4 @@
-//! The examples are machines.
+//! The examples are valid machines.
 
 use std::path::Path;
 use vibro_machine::file::{no_records, parse, read};
@@ -32,8 +32,8 @@ fn invariant_every_example_is_a_machine() {
     assert_eq!((names.len(), all >= 31), (all, true), "each example has a name of its own");
 }
 
-/// Blocks of TOML on the pages of described machines: those with a name are machines as they stand
-/// there, the others are parts of files.
+/// Blocks of TOML on the pages of described machines: blocks with a name are complete machines,
+/// other blocks are parts of files.
 #[test]
 fn golden_machines_of_the_pages_are_machines() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
@@ -52,7 +52,7 @@ fn golden_machines_of_the_pages_are_machines() {
     assert!(machines >= 4, "{machines}");
 }
 
-/// The page that is read in ten minutes, at the 220 words a minute of technical text.
+/// The introductory page takes ten minutes to read, at 220 words per minute for technical text.
 #[test]
 fn the_page_to_begin_with_stays_short() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/assemblies.md");
@@ -60,7 +60,7 @@ fn the_page_to_begin_with_stays_short() {
     assert!(words <= 2200, "{words} words: tables belong on docs/machine-file.md");
 }
 
-/// The lines of the table of kinds, beside the bodies that they name, are one machine.
+/// The lines of the table of kinds, together with the bodies that they name, are one machine.
 #[test]
 fn golden_lines_of_the_table_of_kinds_are_a_machine() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/assemblies.md");

@@ -1,4 +1,4 @@
-//! Numbers so small or lists so empty that no motion follows from them.
+//! Numbers so small or lists so empty that they allow no motion.
 
 use vibro_machine::file::{no_records, parse};
 
@@ -9,7 +9,7 @@ fn said(line: &str) -> String {
     parse(&text, "m.toml", &no_records).map_or_else(|refusal| refusal.to_string(), |_| "read".into())
 }
 
-/// Lines with a number whose size no motion can take, each with the words of its refusal.
+/// Lines with a number of a size that no motion allows, each with words of its error.
 const SAID: [(&str, &str); 17] = [
     (
         "load.l = { on = \"a\", sweep = { amplitude = 1.0, from = 1.0, to = 2.0, duration = 1e-300 } }",

@@ -1,4 +1,4 @@
-//! The meaning of the file's keys, against values computed by hand.
+//! The meaning of the file's keys, compared with values computed by hand.
 
 use crate::refusals::{SOUND, records};
 use vibro_machine::Description;
@@ -101,7 +101,7 @@ fn closed_form_what_a_prescribed_body_is_measured_in() {
     assert_eq!(base("motion = { input = true }\ndimension = \"rotation\"", levers), Dimension::Rotation);
 }
 
-/// A compliant stop may be violated at the start, as a rigid one may not; gaps and preloads have
+/// A compliant stop, unlike a rigid one, may be violated at the start; gaps and preloads may have
 /// either sign.
 #[test]
 fn closed_form_what_is_allowed() {
@@ -129,8 +129,8 @@ fn closed_form_what_is_allowed() {
     );
 }
 
-/// A stop between a body and one of prescribed motion is checked against the motion's value at time
-/// 0.
+/// A stop between a body and one of prescribed motion is checked against the motion's value at
+/// time 0.
 #[test]
 fn closed_form_start_against_a_prescribed_motion() {
     let text = |phase: f64| {
@@ -165,8 +165,8 @@ fn invariant_records_are_read_beside_the_file() {
     assert!(gone.starts_with(&format!("{}: cannot be read:", file.display())), "{gone}");
 }
 
-/// A record with units in its heading is the same record in SI; a unit of another quantity is
-/// refused, and so is one beside `scale`.
+/// A record with units in its heading equals the same record in SI; a unit of another quantity is
+/// refused, and so is a unit together with `scale`.
 #[test]
 fn closed_form_units_in_the_heading_of_a_record() {
     let of = |heading: &'static str, keys: &str| {

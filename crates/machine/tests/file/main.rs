@@ -1,4 +1,4 @@
-//! The file of a machine: refusals with their messages, round trips, damaged texts, parameters and
+//! The file of a machine: errors with their messages, round trips, damaged texts, parameters and
 //! examples.
 
 mod completion;

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use vibro_machine::Description;
 use vibro_machine::file::{no_records, parse};
 
-/// A machine whose numbers follow from parameters in every place where a number may stand.
+/// A machine with expressions of parameters in every place that accepts a number.
 const NAMED: &str = r#"
 name = "Named"
 gravity = "= g0"
@@ -62,7 +62,7 @@ fn read(text: &str) -> Description {
     parse(text, "m.toml", &no_records).unwrap()
 }
 
-/// The machine without its parameters: the numbers that its file writes out.
+/// The machine without its parameters, i.e. with literal numbers.
 fn plain(machine: &Description) -> Description {
     Description { named: Default::default(), ..machine.clone() }
 }
@@ -105,7 +105,7 @@ fn following() -> Vec<(&'static str, f64)> {
 
 #[test]
 fn numbers_follow_from_parameters_bit_for_bit() {
-    // The start disagrees with the link, which is no matter here.
+    // The start contradicts the link, which is irrelevant here.
     let text = NAMED.replace("start = { v = \"= speed\" }", "start = { v = \"= speed - speed\" }");
     let machine = read(&text);
     for (name, value) in following() {
@@ -122,7 +122,7 @@ fn numbers_follow_from_parameters_bit_for_bit() {
     let units =
         [("backlash", "m"), ("g0", "1"), ("ratio", "1"), ("radius", "m"), ("speed", "rad/s"), ("rise", "s")];
     assert_eq!(named, [&units[..], &[("turn", "rad"), ("f0", "Hz")]].concat());
-    // The file keeps them, and a file of plain numbers is the same machine.
+    // The file keeps the parameters, and a file of literal numbers is the same machine.
     assert_eq!(read(&machine.to_toml()), machine);
     assert!(machine.to_toml().contains("gap = \"= half\"\n"));
     assert_eq!(read(&plain(&machine).to_toml()), plain(&machine));
@@ -208,7 +208,7 @@ fn refusals_name_the_expression_and_its_line() {
     );
 }
 
-/// The example with parameters moves as the one with its numbers written out.
+/// The example with parameters has the same motion as the one with literal numbers.
 #[test]
 fn second_method_the_example_moves_as_the_one_with_numbers() {
     let end = |name: &str| {
@@ -220,15 +220,15 @@ fn second_method_the_example_moves_as_the_one_with_numbers() {
         motion.advance_to(0.02).unwrap();
         motion.states().to_vec()
     };
-    // Quotients such as speed / ratio are rounded otherwise than the numbers written out.
+    // Quotients such as speed / ratio are rounded differently from the literal numbers.
     const ROUNDING: f64 = 1e-10;
     for (found, written) in end("play_by_one_number.toml").iter().zip(end("gear_backlash.toml")) {
         assert!((found - written).abs() < ROUNDING * written.abs(), "{found} and {written}");
     }
 }
 
-/// What a parameter makes wrong is told under its own name, of several under all that are to
-/// blame; what is wrong by another number is not.
+/// An error caused by parameters is reported under the names of all parameters that cause it; an
+/// error of another number is not.
 #[test]
 fn a_parameter_is_blamed_for_what_follows_from_it_alone() {
     let machine = read(
@@ -252,7 +252,7 @@ fn a_parameter_is_blamed_for_what_follows_from_it_alone() {
         "#,
     );
     let refused = |changes: &[(&str, f64)]| machine.with(changes.iter().copied()).unwrap_err().to_string();
-    // A start beyond the stop that has moved.
+    // The moved stop excludes the start.
     assert!(refused(&[("play", 0.01)]).starts_with("play = 0.01: then "), "{}", refused(&[("play", 0.01)]));
     let both = refused(&[("play", 0.2), ("soft", 4.0)]);
     let lines: Vec<_> = both.lines().collect();
@@ -263,15 +263,15 @@ fn a_parameter_is_blamed_for_what_follows_from_it_alone() {
     assert_eq!(refused(&[("body.b.mass", -1.0)]), "body.b.mass = -1.0: allowed is a finite number > 0");
     let other = refused(&[("soft", 0.4), ("body.b.start.s", 0.3)]);
     assert!(!other.contains("soft"), "{other}");
-    // Comments are kept, and are the meaning.
+    // Comments are kept, and give the meaning.
     let meaning = |name: &str| machine.parameter(name).unwrap().meaning;
     assert_eq!([meaning("play"), meaning("soft")], ["of both sides", "Named parameter"]);
     assert_eq!(machine.following()[0].meaning, "further on");
     assert!(machine.to_toml().contains("reach = \"= 2 * play\" # further on\n"));
 }
 
-/// Both places of a matrix's number are in one bracket, as in FMI's structured names; the spelling
-/// with two is understood.
+/// Both indices of a matrix element are in one pair of brackets, as in FMI's structured names; the
+/// spelling with two pairs is accepted.
 #[test]
 fn a_matrix_has_one_name_a_number_and_another_spelling() {
     let text = r#"

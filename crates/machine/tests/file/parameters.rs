@@ -123,7 +123,7 @@ proptest! {
     }
 }
 
-/// Structures that no file can express are refused in a program's description as well.
+/// Structures that no file can express are refused in a program's description too.
 #[test]
 fn golden_refusals_of_a_program_s_description() {
     type Change = fn(&mut Description);

@@ -80,7 +80,7 @@ prop_compose! {
     }
 }
 
-/// A signal, or a number that is not negative.
+/// A signal, or a nonnegative number.
 fn level() -> impl Strategy<Value = Signal> {
     let sound = |s: Signal| if s.is_constant() { Signal::constant(s.constant.abs()) } else { s };
     prop_oneof![signal().prop_map(sound), not_negative().prop_map(Signal::constant)]
@@ -112,7 +112,7 @@ prop_compose! {
     }
 }
 
-/// Ingredients of an elongation: whether by levers, dimension, two places and as many arms.
+/// Ingredients of an elongation: whether by levers, dimension, two body indices and two arms.
 type Raw = (bool, bool, usize, usize, [f64; 2]);
 
 /// A stop's elongation, gap, rigidity, restitution, stiffness, damping, and whether it is clipped.

@@ -1,8 +1,8 @@
-//! Every refusal of the file, with its whole message.
+//! Every error of the file, with its whole message.
 
 use vibro_machine::file::parse;
 
-/// A machine that is accepted, of which each case changes one place.
+/// A valid machine; each case changes one place of it.
 pub const SOUND: &str = r#"name = "Sound"
 gravity = "9.81 m/s2"
 [body.box]
@@ -48,7 +48,7 @@ stiffness = "200 MN/m"
 arms = { wheel = 1.0, drum = -3.0 }
 "#;
 
-/// Text to replace, its replacement, and the message. Lines are counted in the changed text.
+/// Text to replace, its replacement, and the message. Line numbers refer to the changed text.
 #[rustfmt::skip]
 const CASES: &[(&str, &str, &str)] = &[
     // Unknown names.
@@ -181,7 +181,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("start = { s = \"2 mm\", v = 0.0 }", "start = \"rest\"", "m.toml:8: body.block.start = \"rest\": allowed is a table such as { s = 0.0, v = 0.0 }"),
     ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s2\"\nstart = \"rest\"", "m.toml:9: body.block.start.s = \"2 mm\": the machine starts at rest; allowed is no start of a body beside start = \"rest\""),
     ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s2\"\nstart = \"now\"", "m.toml:3: start = \"now\": allowed is \"rest\", or a body's own start"),
-    // No TOML.
+    // Invalid TOML.
     ("name = \"Sound\"", "name = Sound", "m.toml:1: string values must be quoted, expected literal string: Sound"),
     ("[stop.upper]", "[stop.upper", "m.toml:20: unclosed table, expected `]`"),
     ("restitution = 0.7", "restitution = 0.7\nrestitution = 0.8", "m.toml:24: stop.upper.restitution: is there twice"),
@@ -225,7 +225,7 @@ fn records_that_are_no_regular_files_are_refused_at_once() {
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(folder.join("folder")).unwrap();
     let mut names = vec!["folder"];
-    // Nobody will ever write into the pipe.
+    // No process ever writes to the pipe.
     if std::process::Command::new("mkfifo").arg(folder.join("pipe")).status().is_ok_and(|s| s.success()) {
         names.push("pipe");
     }

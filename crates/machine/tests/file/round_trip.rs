@@ -18,7 +18,7 @@ proptest! {
     #[test]
     fn invariant_numbers_that_are_set_in_a_text_read_back_equal(machine in machine()) {
         let text = machine.to_toml();
-        // Numbers that are 0 are left out of the text by many elements.
+        // Many elements omit numbers that are 0 from the text.
         let moved = |value: f64, k: usize| if value == 0.0 { 1e-3 } else { value * (1.0 + 1e-3 * (k % 3) as f64) };
         let all = machine.parameters().into_iter().enumerate();
         let other = all.fold(machine.clone(), |other, (k, own)| {
@@ -30,7 +30,7 @@ proptest! {
     }
 }
 
-/// Numbers that follow from a named parameter keep their expressions, and the parameter its unit
+/// Numbers that depend on a named parameter keep their expressions; the parameter keeps its unit
 /// and comment.
 #[test]
 fn golden_a_named_parameter_is_set_in_the_text_for_all_that_follows() {

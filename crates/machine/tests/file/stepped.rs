@@ -1,4 +1,4 @@
-//! Stiffness that steps in files: written and read back, and what is refused.
+//! Stepping stiffness in files: written and read back, and errors.
 
 use vibro_machine::file::{no_records, parse};
 

@@ -35,7 +35,7 @@ fn references(names: &[&str]) -> Vec<u32> {
 /// The directional derivative.
 pub fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
     let (u, k, mut y) = (references(unknowns), references(knowns), vec![f64::NAN; unknowns.len()]);
-    // SAFETY: as many elements as are said.
+    // SAFETY: the stated numbers of elements.
     let status = unsafe {
         fmi3GetDirectionalDerivative(
             fmu.c,
@@ -56,7 +56,7 @@ pub fn forward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> V
 /// The adjoint derivative.
 fn backward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<f64> {
     let (u, k, mut x) = (references(unknowns), references(knowns), vec![f64::NAN; knowns.len()]);
-    // SAFETY: as many elements as are said.
+    // SAFETY: the stated numbers of elements.
     let status = unsafe {
         fmi3GetAdjointDerivative(
             fmu.c,
@@ -74,7 +74,7 @@ fn backward(fmu: &Fmu, unknowns: &[&str], knowns: &[&str], seed: &[f64]) -> Vec<
     x
 }
 
-/// Column of one known.
+/// Column of a known.
 fn column(fmu: &Fmu, known: &str) -> Vec<f64> {
     forward(fmu, &unknowns(), &[known], &[1.0])
 }

@@ -143,7 +143,7 @@ fn row_event_mode_without_early_return() {
 /// The times of events agree with the library's up to the last places.
 #[test]
 fn second_method_event_times_are_the_librarys() {
-    const UNITS: f64 = 16.0; // of the last place: other sub-steps
+    const UNITS: f64 = 16.0; // in the last place: different sub-steps
     let p = Parameters::default();
     let state = State { x: [0.0, 0.9, 0.0], v: [0.0, 0.5, 0.0] };
     let mut simulator = Simulator::new(&p, &state, 0.0).unwrap();
@@ -216,7 +216,7 @@ fn a_pending_event_must_be_handled() {
     assert!(fmu.last().contains("must be handled in Event Mode first"), "{}", fmu.last());
 }
 
-/// Hosts enter Event Mode after every step.
+/// Some hosts enter Event Mode after every step.
 #[test]
 fn event_mode_without_an_event_changes_nothing() {
     let (plain, fmu) = (Fmu::started(TF, START), Fmu::started(TF, START));
@@ -388,7 +388,7 @@ fn slow_impacts_are_met_by_steps_that_end_on_the_announced_time() {
     const SLOWEST: f64 = 1e-4;
     let mut met = 0;
     for k in 0..60 {
-        let depth = 10.0_f64.powf(-0.1 * f64::from(k)); // of the block before the stop against which it is pressed
+        let depth = 10.0_f64.powf(-0.1 * f64::from(k)); // distance of the block from the stop against which it is pressed
         let start = [("block.s", 1.0 - depth), ("block.f", 0.02), ("stop.restitution", 0.5)];
         let fmu = Fmu::started(TT, &start);
         let (mut time, mut next) = (0.0, fmu.handle_event().next);
@@ -464,7 +464,7 @@ fn invariant_the_end_in_an_event_keeps_what_was_shown() {
 fn invariant_an_error_in_an_event_leaves_what_is_saved() {
     for case in SHOWN {
         let (fmu, flags) = in_an_event(case);
-        fmu.motion(); // what comes after the event
+        fmu.motion(); // values after the event
         // SAFETY: a live instance; no variable has this reference.
         assert_eq!(unsafe { fmi3SetFloat64(fmu.c, &u32::MAX, 1, &1.0, 1) }, ERROR);
         let other = Fmu::new(flags);

@@ -72,7 +72,7 @@ unsafe extern "C-unwind" fn update(
     }
 }
 
-/// An instance whose callback sets `block.f`, initialized, with its course.
+/// An initialized instance whose callback sets `block.f`, and the callback's data.
 fn with_load(flags: Flags, load: fn(f64) -> f64) -> (Fmu, Box<Course>) {
     let mut course = Box::new(Course { c: null_mut(), load, stop: None, calls: Vec::new() });
     let environment = std::ptr::from_mut(&mut *course).cast();
@@ -141,7 +141,7 @@ fn quintic(t: f64) -> f64 {
 /// its first impact.
 #[test]
 fn order_of_a_smooth_load_is_four() {
-    // Half the step, a sixteenth of the error, and a little.
+    // Half the step gives a sixteenth of the error, within a margin.
     const ORDER: std::ops::Range<f64> = 3.6..4.6;
     let end = |steps: u32| {
         let (fmu, _course) = with_load(FF, quintic);
@@ -236,7 +236,7 @@ fn early_return_at_a_requested_time() {
     const SAME: f64 = 1e-12;
     let (find, _course) = with_load(FT, cubic);
     let impact = find.step(0.0, 40.0).time;
-    // FT returns at the event by itself; stopAtImpact = false goes on to the requested time.
+    // FT returns at the event anyway; stopAtImpact = false continues to the requested time.
     for stop in [impact * 0.5, impact, impact + 0.3, f64::NAN, 1e9] {
         let mut course = Box::new(Course { c: null_mut(), load: cubic, stop: Some(stop), calls: Vec::new() });
         let environment = std::ptr::from_mut(&mut *course).cast();
@@ -254,7 +254,7 @@ fn early_return_at_a_requested_time() {
             assert_eq!(end.time, stop, "exactly");
         }
         assert!((fmu.get("block.f") - cubic(end.time)).abs() < 1e-13);
-        // The motion is that of steps that end there.
+        // The motion equals the motion in steps that end there.
         let after = fmu.get("impacts.upper") + fmu.get("impacts.lower");
         assert!(after >= 1.0);
         course.stop = None;
@@ -262,8 +262,7 @@ fn early_return_at_a_requested_time() {
     }
 }
 
-/// Inputs whose value is not set keep the last one; a load held through the callback is a held
-/// load.
+/// Inputs that are not set keep their last value; a load held by the callback is a held load.
 #[test]
 fn held_inputs_are_held() {
     let (fmu, _course) = with_load(FF, |_| 0.05);
@@ -284,7 +283,7 @@ fn held_inputs_are_held() {
     }
 }
 
-/// Steps of the length of rounding, as the last one of many hosts.
+/// Steps as short as rounding, like the last step of many hosts.
 #[test]
 fn the_smallest_steps_are_steps() {
     let (fmu, _course) = with_load(FF, cubic);

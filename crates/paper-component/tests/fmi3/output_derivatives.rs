@@ -22,8 +22,8 @@ fn output_derivatives(fmu: &Fmu, name: &str) -> [f64; 4] {
     [fmu.get(name), values[0], values[1], values[2]]
 }
 
-/// Each derivative is that of the one before it: along the motion in flight, at rest, under loads,
-/// and of closed forms.
+/// Each derivative is the derivative of the previous one: along the motion in flight, at rest,
+/// under loads, and for closed forms.
 #[test]
 fn second_method_output_derivatives_of_all_outputs() {
     const STEP: f64 = 1e-3;
@@ -56,7 +56,7 @@ fn second_method_output_derivatives_of_all_outputs() {
     }
 }
 
-/// Before the event the left-sided derivatives, in Event Mode the right-sided ones.
+/// Left-sided derivatives before the event, right-sided ones in Event Mode.
 #[test]
 fn output_derivatives_on_both_sides_of_an_impact() {
     let fmu = Fmu::started(TT, &[("block.s", 0.9), ("block.v", 0.5)]);

@@ -53,7 +53,7 @@ fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
         assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), OK);
         assert_eq!(fmi2EnterInitializationMode(c), OK);
         assert_eq!(fmi2ExitInitializationMode(c), OK);
-        // Into the body by 0.2 m.
+        // 0.2 m inside the body.
         assert_eq!(fmi2SetReal(c, &input, 1, &0.5), OK);
         assert_eq!(fmi2EnterContinuousTimeMode(c), ERROR);
         assert_eq!(fmi2SetContinuousStates(c, [1.0, 1.0].as_ptr(), 2), ERROR);
@@ -75,7 +75,7 @@ fn by_fmi_2_an_event_does_not_end_with_what_is_not_possible() {
 /// dashpot.
 #[test]
 fn closed_form_losses_after_an_input_that_is_set_between_events() {
-    // Error of a polynomial of degree 5 in place of the exponential: some (0.1 / 2)^6 / 6! of 1 J.
+    // Error of a polynomial of degree 5 instead of the exponential: (0.1 / 2)^6 / 6! of 1 J.
     const POLYNOMIAL: f64 = 1e-9;
     let text = "name = \"Braked\"\n[body.sled]\nmass = 1.0\n[load.push]\non = \"sled\"\ninput = true\n\
                 [spring.oil]\nbetween = [\"ground\", \"sled\"]\nstiffness = 0.0\ndamping = 1.0\n";

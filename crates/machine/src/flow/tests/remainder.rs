@@ -24,11 +24,11 @@ const ROUNDING: f64 = 1e-12;
 /// Fraction of each bound that is attained in at least one sub-step.
 const ATTAINED: f64 = 0.9;
 
-/// Numbers that look random (xorshift).
+/// Pseudo-random numbers (xorshift).
 struct Draw(u64);
 
 impl Draw {
-    /// From 0 to 1.
+    /// A number from 0 to 1.
     fn part(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

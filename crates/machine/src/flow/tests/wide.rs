@@ -103,7 +103,7 @@ fn closed_form_wide_numbers() {
         }
         sum
     };
-    // The first 53 bits of 1/e, and the next: their products with e are 1 to 75 digits.
+    // The first 53 bits of 1/e and the next: their products with e add to 1 to 75 digits.
     let (e, mut left) = (series(1.0), series(-1.0));
     let mut rest = Wide::new(-1.0);
     for _ in 0..6 {
