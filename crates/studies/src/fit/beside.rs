@@ -356,7 +356,7 @@ impl Followed {
         });
         let weights = joint.map_or(Vec::new(), |(_, weights)| weights.to_vec());
         let has_differences = !self.lost.is_empty();
-        Segment { rows: Rows::of(&rows, shape), places, defect, weights, has_differences }
+        Segment { rows: Rows::of(&rows, shape), places, defect, weights, has_differences, record: 0 }
     }
 }
 

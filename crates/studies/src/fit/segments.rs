@@ -6,10 +6,11 @@
 //! may differ from the end of the segment before falls step by step, to rounding in the end.
 
 use super::beside::Followed;
+use super::bounds::Bounds;
 use super::evaluated::{Point, Reach, Solved};
 use super::horizons::LEAST_ROWS;
 use super::model::Model;
-use super::solver::{Bounds, Convergence, solve};
+use super::solver::{Convergence, solve};
 use super::{WAYS, Way};
 use crate::error::{Error, Result};
 use vibro_machine::derivative::By;

@@ -104,7 +104,7 @@ fn made_record_by_twenty_starts_from_50_percent_off() {
     let own = request(off(&m, &FREE, |i| [1.5, 0.5][i]), measured, &FREE);
     let range = |name: &&str| {
         let truth = m.description.get(name).unwrap();
-        Free { name: (*name).to_owned(), within: Some((0.4 * truth, 1.8 * truth)) }
+        Free { name: (*name).to_owned(), within: Some((0.4 * truth, 1.8 * truth)), is_own: false }
     };
     let found = fitted(&FitRequest { free: FREE.iter().map(range).collect(), starts: 20, ..own });
     for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {

@@ -70,8 +70,10 @@ fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(
 
 /// The free numbers with their ranges. Numbers of a parameter's range are read as those of an axis.
 fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
-    let mut all: Vec<Free> =
-        names(&a.free).iter().map(|name| Free { name: name.trim().to_owned(), within: None }).collect();
+    let mut all: Vec<Free> = names(&a.free)
+        .iter()
+        .map(|name| Free { name: name.trim().to_owned(), within: None, is_own: false })
+        .collect();
     for text in &names(&a.within) {
         let name = text.split('=').next().unwrap_or_default().trim();
         let own = all.iter_mut().find(|own| own.name == name).ok_or_else(|| Error::Refused {
