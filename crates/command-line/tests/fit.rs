@@ -5,6 +5,8 @@
 mod command;
 #[path = "common/guide.rs"]
 mod guide;
+#[path = "fit/together.rs"]
+mod together;
 
 use command::{folder, numbers};
 use guide::Guide;

@@ -85,6 +85,29 @@ pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
     Ok(Study { tables, figure, ..Study::without_figure("fit", what).with_remarks(remarks) })
 }
 
+/// The numbers of several records that were fitted together: a table `numbers.csv` with a row for
+/// each record and number. Shared numbers have the same value in each record.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn fit_numbers(names: &[&str], requests: &[FitRequest], all: &[Fitted]) -> Result<Study> {
+    let mut table = CsvRows::new(["record", "number", "value", "error"])?;
+    for (record, fitted) in names.iter().zip(all) {
+        let fits = fitted.verdict == Verdict::Fits;
+        for ((name, value), error) in fitted.values.iter().zip(&fitted.uncertainty.errors) {
+            let error = error.filter(|_| fits).map_or(String::new(), exact);
+            table.push([(*record).to_owned(), name.clone(), exact(*value), error])?;
+        }
+    }
+    let samples: usize = requests.iter().map(|own| own.measured.samples()).sum();
+    let what = format!(
+        "fit of {} records together, {samples} samples in {} simulations",
+        all.len(),
+        all.first().map_or(0, |own| own.simulations)
+    );
+    Ok(Study { tables: vec![("numbers".into(), table.text()?)], ..Study::without_figure("numbers", what) })
+}
+
 /// Whether a number takes part in what the record does not determine.
 fn is_undetermined(fitted: &Fitted, name: &str) -> bool {
     let all = fitted.uncertainty.undetermined.iter().flat_map(|own| &own.combination);
