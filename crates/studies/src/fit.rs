@@ -19,6 +19,7 @@ mod horizons;
 mod joint;
 mod loss;
 mod model;
+mod places;
 mod problem;
 mod profile;
 mod progress;
@@ -30,6 +31,7 @@ mod search;
 mod segments;
 mod solver;
 mod statistics;
+mod suspects;
 mod ties;
 mod unknowns;
 mod verdict;
@@ -37,7 +39,9 @@ mod verdict;
 pub use errors::{Uncertainty, Undetermined};
 pub use filter::Filter;
 pub use loss::Loss;
+pub use places::{Concentration, Place};
 pub use progress::{Observer, Progress};
+pub use suspects::Suspect;
 pub use verdict::Verdict;
 
 pub use search::{fit, fit_records};
@@ -168,6 +172,11 @@ pub struct Fitted {
     pub segments: Vec<Fresh>,
     /// Numbers that lie at an end of their range, with that end, SI: their errors are of one side.
     pub at_bounds: Vec<(String, f64)>,
+    /// Where residuals are concentrated; empty where they are noise.
+    pub places: Vec<Concentration>,
+    /// Numbers that are not free and would take up residuals, the best first; empty where
+    /// residuals are noise.
+    pub suspects: Vec<Suspect>,
     /// Why the fitted motion has no derivative by a number from some time on; differences stand
     /// there.
     pub lost: Vec<String>,

@@ -3,7 +3,7 @@
 use super::document::{document, table};
 use crate::Result;
 use crate::studies::Study;
-use crate::studies::fit::AT_BOUND;
+use crate::studies::fit::{AT_BOUND, suspected};
 use std::path::Path;
 use vibro_figures::canvas;
 use vibro_figures::html::escape;
@@ -161,6 +161,10 @@ fn residuals(request: &FitRequest, fitted: &Fitted) -> String {
             format!("<p>The motion is divided into {} segments, each with a start of its own.</p>\n", own + 1)
         }
     };
+    let places = fitted.places.iter().map(ToString::to_string);
+    let suspects = fitted.suspects.iter().map(|own| suspected(&request.machine, own));
+    let notes: String = places.chain(suspects).map(|own| format!("<li>{}</li>", escape(&own))).collect();
+    let notes = if notes.is_empty() { notes } else { format!("<ul>{notes}</ul>\n") };
     // Without given deviations the weights are those of the residuals themselves.
     let free = measured.samples().saturating_sub(fitted.values.len());
     let cost = request.sigma.as_ref().map_or(String::new(), |_| {
@@ -171,7 +175,7 @@ fn residuals(request: &FitRequest, fitted: &Fitted) -> String {
     });
     format!(
         "<h2>Residuals</h2>\n{}<p>Correlation of a residual with the next one: {}. The fitted motion keeps near the \
-         record until {} s.{cost}</p>\n{segments}",
+         record until {} s.{cost}</p>\n{notes}{segments}",
         table(&header, rows),
         rounded(fitted.uncertainty.persistence),
         significant(fitted.near_until),

@@ -17,7 +17,8 @@ fn cosine(place: f64, frequency: f64) -> String {
 fn closed_form_of_a_stiffness_that_two_records_share() {
     let tables = [("one.csv", cosine(0.01, 10.0)), ("two.csv", cosine(0.006, 5.0))];
     let tables: Vec<(&str, &str)> = tables.iter().map(|(name, text)| (*name, &text[..])).collect();
-    let arguments = "--data one.csv,two.csv --free spring.k.stiffness --own body.m.start.s --set-in two:body.m.mass=4kg";
+    let arguments =
+        "--data one.csv,two.csv --free spring.k.stiffness --own body.m.start.s --set-in two:body.m.mass=4kg";
     let (out, told) = said("fit-together", COSINE, &tables, arguments);
     let text = std::fs::read_to_string(out.join("numbers.csv")).unwrap_or_else(|_| panic!("{told}"));
     let mut rows = text.lines();

@@ -59,6 +59,11 @@ impl Beside {
         self.0.iter().flat_map(|own| own.samples.iter().map(Vec::as_slice))
     }
 
+    /// Times of the record at which stops are hit or touched, with their indices.
+    pub fn events(&self) -> impl Iterator<Item = &(f64, usize)> {
+        self.0.iter().flat_map(|own| &own.events)
+    }
+
     /// Number of impacts and first touches.
     pub fn contacts_of_motion(&self) -> usize {
         self.0.iter().map(|own| own.events.len()).sum()

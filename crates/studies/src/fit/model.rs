@@ -111,6 +111,12 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
+    /// The model with the weights of another model of the same record.
+    pub fn weighed_as(self, other: &Model) -> Self {
+        let (sigma, watch) = (other.sigma.clone(), other.watch.clone());
+        Self { sigma, watch, is_part: true, has_sigma: other.has_sigma, ..self }
+    }
+
     /// The model with columns weighed by their noise, or by a part of their own size that is more.
     pub fn by_noise(&self, least: f64) -> Self {
         let of_column = |(noise, (_, values)): (&f64, &(QuantityName, Vec<f64>))| {

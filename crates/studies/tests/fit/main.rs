@@ -9,6 +9,7 @@ mod losses;
 mod regular;
 mod segments;
 mod sure;
+mod suspects;
 mod together;
 mod trusted;
 mod verdicts;
