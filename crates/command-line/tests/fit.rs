@@ -5,6 +5,8 @@
 mod command;
 #[path = "common/guide.rs"]
 mod guide;
+#[path = "fit/shaken_box.rs"]
+mod shaken_box;
 #[path = "fit/together.rs"]
 mod together;
 

@@ -98,6 +98,12 @@ fn cost_of(at: &Evaluated, loss: Loss) -> f64 {
     loss.sum(at.residuals()) + at.defects()
 }
 
+/// Factor of the damping after a step, from the fall of the cost over the fall that was predicted
+/// (Madsen et al., algorithm 3.16).
+fn damped(ratio: f64) -> f64 {
+    (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0)
+}
+
 /// The point with the least cost near a given one.
 pub(super) fn solve(
     model: &dyn Problem,
@@ -147,7 +153,7 @@ pub(super) fn solve(
             let is_done = cost - after <= least_reduction * cost;
             (point, cost) = (next, after);
             at = tried.unwrap_or(at);
-            damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0);
+            damping *= damped(ratio);
             growth = 2.0;
             if is_done || matches!(convergence, Convergence::Back(enough) if cost <= enough) {
                 break;
@@ -161,4 +167,16 @@ pub(super) fn solve(
         }
     }
     Ok(Solved { point, reach: reach.clone(), cost: loss.sum(at.residuals()), is_continuous: true })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::damped;
+
+    #[test]
+    fn closed_form_a_step_as_predicted_thirds_the_damping_and_half_as_good_a_step_keeps_it() {
+        assert_eq!([1.0, 0.5, 0.0].map(damped), [1.0 / 3.0, 1.0, 2.0]);
+        // (2 · 0.75 - 1)³ is an eighth.
+        assert_eq!([0.75, 0.25].map(damped), [0.875, 1.125]);
+    }
 }
