@@ -10,7 +10,9 @@ use pyo3::prelude::*;
 use std::collections::HashMap;
 use vibro_machine::table::Table;
 use vibro_studies::QuantityName;
-use vibro_studies::fit::{Filter, FitRequest, Fitted, Free, Loss, Measured, Progress, Segments};
+use vibro_studies::fit::{
+    Filter, FitRequest, Fitted, Free, Loss, Measured, Misfit, Progress, Segments, misfit,
+};
 
 /// Parts into which the longest course of a fit is divided for a progress bar.
 const PARTS: u32 = 1000;
@@ -39,7 +41,7 @@ pub struct FitParts<'py> {
     suspects: Vec<(String, f64, f64, f64)>,
 }
 
-fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py> {
+fn parts<'py>(py: Python<'py>, (fitted, misfit): &(Fitted, Misfit), columns: usize) -> FitParts<'py> {
     let own = &fitted.uncertainty;
     let residual = |k: usize| -> Vec<f64> { fitted.residuals.iter().map(|row| row[k]).collect() };
     FitParts {
@@ -60,8 +62,8 @@ fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py>
         segments: fitted.segments.iter().map(|f| (f.time, f.state.clone(), f.defect.clone())).collect(),
         lost: fitted.lost.clone(),
         at_bounds: fitted.at_bounds.clone(),
-        places: fitted.places.iter().map(ToString::to_string).collect(),
-        suspects: fitted.suspects.iter().map(|s| (s.name.clone(), s.value, s.better, s.left)).collect(),
+        places: misfit.places.iter().map(ToString::to_string).collect(),
+        suspects: misfit.suspects.iter().map(|s| (s.name.clone(), s.value, s.better, s.left)).collect(),
     }
 }
 
@@ -147,12 +149,19 @@ pub fn fit<'py>(
     let requests: Vec<FitRequest> = records.into_iter().map(request).collect::<PyResult<_>>()?;
     let counts: Vec<usize> = requests.iter().map(|own| own.measured.columns.len()).collect();
     let work = move |control: &Control| {
-        Ok(vibro_studies::fit::fit_records(&requests, &|now| {
+        let all = vibro_studies::fit::fit_records(&requests, &|now| {
             control.at((f64::from(PARTS) * now.part) as usize, PARTS as usize, in_words(now))
-        })?)
+        })?;
+        let goes_on = || !control.is_cancelled();
+        let explained = |(request, fitted): (&FitRequest, Fitted)| match goes_on() {
+            true => (misfit(request, &fitted, &goes_on).unwrap_or_default(), fitted),
+            false => (Misfit::default(), fitted),
+        };
+        let all = requests.iter().zip(all).map(explained).map(|(misfit, fitted)| (fitted, misfit));
+        Ok(all.collect::<Vec<_>>())
     };
-    let made = |all: Vec<Fitted>| {
-        let one = |(fitted, count): (&Fitted, &usize)| parts(py, fitted, *count);
+    let made = |all: Vec<(Fitted, Misfit)>| {
+        let one = |(fitted, count): (&(Fitted, Misfit), &usize)| parts(py, fitted, *count);
         Ok(all.iter().zip(&counts).map(one).collect::<Vec<_>>())
     };
     search_with_best(py, progress, work, made)

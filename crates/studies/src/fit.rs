@@ -18,6 +18,7 @@ mod finished;
 mod horizons;
 mod joint;
 mod loss;
+mod misfit;
 mod model;
 mod places;
 mod problem;
@@ -39,6 +40,7 @@ mod verdict;
 pub use errors::{Uncertainty, Undetermined};
 pub use filter::Filter;
 pub use loss::Loss;
+pub use misfit::{Misfit, misfit};
 pub use places::{Concentration, Place};
 pub use progress::{Observer, Progress};
 pub use suspects::Suspect;
@@ -172,11 +174,6 @@ pub struct Fitted {
     pub segments: Vec<Fresh>,
     /// Numbers that lie at an end of their range, with that end, SI: their errors are of one side.
     pub at_bounds: Vec<(String, f64)>,
-    /// Where residuals are concentrated; empty where they are noise.
-    pub places: Vec<Concentration>,
-    /// Numbers that are not free and would take up residuals, the best first; empty where
-    /// residuals are noise.
-    pub suspects: Vec<Suspect>,
     /// Why the fitted motion has no derivative by a number from some time on; differences stand
     /// there.
     pub lost: Vec<String>,

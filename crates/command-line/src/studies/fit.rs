@@ -8,7 +8,7 @@ use std::fmt::Write;
 use vibro_figures::canvas::palette::{BLUE, GREY, VERMILLION};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use vibro_machine::quantity::NamedQuantity;
-use vibro_studies::fit::{FitRequest, Fitted, Suspect, Verdict};
+use vibro_studies::fit::{FitRequest, Fitted, Misfit, Suspect, Verdict};
 use vibro_studies::{Machine, significant};
 
 /// What is said of a number at an end of its range.
@@ -23,7 +23,7 @@ const DRAWN: usize = 4;
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
+pub fn fit(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> Result<Study> {
     let mut remarks = vec![format!("verdict: {}", fitted.verdict)];
     if fitted.verdict != Verdict::Fits {
         remarks.push("no errors: they would hold for another motion than the record's".into());
@@ -51,8 +51,8 @@ pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
     for (name, rms) in &fitted.rms {
         remarks.push(format!("residual of {name}: {} rms, SI", significant(*rms)));
     }
-    remarks.extend(fitted.places.iter().map(ToString::to_string));
-    remarks.extend(fitted.suspects.iter().map(|own| suspected(&request.machine, own)));
+    remarks.extend(misfit.places.iter().map(ToString::to_string));
+    remarks.extend(misfit.suspects.iter().map(|own| suspected(&request.machine, own)));
     if !fitted.segments.is_empty() {
         let defects = fitted.segments.iter().flat_map(|own| &own.defect);
         let most = defects.fold(0.0, |most: f64, defect| most.max(defect.abs()));
@@ -129,7 +129,7 @@ fn is_undetermined(fitted: &Fitted, name: &str) -> bool {
 }
 
 /// The text of `fit.json`.
-pub fn fit_json(fitted: &Fitted) -> String {
+pub fn fit_json(fitted: &Fitted, misfit: &Misfit) -> String {
     let number = |x: f64| if x.is_finite() { format!("{x:?}") } else { "null".into() };
     let quoted = |text: &str| format!("{text:?}");
     let list = |all: Vec<String>| all.join(", ");
@@ -161,8 +161,8 @@ pub fn fit_json(fitted: &Fitted) -> String {
         let (time, state, defect) = (number(own.time), list(state), list(defect));
         format!("{{\"time\": {time}, \"state\": {{{state}}}, \"defect\": {{{defect}}}}}")
     });
-    let places = fitted.places.iter().map(|own| quoted(&own.to_string()));
-    let suspects = fitted.suspects.iter().map(|own| {
+    let places = misfit.places.iter().map(|own| quoted(&own.to_string()));
+    let suspects = misfit.suspects.iter().map(|own| {
         let numbers = [own.value, own.better, own.left].map(number);
         let [value, better, left] = numbers;
         let name = quoted(&own.name);

@@ -28,7 +28,6 @@ pub(super) struct Shared<'s> {
     /// Variance of residuals in units of the squared standard deviations.
     pub variance: f64,
     pub simulations: u32,
-    pub go_on: &'s (dyn Fn() -> bool + Sync),
 }
 
 impl Joint<'_> {
@@ -38,7 +37,6 @@ impl Joint<'_> {
         requests: &[FitRequest],
         bounds: &Bounds,
         (best, uncertainty, doubt): (&Solved, &Uncertainty, Option<String>),
-        go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<Fitted>> {
         let variance = self.variance(best.cost, best.point.values.len());
         let reached = bounds.reached(&best.point.values);
@@ -57,7 +55,6 @@ impl Joint<'_> {
                 cost: best.cost,
                 variance,
                 simulations: self.simulations(),
-                go_on,
             };
             self.models[k].finish(request, &point, &reach, shared)
         };
@@ -79,7 +76,7 @@ impl Model<'_> {
     /// The result of a record at a point.
     fn finish(&self, request: &FitRequest, point: &Point, reach: &Reach, shared: Shared) -> Result<Fitted> {
         let beside = self.compared.beside(&self.unknowns, point, reach, true)?;
-        let Made { machine, assembly, start, shift, .. } = self.unknowns.with(&point.values)?;
+        let Made { machine, assembly, start, .. } = self.unknowns.with(&point.values)?;
         let columns = &self.measured.columns;
         let of_column =
             |(k, (name, _)): (usize, &(QuantityName, _))| (name.to_string(), rms(beside.residuals(k)));
@@ -100,13 +97,7 @@ impl Model<'_> {
         let doubt = self.begins_early(&point.values)?.or(shared.doubt.map(str::to_owned));
         // Steps that derivatives do not see may have kept the fit from a motion that is the
         // record's.
-        let own = self.verdict(&beside);
-        let (mut places, mut suspects) = (Vec::new(), Vec::new());
-        if own != Verdict::Fits {
-            places = self.places_of(&beside, &machine.description, shift);
-            suspects = self.suspects(request, (point, reach), shared.go_on).unwrap_or_default();
-        }
-        let verdict = match (own, rounding, doubt) {
+        let verdict = match (self.verdict(&beside), rounding, doubt) {
             (Verdict::Fits, None, Some(doubt)) => Verdict::Undecided(doubt),
             (Verdict::Fits, Some(rounding), _) => Verdict::Undecided(rounding),
             (Verdict::Misses(why) | Verdict::Undecided(why), Some(rounding), _) => {
@@ -131,8 +122,6 @@ impl Model<'_> {
                 Loss::SoftL1 | Loss::Huber => reach.end,
             },
             at_bounds: shared.at_bounds,
-            places,
-            suspects,
             lost: beside.lost(),
             simulations: shared.simulations,
             cost: shared.cost,

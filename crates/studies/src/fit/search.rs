@@ -98,7 +98,7 @@ fn fit_carrying(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitte
     let mut uncertainty = Uncertainty::of(&at, &bounds.names, &best.point.values, own);
     uncertainty.widen(&factors);
     let doubt = joint.lacks_noise().or(doubt);
-    let mut all = joint.finish(requests, &bounds, (&best, &uncertainty, doubt), go_on)?;
+    let mut all = joint.finish(requests, &bounds, (&best, &uncertainty, doubt))?;
     if watch.is_ended() {
         all.iter_mut().for_each(|own| own.verdict = Verdict::ended());
     }

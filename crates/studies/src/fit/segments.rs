@@ -241,11 +241,11 @@ mod tests {
     use vibro_machine::Start;
     use vibro_machine::file::no_records;
 
-    /// A mass on a spring of −1 N/m: changes grow as the exponential of time.
+    /// A mass on a spring whose curve falls by 1 N/m: changes grow as the exponential of time.
     #[test]
     fn closed_form_a_motion_is_chaotic_where_changes_grow_beyond_a_thousandth_over_rounding() {
         let text = "name = \"Tilting\"\nbody.a = { mass = 1.0, start = { s = 1e-9 } }\n\
-                    spring.k = { between = [\"ground\", \"a\"], stiffness = -1.0 }\n";
+                    spring.k = { between = [\"ground\", \"a\"], points = [[-1.0, 1.0], [1.0, -1.0]] }\n";
         let is_chaotic = |until: f64| {
             let request = FitRequest {
                 machine: Machine::parse(text, "tilting.toml", &no_records).unwrap(),

@@ -17,13 +17,18 @@ use crate::Machine;
 use crate::error::Result;
 use nalgebra::DVector;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 use vibro_machine::description::{Arms, Description, Friction, Signal};
 
 /// Largest number of candidates that are fitted, and of suspects that are reported.
-const TRIED: usize = 6;
+const TRIED: usize = 4;
 const TOLD: usize = 3;
 /// Share of the sum of squares that a suspect takes up at least: less may be chance or a kink.
 const LEAST: f64 = 0.2;
+/// Largest number of steps over growing horizons with a candidate.
+const STEPS: u32 = 60;
+/// Smallest share by the derivatives alone with which a candidate is fitted.
+const PROMISING: f64 = 0.02;
 /// Sections of the machine's file whose parameters are candidates.
 const SECTIONS: [&str; 5] = ["body.", "spring.", "stop.", "friction.", "load."];
 /// Parts of names of parameters that are not candidates: starts, shares of gravity, levers.
@@ -126,7 +131,7 @@ impl Model<'_> {
         let wide = Point { values, states: point.states.clone() };
         let at = model.evaluate(&wide, reach)?;
         let Some(scores) = scores(&at, point.values.len(), count) else { return Ok(Vec::new()) };
-        let mut order: Vec<usize> = (0..names.len()).filter(|&k| scores[k].0 > 0.0).collect();
+        let mut order: Vec<usize> = (0..names.len()).filter(|&k| scores[k].0 > PROMISING).collect();
         order.sort_by(|&a, &b| scores[b].0.total_cmp(&scores[a].0));
         order.truncate(TRIED);
         let before = self.cost(&solved(point.clone(), reach))?;
@@ -142,9 +147,12 @@ impl Model<'_> {
                 solve(&model, &bounds, &begin, (reach, Convergence::Rough), go_on).ok()
             };
             // Without the candidate the free numbers may have moved far: they begin again, too.
+            let left = AtomicU32::new(STEPS);
+            let take = |left: u32| left.checked_sub(1);
+            let goes_on = || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok() && go_on();
             let grown = || {
                 let begin = bounds.cut([&self.unknowns.begin[..], &[changed]].concat());
-                over_horizons(&model, &bounds, &begin, WAYS[0], go_on).ok()
+                over_horizons(&model, &bounds, &begin, WAYS[0], &goes_on).ok()
             };
             let grown = reach.nodes.is_empty().then(grown).flatten();
             let found = [value, changed].into_iter().filter_map(from).chain(grown);

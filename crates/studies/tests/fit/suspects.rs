@@ -2,7 +2,7 @@
 //! them up.
 
 use super::*;
-use vibro_studies::fit::Place;
+use vibro_studies::fit::{Misfit, Place, misfit};
 
 /// Part by which the number that takes up residuals may miss the truth: other numbers are fitted
 /// with it, and kinks of friction bend the cost.
@@ -17,18 +17,25 @@ fn without(machine: &str, section: &str) -> Machine {
     Machine::parse(&(before.to_owned() + &after), machine, &no_records).unwrap()
 }
 
+/// A fit with what is wrong with it.
+fn explained(request: &FitRequest) -> (Fitted, Misfit) {
+    let found = fitted(request);
+    let misfit = misfit(request, &found, &|| true).unwrap();
+    (found, misfit)
+}
+
 #[test]
 fn made_record_of_a_machine_whose_friction_is_left_out() {
     let truth = example("coulomb_oscillator.toml");
     let measured = record(&truth, &[("mass.s", 2e-6)], 0.25, 400, &mut Noise(61));
     let m = without("coulomb_oscillator.toml", "friction.floor");
-    let found = fitted(&request(m, measured, &["spring.mount.stiffness"]));
+    let (found, misfit) = explained(&request(m, measured, &["spring.mount.stiffness"]));
     assert_ne!(found.verdict, Verdict::Fits);
-    let best = &found.suspects[0];
+    let best = &misfit.suspects[0];
     assert_eq!((&*best.name, best.value), ("friction between ground and mass", 0.0));
     assert!((best.better / truth.description.get("friction.floor.force").unwrap() - 1.0).abs() < NEAR);
     // The noise is 2 µm of some 300 µm that friction leaves.
-    assert!(best.left < 0.05, "{:?}", found.suspects);
+    assert!(best.left < 0.05, "{:?}", misfit.suspects);
 }
 
 #[test]
@@ -38,23 +45,23 @@ fn made_record_of_a_ball_whose_restitution_is_wrong() {
     let truth = Machine::parse(text, "ball.toml", &no_records).unwrap();
     let measured = record(&truth, &[("a.s", 1e-3)], 1.2, 400, &mut Noise(62));
     let m = truth.with([("stop.floor.restitution", 0.75)]).unwrap();
-    let found = fitted(&request(m, measured, &["stop.floor.gap"]));
+    let (found, misfit) = explained(&request(m, measured, &["stop.floor.gap"]));
     assert_ne!(found.verdict, Verdict::Fits);
-    let best = &found.suspects[0];
+    let best = &misfit.suspects[0];
     assert_eq!(best.name, "stop.floor.restitution");
     assert!((best.better / 0.8 - 1.0).abs() < NEAR, "{best:?}");
     // The second fall of 0.64 m takes 0.72 s: all residuals come after the first contact at 0.45 s.
     let is_late = |place: &Place| matches!(place, Place::Time(from, _) if *from > 0.45);
-    assert!(found.places.iter().any(|own| is_late(&own.place)), "{:?}", found.places);
+    assert!(misfit.places.iter().any(|own| is_late(&own.place)), "{:?}", misfit.places);
 }
 
 #[test]
 fn invariant_a_fit_that_is_accepted_suspects_nothing() {
     let m = example("coulomb_oscillator.toml");
     let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 400, &mut Noise(63));
-    let found = fitted(&request(m, measured, &["spring.mount.stiffness"]));
+    let (found, misfit) = explained(&request(m, measured, &["spring.mount.stiffness"]));
     assert_eq!(found.verdict, Verdict::Fits);
-    assert!(found.suspects.is_empty() && found.places.is_empty());
+    assert_eq!(misfit, Misfit::default());
 }
 
 /// A bump of 50 times the noise from 0.10 s to 0.11 s: the window of the record and its share of
@@ -66,8 +73,8 @@ fn closed_form_residuals_of_a_window_are_named_by_its_times() {
     for (time, value) in measured.times.iter().zip(&mut measured.columns[0].1) {
         *value += if (0.1..0.11).contains(time) { 1e-4 } else { 0.0 };
     }
-    let found = fitted(&request(m, measured, &["friction.floor.force"]));
-    let place = found.places.iter().find(|own| matches!(own.place, Place::Time(..))).unwrap();
+    let (_, misfit) = explained(&request(m, measured, &["friction.floor.force"]));
+    let place = misfit.places.iter().find(|own| matches!(own.place, Place::Time(..))).unwrap();
     let Place::Time(from, to) = place.place else { panic!() };
     // Windows are a twentieth of the record.
     assert!((from - 0.1).abs() < 1e-12 && (to - 0.11).abs() < 1e-12, "{place:?}");

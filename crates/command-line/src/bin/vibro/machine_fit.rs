@@ -16,7 +16,9 @@ use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_machine::Start;
 use vibro_numerics::quantities::quantity_in;
-use vibro_studies::fit::{self, Filter, FitRequest, Fitted, Free, Measured, Segments, fit_records};
+use vibro_studies::fit::{
+    self, Filter, FitRequest, Fitted, Free, Measured, Misfit, Segments, fit_records, misfit,
+};
 use vibro_studies::{Machine, QuantityName};
 
 /// A number with an optional unit of a dimension, SI.
@@ -294,9 +296,16 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         progress.described(now.part, &|| in_words(now), "left at most");
         !stop.load(Ordering::Relaxed)
     })?;
+    // After an end by hand the files are written at once.
+    let goes_on = || !stop.load(Ordering::Relaxed);
+    let explained = |(request, fitted): (&FitRequest, &Fitted)| match goes_on() {
+        true => misfit(request, fitted, &goes_on).unwrap_or_default(),
+        false => Misfit::default(),
+    };
+    let misfits: Vec<Misfit> = requests.iter().zip(&fitted).map(explained).collect();
     drop(progress);
     if let ([record], [fitted]) = (&records[..], &fitted[..]) {
-        let study = write(&destination, (a, record, fitted), &invocation.command_line, &out)?;
+        let study = write(&destination, a, (record, fitted, &misfits[0]), &invocation.command_line, &out)?;
         output::print(&[study], machine, &out, common)?;
         return Ok(!stop.load(Ordering::Relaxed));
     }
@@ -306,12 +315,12 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         &fitted,
     )?];
     destination.write_into(&studies, &out)?;
-    for (record, fitted) in records.iter().zip(&fitted) {
+    for ((record, fitted), misfit) in records.iter().zip(&fitted).zip(&misfits) {
         let out = out.join(&record.name);
         let common = Common { out: out.clone(), ..common.clone() };
         let destination = Destination::new(&common, &invocation, &record.request.machine);
         let out = destination.place(&[destination.result("fit"), destination.result("report")])?;
-        let study = write(&destination, (a, record, fitted), &invocation.command_line, &out)?;
+        let study = write(&destination, a, (record, fitted, misfit), &invocation.command_line, &out)?;
         studies.push(Study { name: record.name.clone(), ..study });
     }
     output::print(&studies, machine, &out, common)?;
@@ -321,19 +330,20 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
 /// Writes the files of a fitted record.
 fn write(
     destination: &Destination,
-    (a, record, fitted): (&FitArguments, &Record, &Fitted),
+    a: &FitArguments,
+    (record, fitted, misfit): (&Record, &Fitted, &Misfit),
     command_line: &str,
     out: &Path,
 ) -> Result<Study> {
-    let study = studies::fit(&record.request, fitted)?;
+    let study = studies::fit(&record.request, fitted, misfit)?;
     let held = destination::hold(out);
     destination.write_into(std::slice::from_ref(&study), out)?;
-    write_whole(&out.join("fit.json"), fit_json(fitted).as_bytes())?;
+    write_whole(&out.join("fit.json"), fit_json(fitted, misfit).as_bytes())?;
     let verdict = format!("vibro fit: {}", fitted.verdict);
     write_with_numbers(&a.file, &fitted.machine.description, ("fitted.toml", &verdict), out)?;
     let files = [Some(&a.file), record.data.as_ref(), record.events.as_ref()];
     let files: Vec<&Path> = files.into_iter().flatten().map(PathBuf::as_path).collect();
-    let page = fit_page((&record.request, fitted), &study, command_line, &files)?;
+    let page = fit_page((&record.request, fitted, misfit), &study, command_line, &files)?;
     destination.write_page("report", &page, out)?;
     if !fitted.start.is_own() {
         write_whole(&out.join("start.toml"), fitted.start.to_toml().as_bytes())?;
