@@ -10,7 +10,9 @@ use pyo3::prelude::*;
 use std::collections::HashMap;
 use vibro_machine::table::Table;
 use vibro_studies::QuantityName;
-use vibro_studies::fit::{Filter, FitRequest, Fitted, Free, Loss, Measured, Progress, Segments};
+use vibro_studies::fit::{
+    Filter, FitRequest, Fitted, Free, Loss, Measured, Misfit, Progress, Segments, misfit,
+};
 
 /// Parts into which the longest course of a fit is divided for a progress bar.
 const PARTS: u32 = 1000;
@@ -35,9 +37,11 @@ pub struct FitParts<'py> {
     segments: Vec<(f64, Numbers, Vec<f64>)>,
     lost: Vec<String>,
     at_bounds: Numbers,
+    places: Vec<String>,
+    suspects: Vec<(String, f64, f64, f64)>,
 }
 
-fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py> {
+fn parts<'py>(py: Python<'py>, (fitted, misfit): &(Fitted, Misfit), columns: usize) -> FitParts<'py> {
     let own = &fitted.uncertainty;
     let residual = |k: usize| -> Vec<f64> { fitted.residuals.iter().map(|row| row[k]).collect() };
     FitParts {
@@ -58,6 +62,8 @@ fn parts<'py>(py: Python<'py>, fitted: &Fitted, columns: usize) -> FitParts<'py>
         segments: fitted.segments.iter().map(|f| (f.time, f.state.clone(), f.defect.clone())).collect(),
         lost: fitted.lost.clone(),
         at_bounds: fitted.at_bounds.clone(),
+        places: misfit.places.iter().map(ToString::to_string).collect(),
+        suspects: misfit.suspects.iter().map(|s| (s.name.clone(), s.value, s.better, s.left)).collect(),
     }
 }
 
@@ -78,63 +84,87 @@ pub fn columns_of_table(
     Table::read(text).columns(&unit).map_err(PyValueError::new_err)
 }
 
-/// Fits numbers of a machine to a record.
+/// A record as Python gives it: machine, start, times, columns, contacts by stop, and standard
+/// deviations.
+type Record<'py> = (
+    PyRef<'py, Described>,
+    Numbers,
+    PyReadonlyArray1<'py, f64>,
+    Vec<(String, PyReadonlyArray1<'py, f64>)>,
+    Vec<(String, Vec<f64>)>,
+    Option<Vec<f64>>,
+);
+
+/// Fits numbers of machines to records, one machine for each record. A free number has a name, a
+/// range, and whether each record has it for itself.
 #[pyfunction]
-#[pyo3(signature = (machine, start, times, columns, contacts, free, sigma, filters, loss, segments, starts, progress = None))]
+#[pyo3(signature = (records, free, filters, loss, segments, starts, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
 pub fn fit<'py>(
     py: Python<'py>,
-    machine: &Described,
-    start: Numbers,
-    times: PyReadonlyArray1<'_, f64>,
-    columns: Vec<(String, PyReadonlyArray1<'_, f64>)>,
-    contacts: Vec<(String, Vec<f64>)>,
-    free: Vec<(String, Option<(f64, f64)>)>,
-    sigma: Option<Vec<f64>>,
+    records: Vec<Record<'py>>,
+    free: Vec<(String, Option<(f64, f64)>, bool)>,
     filters: Vec<(String, u32, f64)>,
     loss: &str,
     segments: Option<f64>,
     starts: u32,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<FitParts<'py>> {
-    let column = |(name, values): &(String, PyReadonlyArray1<'_, f64>)| {
-        let name = name.parse().map_err(Failure::from)?;
-        PyResult::Ok((name, values.as_slice()?.to_vec()))
-    };
+) -> PyResult<Vec<FitParts<'py>>> {
     let filter = |(column, order, frequency): (String, u32, f64)| {
         PyResult::Ok(Filter { column: column.parse().map_err(Failure::from)?, order, frequency })
     };
-    let count = columns.len();
-    let request = FitRequest {
-        start: machine.start_of(&start)?,
-        machine: machine.machine(None),
-        measured: Measured {
-            times: times.as_slice()?.to_vec(),
-            columns: columns.iter().map(column).collect::<PyResult<_>>()?,
-            contacts,
-        },
-        free: free.into_iter().map(|(name, within)| Free { name, within }).collect(),
-        sigma,
-        filters: filters.into_iter().map(filter).collect::<PyResult<_>>()?,
-        loss: match loss {
-            "soft_l1" => Loss::SoftL1,
-            "huber" => Loss::Huber,
-            _ => Loss::Linear,
-        },
-        // No length is `auto`, and 0 one motion.
-        segments: match segments {
-            None => Segments::Auto,
-            Some(0.0) => Segments::None,
-            Some(length) => Segments::Length(length),
-        },
-        starts,
+    let filters: Vec<Filter> = filters.into_iter().map(filter).collect::<PyResult<_>>()?;
+    let free: Vec<Free> =
+        free.into_iter().map(|(name, within, is_own)| Free { name, within, is_own }).collect();
+    let request = |(machine, start, times, columns, contacts, sigma): Record| {
+        let column = |(name, values): &(String, PyReadonlyArray1<'_, f64>)| {
+            let name = name.parse().map_err(Failure::from)?;
+            PyResult::Ok((name, values.as_slice()?.to_vec()))
+        };
+        PyResult::Ok(FitRequest {
+            start: machine.start_of(&start)?,
+            machine: machine.machine(None),
+            measured: Measured {
+                times: times.as_slice()?.to_vec(),
+                columns: columns.iter().map(column).collect::<PyResult<_>>()?,
+                contacts,
+            },
+            free: free.clone(),
+            sigma,
+            filters: filters.clone(),
+            loss: match loss {
+                "soft_l1" => Loss::SoftL1,
+                "huber" => Loss::Huber,
+                _ => Loss::Linear,
+            },
+            // No length is `auto`, and 0 one motion.
+            segments: match segments {
+                None => Segments::Auto,
+                Some(0.0) => Segments::None,
+                Some(length) => Segments::Length(length),
+            },
+            starts,
+        })
     };
+    let requests: Vec<FitRequest> = records.into_iter().map(request).collect::<PyResult<_>>()?;
+    let counts: Vec<usize> = requests.iter().map(|own| own.measured.columns.len()).collect();
     let work = move |control: &Control| {
-        Ok(vibro_studies::fit::fit(&request, &|now| {
+        let all = vibro_studies::fit::fit_records(&requests, &|now| {
             control.at((f64::from(PARTS) * now.part) as usize, PARTS as usize, in_words(now))
-        })?)
+        })?;
+        let goes_on = || !control.is_cancelled();
+        let explained = |(request, fitted): (&FitRequest, Fitted)| match goes_on() {
+            true => (misfit(request, &fitted, &goes_on).unwrap_or_default(), fitted),
+            false => (Misfit::default(), fitted),
+        };
+        let all = requests.iter().zip(all).map(explained).map(|(misfit, fitted)| (fitted, misfit));
+        Ok(all.collect::<Vec<_>>())
     };
-    search_with_best(py, progress, work, |fitted| Ok(parts(py, &fitted, count)))
+    let made = |all: Vec<(Fitted, Misfit)>| {
+        let one = |(fitted, count): (&(Fitted, Misfit), &usize)| parts(py, fitted, *count);
+        Ok(all.iter().zip(&counts).map(one).collect::<Vec<_>>())
+    };
+    search_with_best(py, progress, work, made)
 }
 
 /// Costs and number of simulations of a fit, with its stage.

@@ -198,3 +198,32 @@ def test_closed_form_an_accelerometer_is_fitted_through_its_filter() -> None:
     assert abs(found.values["stop.floor.restitution"] - 0.8) < 1e-9
     with pytest.raises(TypeError, match="expected a pair of order and corner frequency"):
         vi.fit(vi.Machine(ball), {"b.a": (t, shown)}, free=["stop.floor.restitution"], filter={"b.a": 40.0})
+
+
+def test_records_share_numbers_and_have_numbers_of_their_own() -> None:
+    # Two runs with masses and places of their own; the mass is known, the place is not.
+    truths = [slide(), slide().replace({"body.a.mass": 2.0, "body.a.start.s": 1.2e-3})]
+    noise = np.random.default_rng(6)
+    runs = [machine.simulate(until=0.2, samples=200) for machine in truths]
+    records = [{"a.s": (run.t, run["a.s"] + NOISE * noise.standard_normal(len(run.t)))} for run in runs]
+    begin = [machine.replace({"spring.k.stiffness": 9e3, "friction.f.force": 1.2, "body.a.start.s": 1e-3}) for machine in truths]
+    free = ["spring.k.stiffness", "friction.f.force"]
+    found = vi.fit_records(begin, records, free=free, own=["body.a.start.s"])
+    assert [one.verdict for one in found] == ["fits", "fits"]
+    for one, place in zip(found, [0.85e-3, 1.2e-3]):
+        for name, truth in zip([*free, "body.a.start.s"], [1e4, 1.0, place]):
+            error = one.errors[name]
+            assert error is not None and abs(one.values[name] - truth) < FAR * error
+    assert [found[0].values[name] for name in free] == [found[1].values[name] for name in free]
+    with pytest.raises(ValueError, match="start has 1 entries for 2 records"):
+        vi.fit_records(begin, records, free=free, start=[None])
+    with pytest.raises(ValueError, match="spring.k.stiffness begins at 9000 in record 1 and at 8000 in record 2"):
+        vi.fit_records([begin[0], begin[1].replace({"spring.k.stiffness": 8e3})], records, free=free)
+
+
+def test_friction_that_is_left_out_is_suspected() -> None:
+    t, s = made()
+    found = vi.fit(slide().replace({"friction.f.force": 0.0}), {"a.s": (t, s)}, free=["spring.k.stiffness"])
+    assert found.verdict != "fits" and found.places
+    best = found.suspects[0]
+    assert best.name == "friction.f.force" and abs(best.better - 1.0) < 0.02 and best.left < 0.1

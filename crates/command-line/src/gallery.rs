@@ -46,6 +46,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "shaken_rig" "shaken_rig.csv",
     "run_up",
     "impact_damper",
+    "shaken_box" "shaken_box.csv",
 };
 
 /// Names of version 0.3 that this version still understands, with the names of the machines.

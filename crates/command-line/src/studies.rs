@@ -25,7 +25,7 @@ pub use design_sweep::{design_sweep, write_tables as write_design_tables};
 pub use designed::{best_machine, designed};
 pub use diagram::{ShownDiagram, diagram};
 pub use diagram_orbits::{diagram_branches, diagram_family, diagram_orbits};
-pub use fit::{fit, fit_json};
+pub use fit::{fit, fit_json, fit_numbers};
 pub use gradient::add_gradient;
 pub use isoperiodic::{POINT_IN_TABLE, ShownPlane, check_isoperiodic, isoperiodic};
 pub use locus::loci;

@@ -5,6 +5,10 @@
 mod command;
 #[path = "common/guide.rs"]
 mod guide;
+#[path = "fit/shaken_box.rs"]
+mod shaken_box;
+#[path = "fit/together.rs"]
+mod together;
 
 use command::{folder, numbers};
 use guide::Guide;

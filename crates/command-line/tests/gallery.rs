@@ -54,7 +54,8 @@ fn compare(gallery: &Path, name: &str, command: &str, update: bool) {
     let vibro = vibro.args(line.split_whitespace()).arg("--out").arg(&out).current_dir(root());
     let output = vibro.output().expect("vibro runs");
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-    let drawn = ["motion.svg", "bifurcation.svg", "response.svg", "design.svg"].map(|n| out.join(n));
+    let drawn =
+        ["motion.svg", "bifurcation.svg", "response.svg", "design.svg", "fit.svg"].map(|n| out.join(n));
     let drawn = drawn.iter().find(|p| p.exists()).expect("a picture");
     let now = std::fs::read_to_string(drawn).unwrap();
     let kept = gallery.join(format!("{name}.svg"));

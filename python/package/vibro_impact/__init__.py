@@ -33,7 +33,7 @@ from ._base import AnyMachine
 from ._fmu import fmu_path
 from ._machine import Machine
 from ._machine_design import Design, DesignMotion, Rival, design
-from ._machine_fit import Fit, PaperFit, Segment, fit
+from ._machine_fit import Fit, PaperFit, Segment, Suspect, fit, fit_records
 from ._machine_locus import LOCUS_LABELS, Locus
 from ._machine_orbits import LABELS, Branch, Orbit
 from ._machine_results import Diagram, Direction, Ends, Run, Transition
@@ -99,11 +99,13 @@ __all__ = [
     "Start",
     "SteadyState",
     "SteadyStates",
+    "Suspect",
     "Table",
     "Transition",
     "__version__",
     "design",
     "fit",
+    "fit_records",
     "fmu_path",
     "measure_many",
     "simulate_many",

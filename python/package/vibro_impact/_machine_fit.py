@@ -41,6 +41,20 @@ class Segment:
     "The end of the segment before less this state, by name, SI."
 
 
+@dataclasses.dataclass(frozen=True)
+class Suspect:
+    """A number that is not free and would take up residuals of a fit."""
+
+    name: str
+    "A parameter, or words for friction that the machine does not have."
+    value: float
+    "Its value in the machine, SI."
+    better: float
+    "The value that fits best together with the free numbers, SI."
+    left: float
+    "Root mean square of the residuals with this value, over the root mean square without it."
+
+
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Fit(Result):
     """A machine of your own fitted to a record; all numbers in SI."""
@@ -81,6 +95,10 @@ class Fit(Result):
     "Why the fitted motion has no derivative by a number from some time on, where differences stand."
     at_bounds: dict[str, float]
     "Numbers that lie at an end of their range, with that end: their errors are of one side."
+    places: list[str]
+    "Where residuals are concentrated: times, phases of the period, times after contacts. Empty where residuals are noise."
+    suspects: list[Suspect]
+    "Numbers that are not free and would take up residuals, the best first. Empty where residuals are noise."
 
     def _picture(self) -> str:
         some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
@@ -264,37 +282,123 @@ def fit(
     if isinstance(machine, ParameterValues):
         arguments = {"within": within, "events": events, "sigma": sigma, "filter": filter, "loss": loss, "segments": segments, "starts": starts}
         return _fit_machine(machine, record, free, start, {**arguments, "progress": progress})
-    if not isinstance(machine, MachineDescription):
-        raise TypeError(f"machine is of type {type(machine).__name__}: allowed are Machine and PaperMachine")
-    names = [free] if isinstance(free, str) else list(free)
-    t, columns = _record(record, machine)
-    if events is not None and not isinstance(events, Mapping):
-        raise TypeError(f"events is of type {type(events).__name__}: allowed is a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
-    contacts = [(stop, array(f"events[{stop!r}]", times, "an array of shape (n,) of times in s").tolist()) for stop, times in (events or {}).items()]
+    with partial(lambda found: found[0]):
+        return fit_records(
+            [machine],  # type: ignore[list-item]  # its type is checked there
+            [record],
+            free=free,
+            within=within,
+            events=[events],
+            sigma=[sigma],
+            filter=filter,
+            loss=loss,
+            segments=segments,
+            starts=starts,
+            start=[start],
+            progress=progress,
+        )[0]
+
+
+def fit_records(
+    machines: Sequence[MachineDescription],
+    records: Sequence[RecordLike],
+    *,
+    free: Iterable[str] = (),
+    own: Iterable[str] = (),
+    within: Optional[Mapping[str, tuple[Union[float, str], Union[float, str]]]] = None,
+    events: Optional[Sequence[Optional[Mapping[str, ArrayLike]]]] = None,
+    sigma: Optional[Sequence[Optional[Mapping[str, Union[float, str]]]]] = None,
+    filter: Optional[Mapping[str, tuple[int, Union[float, str]]]] = None,
+    loss: str = "linear",
+    segments: Union[str, float] = "auto",
+    starts: int = 0,
+    start: Optional[Sequence[StartLike]] = None,
+    progress: bool = False,
+) -> list[Fit]:
+    """Fit numbers of a machine to several records together: ``vibro fit FILE --data a.csv,b.csv``.
+
+    Returns a :class:`Fit` for each record, with the free numbers of this record. Values, errors and verdicts are from all records together.
+
+    >>> import vibro_impact as vi
+    >>> slide = vi.Machine({
+    ...     "name": "Slide", "body": {"a": {"mass": 1.0, "start": {"s": 0.001}}},
+    ...     "spring": {"k": {"between": ["ground", "a"], "stiffness": 1e4}},
+    ... })
+    >>> heavy = slide.replace({"body.a.mass": 4.0})
+    >>> runs = [machine.simulate(until=0.2) for machine in (slide, heavy)]
+    >>> off = [machine.replace({"spring.k.stiffness": 9e3}) for machine in (slide, heavy)]
+    >>> found = vi.fit_records(off, [{"a.s": (run.t, run["a.s"])} for run in runs], free=["spring.k.stiffness"], own=["body.a.start.s"])
+    >>> [abs(one.values["spring.k.stiffness"] - 1e4) < 1e-3 for one in found]
+    [True, True]
+
+    Parameters
+    ----------
+    machines
+        The machine of each record, with the values from which the fit begins. The machines may differ in numbers that are not free.
+    records
+        The records, each as of :func:`fit`.
+    free
+        The numbers that all records share.
+    own
+        The numbers that each record has for itself, such as ``body.a.start.v``. The numbers ``record.shift`` and ``record.offset.COLUMN``
+        always are.
+    events, sigma, start
+        As of :func:`fit`, one for each record.
+    within, filter, loss, segments, starts, progress
+        As of :func:`fit`.
+
+    Raises
+    ------
+    KeyboardInterrupt, ValueError, TypeError, RuntimeError
+        As :func:`fit`; `partial` is a list. ValueError also for a shared number that begins at different values.
+    """
+    shared, single = ([names] if isinstance(names, str) else list(names) for names in (free, own))
+    names = shared + single
+    for one in machines:
+        if not isinstance(one, MachineDescription):
+            raise TypeError(f"machine is of type {type(one).__name__}: allowed are Machine and PaperMachine")
+    count = len(records)
+    for what, each in (("machines", machines), ("events", events), ("sigma", sigma), ("start", start)):
+        if each is not None and len(each) != count:
+            raise ValueError(f"{what} has {len(each)} entries for {count} records; expected one for each record")
+    if not count:
+        raise ValueError("records is empty; expected at least one record")
     unknown = [name for name in within or {} if name not in names]
     if unknown:
         raise ValueError(f"within: {unknown[0]!r} is not free: allowed are {', '.join(names)}")
-    ranges = {name: _range(machine, name, ends) for name, ends in (within or {}).items()}
+    ranges = {name: _range(machines[0], name, ends) for name, ends in (within or {}).items()}
     if loss not in _LOSSES:
         raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
-    names_of_columns = [name for name, _ in columns]
-    kind = type(machine)
-    with Bar(progress, 1000, "‰") as bar, partial(lambda found: _fitted(kind, names, t, names_of_columns, found)):
+    given = []
+    for k, (machine, record) in enumerate(zip(machines, records)):
+        t, columns = _record(record, machine)
+        contacts = _contacts(events[k] if events else None)
+        deviations = _sigma(machine, sigma[k] if sigma else None, [name for name, _ in columns] + (["contacts"] if contacts else []))
+        begin = numbers_of(machine, start[k] if start else None)
+        given.append((machine._described, begin, t, columns, contacts, deviations))
+
+    def made(found: list[dict[str, Any]]) -> list[Fit]:
+        of = zip(machines, given, found)
+        return [_fitted(type(machine), names, t, [name for name, _ in columns], one) for machine, (_, _, t, columns, _, _), one in of]
+
+    with Bar(progress, 1000, "‰") as bar, partial(made):
         found = _native.fit(
-            machine._described,
-            numbers_of(machine, start),
-            t,
-            columns,
-            contacts,
-            [(name, ranges.get(name)) for name in names],
-            _sigma(machine, sigma, [name for name, _ in columns] + (["contacts"] if contacts else [])),
-            [_filter(column, own) for column, own in (filter or {}).items()],
+            given,
+            [(name, ranges.get(name), name in single) for name in names],
+            [_filter(column, one) for column, one in (filter or {}).items()],
             loss,
             _length(segments),
             whole("starts", starts, 0, 10_000),
             bar.report,
         )
-    return _fitted(kind, names, t, names_of_columns, found)
+    return made(found)
+
+
+def _contacts(events: Optional[Mapping[str, ArrayLike]]) -> list[tuple[str, list[float]]]:
+    """The times of contacts by stop, s."""
+    if events is not None and not isinstance(events, Mapping):
+        raise TypeError(f"events is of type {type(events).__name__}: allowed is a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
+    return [(stop, array(f"events[{stop!r}]", times, "an array of shape (n,) of times in s").tolist()) for stop, times in (events or {}).items()]
 
 
 def _range(machine: MachineDescription, name: str, ends: Any) -> tuple[float, float]:
@@ -375,4 +479,6 @@ def _fitted(kind: type[MachineDescription], names: list[str], t: Floats, columns
         segments=[Segment(time, dict(state), dict(zip([name for name, _ in state], defect))) for time, state, defect in found["segments"]],
         lost=found["lost"],
         at_bounds=dict(found["at_bounds"]),
+        places=found["places"],
+        suspects=[Suspect(*own) for own in found["suspects"]],
     )

@@ -156,19 +156,23 @@ def design(
     progress: _Progress = None,
 ) -> _Parts: ...
 def fit(
-    machine: Described,
-    start: _Numbers,
-    times: _Floats,
-    columns: Sequence[tuple[str, _Floats]],
-    contacts: Sequence[tuple[str, Sequence[float]]],
-    free: Sequence[tuple[str, tuple[float, float] | None]],
-    sigma: Sequence[float] | None,
+    records: Sequence[
+        tuple[
+            Described,
+            _Numbers,
+            _Floats,
+            Sequence[tuple[str, _Floats]],
+            Sequence[tuple[str, Sequence[float]]],
+            Sequence[float] | None,
+        ]
+    ],
+    free: Sequence[tuple[str, tuple[float, float] | None, bool]],
     filters: Sequence[tuple[str, int, float]],
     loss: str,
     segments: float | None,
     starts: int,
     progress: _Progress = None,
-) -> _Parts: ...
+) -> list[_Parts]: ...
 @final
 class Orbit:
     @property

@@ -52,6 +52,7 @@ const EXAMPLES: &[(&str, &str)] = examples![
     "run_up.toml",
     "servo.toml",
     "shaken_rig.toml",
+    "shaken_box.toml",
     "cam_lift.csv",
     "cantilever_mass.mtx",
     "cantilever_stiffness.mtx",

@@ -62,7 +62,7 @@ pub fn fitted(
         machine,
         start: Start::default(),
         measured,
-        free: free.into_iter().map(|name| Free { name, within: None }).collect(),
+        free: free.into_iter().map(|name| Free { name, within: None, is_own: false }).collect(),
         sigma: None,
         loss: Loss::Linear,
         segments: Segments::Auto,

@@ -3,13 +3,13 @@
 use super::document::{document, table};
 use crate::Result;
 use crate::studies::Study;
-use crate::studies::fit::AT_BOUND;
+use crate::studies::fit::{AT_BOUND, suspected};
 use std::path::Path;
 use vibro_figures::canvas;
 use vibro_figures::html::escape;
 use vibro_machine::quantity::NamedQuantity;
 use vibro_numerics::digest::fnv1a;
-use vibro_studies::fit::{FitRequest, Fitted, Verdict};
+use vibro_studies::fit::{FitRequest, Fitted, Misfit, Verdict};
 use vibro_studies::{QuantityName, significant};
 
 /// Significant digits of an error, which says how many of its number are known.
@@ -40,7 +40,7 @@ fn rounded(x: f64) -> String {
 /// [`Error::Output`](crate::Error::Output) if the picture cannot be drawn, and
 /// [`Error::File`](crate::Error::File) for a file that cannot be read again.
 pub fn fit_page(
-    (request, fitted): (&FitRequest, &Fitted),
+    (request, fitted, misfit): (&FitRequest, &Fitted, &Misfit),
     study: &Study,
     command_line: &str,
     files: &[&Path],
@@ -58,7 +58,7 @@ pub fn fit_page(
         numbers(request, fitted),
         correlations(fitted),
         picture,
-        residuals(request, fitted),
+        residuals(request, fitted, misfit),
         origin(command_line, files)?,
     ]
     .concat();
@@ -138,7 +138,7 @@ fn correlations(fitted: &Fitted) -> String {
 }
 
 /// Root mean squares of the residuals, in SI, and how they follow each other.
-fn residuals(request: &FitRequest, fitted: &Fitted) -> String {
+fn residuals(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> String {
     let unit = |name: &str| {
         let name = name.parse::<QuantityName>().ok();
         let named = name.and_then(|name| name.find(&request.machine.description).ok());
@@ -161,6 +161,10 @@ fn residuals(request: &FitRequest, fitted: &Fitted) -> String {
             format!("<p>The motion is divided into {} segments, each with a start of its own.</p>\n", own + 1)
         }
     };
+    let places = misfit.places.iter().map(ToString::to_string);
+    let suspects = misfit.suspects.iter().map(|own| suspected(&request.machine, own));
+    let notes: String = places.chain(suspects).map(|own| format!("<li>{}</li>", escape(&own))).collect();
+    let notes = if notes.is_empty() { notes } else { format!("<ul>{notes}</ul>\n") };
     // Without given deviations the weights are those of the residuals themselves.
     let free = measured.samples().saturating_sub(fitted.values.len());
     let cost = request.sigma.as_ref().map_or(String::new(), |_| {
@@ -171,7 +175,7 @@ fn residuals(request: &FitRequest, fitted: &Fitted) -> String {
     });
     format!(
         "<h2>Residuals</h2>\n{}<p>Correlation of a residual with the next one: {}. The fitted motion keeps near the \
-         record until {} s.{cost}</p>\n{segments}",
+         record until {} s.{cost}</p>\n{notes}{segments}",
         table(&header, rows),
         rounded(fitted.uncertainty.persistence),
         significant(fitted.near_until),

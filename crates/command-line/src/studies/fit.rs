@@ -8,8 +8,8 @@ use std::fmt::Write;
 use vibro_figures::canvas::palette::{BLUE, GREY, VERMILLION};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use vibro_machine::quantity::NamedQuantity;
-use vibro_studies::fit::{FitRequest, Fitted, Verdict};
-use vibro_studies::significant;
+use vibro_studies::fit::{FitRequest, Fitted, Misfit, Suspect, Verdict};
+use vibro_studies::{Machine, significant};
 
 /// What is said of a number at an end of its range.
 pub const AT_BOUND: &str = "is at an end of its range: its error is of one side";
@@ -23,7 +23,7 @@ const DRAWN: usize = 4;
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
-pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
+pub fn fit(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> Result<Study> {
     let mut remarks = vec![format!("verdict: {}", fitted.verdict)];
     if fitted.verdict != Verdict::Fits {
         remarks.push("no errors: they would hold for another motion than the record's".into());
@@ -51,6 +51,8 @@ pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
     for (name, rms) in &fitted.rms {
         remarks.push(format!("residual of {name}: {} rms, SI", significant(*rms)));
     }
+    remarks.extend(misfit.places.iter().map(ToString::to_string));
+    remarks.extend(misfit.suspects.iter().map(|own| suspected(&request.machine, own)));
     if !fitted.segments.is_empty() {
         let defects = fitted.segments.iter().flat_map(|own| &own.defect);
         let most = defects.fold(0.0, |most: f64, defect| most.max(defect.abs()));
@@ -85,6 +87,41 @@ pub fn fit(request: &FitRequest, fitted: &Fitted) -> Result<Study> {
     Ok(Study { tables, figure, ..Study::without_figure("fit", what).with_remarks(remarks) })
 }
 
+/// The numbers of several records that were fitted together: a table `numbers.csv` with a row for
+/// each record and number. Shared numbers have the same value in each record.
+///
+/// # Errors
+/// [`Error::Output`](crate::Error::Output).
+pub fn fit_numbers(names: &[&str], requests: &[FitRequest], all: &[Fitted]) -> Result<Study> {
+    let mut table = CsvRows::new(["record", "number", "value", "error"])?;
+    for (record, fitted) in names.iter().zip(all) {
+        let fits = fitted.verdict == Verdict::Fits;
+        for ((name, value), error) in fitted.values.iter().zip(&fitted.uncertainty.errors) {
+            let error = error.filter(|_| fits).map_or(String::new(), exact);
+            table.push([(*record).to_owned(), name.clone(), exact(*value), error])?;
+        }
+    }
+    let samples: usize = requests.iter().map(|own| own.measured.samples()).sum();
+    let what = format!(
+        "fit of {} records together, {samples} samples in {} simulations",
+        all.len(),
+        all.first().map_or(0, |own| own.simulations)
+    );
+    Ok(Study { tables: vec![("numbers".into(), table.text()?)], ..Study::without_figure("numbers", what) })
+}
+
+/// What a number that is not free would do to the residuals, in words.
+pub fn suspected(machine: &Machine, own: &Suspect) -> String {
+    let is_of_file = machine.description.get(&own.name).is_ok();
+    let shown = |x: f64| match is_of_file {
+        true => machine.told(&own.name, x),
+        false => format!("{} {}", significant(x), own.unit),
+    };
+    let (name, value, better) = (&own.name, shown(own.value), shown(own.better));
+    let what = if is_of_file { format!("{name} ({value})") } else { format!("{name} (none)") };
+    format!("{what}: with {better} the residuals would be {:.1} % of what they are", 100.0 * own.left)
+}
+
 /// Whether a number takes part in what the record does not determine.
 fn is_undetermined(fitted: &Fitted, name: &str) -> bool {
     let all = fitted.uncertainty.undetermined.iter().flat_map(|own| &own.combination);
@@ -92,7 +129,7 @@ fn is_undetermined(fitted: &Fitted, name: &str) -> bool {
 }
 
 /// The text of `fit.json`.
-pub fn fit_json(fitted: &Fitted) -> String {
+pub fn fit_json(fitted: &Fitted, misfit: &Misfit) -> String {
     let number = |x: f64| if x.is_finite() { format!("{x:?}") } else { "null".into() };
     let quoted = |text: &str| format!("{text:?}");
     let list = |all: Vec<String>| all.join(", ");
@@ -124,11 +161,18 @@ pub fn fit_json(fitted: &Fitted) -> String {
         let (time, state, defect) = (number(own.time), list(state), list(defect));
         format!("{{\"time\": {time}, \"state\": {{{state}}}, \"defect\": {{{defect}}}}}")
     });
+    let places = misfit.places.iter().map(|own| quoted(&own.to_string()));
+    let suspects = misfit.suspects.iter().map(|own| {
+        let numbers = [own.value, own.better, own.left].map(number);
+        let [value, better, left] = numbers;
+        let name = quoted(&own.name);
+        format!("{{\"name\": {name}, \"value\": {value}, \"better\": {better}, \"left\": {left}}}")
+    });
     let mut text = String::new();
     // Writing to a text does not fail.
     let _ = writeln!(
         text,
-        "{{\n  \"verdict\": {},\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"at_bounds\": {{{}}},\n  \"persistence\": {},\n  \"segments\": [{}]\n}}",
+        "{{\n  \"verdict\": {},\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"at_bounds\": {{{}}},\n  \"persistence\": {},\n  \"segments\": [{}],\n  \"places\": [{}],\n  \"suspects\": [{}]\n}}",
         quoted(&fitted.verdict.to_string()),
         list(parameters.collect()),
         list(names),
@@ -139,7 +183,9 @@ pub fn fit_json(fitted: &Fitted) -> String {
         number(fitted.near_until),
         list(at_bounds.collect()),
         number(own.persistence),
-        list(segments.collect())
+        list(segments.collect()),
+        list(places.collect()),
+        list(suspects.collect())
     );
     text
 }

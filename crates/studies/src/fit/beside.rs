@@ -59,6 +59,11 @@ impl Beside {
         self.0.iter().flat_map(|own| own.samples.iter().map(Vec::as_slice))
     }
 
+    /// Times of the record at which stops are hit or touched, with their indices.
+    pub fn events(&self) -> impl Iterator<Item = &(f64, usize)> {
+        self.0.iter().flat_map(|own| &own.events)
+    }
+
     /// Number of impacts and first touches.
     pub fn contacts_of_motion(&self) -> usize {
         self.0.iter().map(|own| own.events.len()).sum()
@@ -356,7 +361,7 @@ impl Followed {
         });
         let weights = joint.map_or(Vec::new(), |(_, weights)| weights.to_vec());
         let has_differences = !self.lost.is_empty();
-        Segment { rows: Rows::of(&rows, shape), places, defect, weights, has_differences }
+        Segment { rows: Rows::of(&rows, shape), places, defect, weights, has_differences, record: 0 }
     }
 }
 

@@ -7,10 +7,10 @@
 //! from it, and fits them over the whole record.
 
 use super::beside::end_of;
+use super::bounds::Bounds;
 use super::evaluated::{Point, Varied};
 use super::loss::Loss;
 use super::model::Model;
-use super::solver::Bounds;
 use super::unknowns::{Columns, Made};
 use crate::error::{Error, Result};
 use nalgebra::{DMatrix, DVector};

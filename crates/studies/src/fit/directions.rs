@@ -3,7 +3,7 @@
 use super::elimination::Triangle;
 use super::errors::scale;
 use super::evaluated::{Evaluated, Point};
-use super::model::Model;
+use super::problem::Problem;
 use nalgebra::{DMatrix, DVector};
 
 /// The singular value decomposition of the derivatives of all residuals, by free numbers in units
@@ -20,9 +20,9 @@ pub(super) struct Directions {
 
 impl Directions {
     /// The directions at values; `None` if a derivative is not finite.
-    pub fn of(model: &Model, values: &[f64], at: &Evaluated) -> Option<Self> {
+    pub fn of(model: &dyn Problem, values: &[f64], at: &Evaluated) -> Option<Self> {
         let p = values.len();
-        let triangle = Triangle::of(at, model.loss, &Point::default(), 0.0, &vec![false; p]);
+        let triangle = Triangle::of(at, model.loss(), &Point::default(), 0.0, &vec![false; p]);
         let jacobian = triangle.reduced(at, p)?;
         let scales: Vec<f64> = (0..p).map(|j| scale(&jacobian, values[j], j)).collect();
         let mut scaled = jacobian.clone();

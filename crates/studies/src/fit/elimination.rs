@@ -73,7 +73,7 @@ impl Triangle {
             }
             let r = all.matrix.qr().r();
             let rows = r.nrows().min(n);
-            if n > 0 {
+            if n > 0 || k > 0 {
                 states.push(Left {
                     own: r.view((0, 0), (rows, n)).into_owned(),
                     next: r.view((0, n), (rows, joint)).into_owned(),

@@ -116,6 +116,19 @@ impl Uncertainty {
         }
     }
 
+    /// The errors of a record's numbers, at places among the joint numbers.
+    pub(super) fn of_record(&self, places: &[usize], names: Vec<String>) -> Self {
+        let of = |all: &[Option<f64>]| places.iter().map(|&place| all[place]).collect();
+        Self {
+            errors: of(&self.errors),
+            white: of(&self.white),
+            correlation: self.correlation.select_rows(places).select_columns(places),
+            undetermined: self.undetermined.clone(),
+            persistence: self.persistence,
+            names,
+        }
+    }
+
     fn none(names: &[String]) -> Self {
         let p = names.len();
         Self {
@@ -300,14 +313,15 @@ fn persistence(at: &Evaluated, residuals: &[f64]) -> f64 {
 /// The sum S over lags with falling weights; rows of one time count together.
 fn lagged(at: &Evaluated, matrix: &DMatrix<f64>, residuals: &[f64], persistence: f64) -> DMatrix<f64> {
     let p = matrix.ncols();
-    let mut scores: Vec<DVector<f64>> = Vec::new();
-    let mut time = f64::NAN;
-    for (i, (own, _)) in at.places().enumerate() {
-        if own != time {
-            scores.push(DVector::zeros(p));
-            time = own;
+    let mut scores: Vec<(usize, DVector<f64>)> = Vec::new();
+    let mut present = (usize::MAX, f64::NAN);
+    let rows = at.0.iter().flat_map(|own| own.places.iter().map(|(time, _)| (own.record, *time)));
+    for (i, own) in rows.enumerate() {
+        if own != present {
+            scores.push((own.0, DVector::zeros(p)));
+            present = own;
         }
-        if let Some(last) = scores.last_mut() {
+        if let Some((_, last)) = scores.last_mut() {
             last.axpy(residuals[i], &matrix.row(i).transpose(), 1.0);
         }
     }
@@ -319,7 +333,11 @@ fn lagged(at: &Evaluated, matrix: &DMatrix<f64>, residuals: &[f64], persistence:
     for lag in 0..=lags {
         let weight = 1.0 - lag as f64 / (lags as f64 + 1.0);
         for t in lag..scores.len() {
-            let (a, b) = (&scores[t], &scores[t - lag]);
+            let ((record, a), (before, b)) = (&scores[t], &scores[t - lag]);
+            // Residuals of two records are independent.
+            if record != before {
+                continue;
+            }
             sum.ger(weight, a, b, 1.0);
             if lag > 0 {
                 sum.ger(weight, b, a, 1.0);

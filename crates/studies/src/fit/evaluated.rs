@@ -8,6 +8,9 @@ const IDLE: f64 = 1e-12;
 /// Size of a number, SI, up to which it counts as 0: one that is fitted to be 0 is its rounding.
 const NEARLY_0: f64 = 1e-12;
 
+/// Node at which the next of several records begins, whose motion has a start of its own.
+pub(super) const NEXT_RECORD: f64 = f64::NEG_INFINITY;
+
 /// Where a fit stands: the free numbers, and the states in which segments after the first begin.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Point {
@@ -61,6 +64,11 @@ impl Reach {
     pub fn whole(end: f64) -> Self {
         Self { end, nodes: Vec::new(), weights: Vec::new() }
     }
+
+    /// Whether each record has one motion.
+    pub fn is_whole(&self) -> bool {
+        self.nodes.iter().all(|node| *node == NEXT_RECORD)
+    }
 }
 
 /// A number of a motion with its derivatives by the free numbers, then by the segment's first
@@ -86,6 +94,15 @@ impl Rows {
         }
     }
 
+    /// Gives the free numbers other places among a larger count of numbers.
+    fn place(&mut self, places: &[usize], count: usize) {
+        let mut all = DMatrix::zeros(self.by_numbers.nrows(), count);
+        for (own, &place) in self.by_numbers.column_iter().zip(places) {
+            all.set_column(place, &own);
+        }
+        self.by_numbers = all;
+    }
+
     fn is_finite(&self) -> bool {
         let all = self.by_state.iter().chain(self.by_numbers.iter());
         self.residuals.iter().chain(all).all(|x| x.is_finite())
@@ -104,6 +121,19 @@ pub(super) struct Segment {
     pub weights: Vec<f64>,
     /// Whether differences stand in for some of its derivatives.
     pub has_differences: bool,
+    /// Index of its record among several.
+    pub record: usize,
+}
+
+impl Segment {
+    /// Makes the segment one of a record among several: with the free numbers at other places among
+    /// a larger count, and columns after the columns of the records before.
+    pub fn place(&mut self, record: usize, (places, count): (&[usize], usize), columns: usize) {
+        self.record = record;
+        self.rows.place(places, count);
+        self.defect.iter_mut().for_each(|rows| rows.place(places, count));
+        self.places.iter_mut().for_each(|(_, column)| *column += columns);
+    }
 }
 
 /// Residuals over all segments.

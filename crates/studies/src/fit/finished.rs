@@ -1,10 +1,13 @@
 //! The fitted machine with its errors, residuals and verdict.
 
 use super::beside::{Beside, Followed};
+use super::bounds::Bounds;
 use super::errors::Uncertainty;
-use super::evaluated::{Point, Reach};
+use super::evaluated::{Point, Reach, Solved};
+use super::joint::Joint;
 use super::loss::Loss;
 use super::model::Model;
+use super::problem::Problem;
 use super::statistics::rms;
 use super::unknowns::Made;
 use super::verdict::Verdict;
@@ -13,16 +16,65 @@ use crate::QuantityName;
 use crate::error::Result;
 use vibro_machine::{Assembly, Start};
 
-impl Model<'_> {
-    /// The machine fitted at a point.
+/// What all records of a fit have in common.
+pub(super) struct Shared<'s> {
+    /// Errors of the record's numbers.
+    pub uncertainty: Uncertainty,
+    /// Numbers of the record at an end of their range, with that end.
+    pub at_bounds: Vec<(String, f64)>,
+    /// Why the point is not certain, in words.
+    pub doubt: Option<&'s str>,
+    pub cost: f64,
+    /// Variance of residuals in units of the squared standard deviations.
+    pub variance: f64,
+    pub simulations: u32,
+}
+
+impl Joint<'_> {
+    /// The results of all records at the best point.
     pub fn finish(
         &self,
-        request: &FitRequest,
-        point: &Point,
-        reach: &Reach,
-        cost: f64,
-        doubt: Option<String>,
-    ) -> Result<Fitted> {
+        requests: &[FitRequest],
+        bounds: &Bounds,
+        (best, uncertainty, doubt): (&Solved, &Uncertainty, Option<String>),
+    ) -> Result<Vec<Fitted>> {
+        let variance = self.variance(best.cost, best.point.values.len());
+        let reached = bounds.reached(&best.point.values);
+        let one = |(k, request): (usize, &FitRequest)| {
+            let (point, reach) = self.local(k, &best.point, &best.reach);
+            let places = &self.places[k];
+            let names: Vec<String> = request.free.iter().map(|own| own.name.clone()).collect();
+            let at_bounds = names.iter().zip(places).filter_map(|(name, place)| {
+                let (_, end) = reached.iter().find(|(own, _)| *own == bounds.names[*place])?;
+                Some((name.clone(), *end))
+            });
+            let shared = Shared {
+                at_bounds: at_bounds.collect(),
+                uncertainty: uncertainty.of_record(places, names),
+                doubt: doubt.as_deref(),
+                cost: best.cost,
+                variance,
+                simulations: self.simulations(),
+            };
+            self.models[k].finish(request, &point, &reach, shared)
+        };
+        let mut all = requests.iter().enumerate().map(one).collect::<Result<Vec<_>>>()?;
+        // Shared numbers that fit one record alone are not the machine's.
+        let misses = |(k, own): (usize, &Fitted)| match &own.verdict {
+            Verdict::Fits => None,
+            verdict => Some(format!("record {} {verdict}", k + 1)),
+        };
+        if let Some(why) = all.iter().enumerate().find_map(misses) {
+            let fits = all.iter_mut().filter(|own| own.verdict == Verdict::Fits);
+            fits.for_each(|own| own.verdict = Verdict::Undecided(why.clone()));
+        }
+        Ok(all)
+    }
+}
+
+impl Model<'_> {
+    /// The result of a record at a point.
+    fn finish(&self, request: &FitRequest, point: &Point, reach: &Reach, shared: Shared) -> Result<Fitted> {
         let beside = self.compared.beside(&self.unknowns, point, reach, true)?;
         let Made { machine, assembly, start, .. } = self.unknowns.with(&point.values)?;
         let columns = &self.measured.columns;
@@ -38,14 +90,11 @@ impl Model<'_> {
             contacts.push((name.clone(), off.collect()));
         }
         let names: Vec<String> = request.free.iter().map(|own| own.name.clone()).collect();
-        let at = self.evaluated(&beside, point, reach);
         let residuals = beside.samples().map(|all| all.iter().map(|(residual, _)| *residual).collect());
-        let all = beside.0.iter().flat_map(|own| &own.events);
         let named =
             |(time, stop): &(f64, usize)| Some((*time, machine.description.stops.get(*stop)?.name.clone()));
-        let variance = self.variance(cost, point.values.len());
-        let rounding = self.rounding(request, (point, reach), &beside, variance)?;
-        let doubt = self.lacks_noise().or(self.begins_early(&point.values)?).or(doubt);
+        let rounding = self.rounding(request, (point, reach), &beside, shared.variance)?;
+        let doubt = self.begins_early(&point.values)?.or(shared.doubt.map(str::to_owned));
         // Steps that derivatives do not see may have kept the fit from a motion that is the
         // record's.
         let verdict = match (self.verdict(&beside), rounding, doubt) {
@@ -58,10 +107,10 @@ impl Model<'_> {
         };
         Ok(Fitted {
             verdict,
-            events: all.filter_map(named).collect(),
+            events: beside.events().filter_map(named).collect(),
             segments: self.segments(&beside, &assembly, point, reach),
             start,
-            uncertainty: Uncertainty::of(&at, &names, &point.values, (self.loss, self.has_sigma)),
+            uncertainty: shared.uncertainty,
             values: names.into_iter().zip(point.values.iter().copied()).collect(),
             machine,
             rms: sizes,
@@ -72,10 +121,10 @@ impl Model<'_> {
                 Loss::Linear => self.near(&beside, f64::NEG_INFINITY, super::WAYS[0]),
                 Loss::SoftL1 | Loss::Huber => reach.end,
             },
-            at_bounds: Vec::new(),
+            at_bounds: shared.at_bounds,
             lost: beside.lost(),
-            simulations: self.compared.simulations(),
-            cost,
+            simulations: shared.simulations,
+            cost: shared.cost,
         })
     }
 

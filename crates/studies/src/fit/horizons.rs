@@ -1,9 +1,10 @@
 //! Fits over horizons that grow as the fitted motion keeps near the record.
 
+use super::bounds::Bounds;
 use super::evaluated::{Point, Reach, Solved};
 use super::model::Model;
 use super::restarts::from_rest;
-use super::solver::{Bounds, Convergence, solve};
+use super::solver::{Convergence, solve};
 use super::{CLOSE, Way};
 use crate::error::Result;
 

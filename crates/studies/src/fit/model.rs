@@ -30,6 +30,8 @@ pub(super) struct Model<'a> {
     pub unknowns: Arc<Unknowns<'a>>,
     pub compared: Arc<Compared<'a>>,
     pub watch: Arc<Watch>,
+    /// Whether the record is one of several that are fitted together.
+    pub is_part: bool,
     /// Standard deviation of each column, then of the contacts' times.
     sigma: Vec<f64>,
     /// Whether these are given.
@@ -86,6 +88,7 @@ impl<'a> Model<'a> {
             loss: *loss,
             compared: Arc::new(compared),
             watch: Arc::default(),
+            is_part: false,
             noise,
         })
     }
@@ -108,6 +111,12 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
+    /// The model with the weights of another model of the same record.
+    pub fn weighed_as(self, other: &Model) -> Self {
+        let (sigma, watch) = (other.sigma.clone(), other.watch.clone());
+        Self { sigma, watch, is_part: true, has_sigma: other.has_sigma, ..self }
+    }
+
     /// The model with columns weighed by their noise, or by a part of their own size that is more.
     pub fn by_noise(&self, least: f64) -> Self {
         let of_column = |(noise, (_, values)): (&f64, &(QuantityName, Vec<f64>))| {
@@ -126,20 +135,25 @@ impl<'a> Model<'a> {
         beside.contacts(list).filter_map(|(i, time)| Some(time? - times[i])).collect()
     }
 
-    /// Why nothing tells the noise of the record, in words: as many numbers as samples meet all.
-    pub fn lacks_noise(&self) -> Option<String> {
-        let (rows, free) = (self.rows(), self.unknowns.begin.len());
-        let why =
-            || format!("{free} numbers meet {rows} samples exactly: no residual is left to tell the noise");
-        (!self.has_sigma && rows <= free).then(why)
-    }
-
     /// Why rows of the record are not those of the motion, in words: it begins before the start.
     pub fn begins_early(&self, values: &[f64]) -> Result<Option<String>> {
         let made = self.unknowns.with(values)?;
         let first = self.first() + made.shift;
         let why = || format!("the record begins at {first:?} s of the motion, before its start");
         Ok((first < made.start.time - EARLY * (self.end() - self.first())).then(why))
+    }
+
+    /// The times of all rows, sorted.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Number of states of the machine.
+    ///
+    /// # Errors
+    /// [`Error::Refusal`] for values that are not allowed.
+    pub fn states(&self) -> Result<usize> {
+        Ok(self.unknowns.with(&self.unknowns.begin)?.assembly.system().states())
     }
 
     /// Number of rows of the record.
@@ -155,11 +169,6 @@ impl<'a> Model<'a> {
     /// The record's last time.
     pub fn end(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
-    }
-
-    /// Reports the cost of a step of the solver.
-    pub fn tell(&self, cost: f64, reach: &Reach) {
-        self.watch.cost(cost, reach.nodes.is_empty() && reach.end >= self.end());
     }
 
     /// Whether the record has times of contacts only.
@@ -268,35 +277,6 @@ impl<'a> Model<'a> {
     /// Standard deviations of columns, then of lists of contacts, by which residuals are weighed.
     pub fn deviations(&self) -> &[f64] {
         &self.sigma
-    }
-
-    /// Variance of residuals in units of the standard deviations' squares, by their least sum;
-    /// where large ones count less these are the residuals' own, and the sum is that of outliers.
-    pub fn variance(&self, cost: f64, free: usize) -> f64 {
-        if self.has_sigma || self.loss != Loss::Linear {
-            1.0
-        } else {
-            cost / self.rows().saturating_sub(free).max(1) as f64
-        }
-    }
-
-    /// Half the range of what a number of the start begins, over the record's times: of
-    /// `body.box.start.v` and `start.box.v` that of `box.v`.
-    pub fn size_of_start(&self, name: &str, values: &[f64]) -> Option<f64> {
-        let of_body = name.strip_prefix("body.").and_then(|name| name.split_once(".start."));
-        let of_start = || name.strip_prefix("start.")?.rsplit_once('.');
-        let (body, what) = of_body.or_else(of_start)?;
-        let made = self.unknowns.with(values).ok()?;
-        let named: QuantityName = format!("body.{body}.{what}").parse().ok()?;
-        let quantity = named.find(&made.machine.description).ok()?.quantity;
-        let mut motion = made.start.motion(made.assembly.clone()).ok()?;
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for time in &self.times {
-            motion.advance_to((time + made.shift).max(motion.time())).ok()?;
-            let value = motion.value(quantity);
-            (low, high) = (low.min(value), high.max(value));
-        }
-        Some(0.5 * (high - low)).filter(|size| *size > 0.0 && size.is_finite())
     }
 
     /// Whether the machine has stops.

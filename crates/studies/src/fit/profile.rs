@@ -2,11 +2,12 @@
 //! risen by a standard error's square. Impacts that come and go make kinks, at which the curvature
 //! at the minimum says too small an error.
 
+use super::bounds::Bounds;
 use super::directions::Directions;
 use super::elimination::Triangle;
 use super::evaluated::{Point, Solved};
-use super::model::Model;
-use super::solver::{Bounds, Convergence, solve};
+use super::problem::Problem;
+use super::solver::{Convergence, solve};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -47,7 +48,7 @@ struct Errors {
 }
 
 impl Errors {
-    fn of(model: &Model, best: &Solved) -> Result<Option<Self>> {
+    fn of(model: &dyn Problem, best: &Solved) -> Result<Option<Self>> {
         let at = model.evaluate(&best.point, &best.reach)?;
         let values = &best.point.values;
         let p = values.len();
@@ -88,7 +89,7 @@ impl Errors {
 
 /// Errors over those of the curvature, from both sides of each number.
 pub(super) fn profile(
-    model: &Model,
+    model: &dyn Problem,
     bounds: &Bounds,
     best: &Solved,
     go_on: &(dyn Fn() -> bool + Sync),
@@ -113,7 +114,7 @@ pub(super) fn profile(
 
 /// A number moved to one side, as far as the rise of the cost tells its error.
 fn side(
-    model: &Model,
+    model: &dyn Problem,
     bounds: &Bounds,
     best: &Solved,
     errors: &Errors,

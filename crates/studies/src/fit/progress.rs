@@ -107,3 +107,22 @@ impl Watch {
         Progress { stage, cost, best, simulations, part: part.min(1.0) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn closed_form_the_finished_share_counts_stages_and_the_present_one() {
+        let watch = Watch::default();
+        watch.announce(4);
+        watch.over(1);
+        watch.share(0.5);
+        assert_eq!(watch.progress(0).part, 0.375);
+        watch.over(3);
+        assert_eq!(watch.progress(0).part, 1.0);
+        // Stages that were left out may have been counted already.
+        watch.over(1);
+        assert_eq!(watch.progress(0).part, 1.0);
+    }
+}

@@ -1,11 +1,12 @@
 //! Starts beside a fitted point: whether another minimum is as good. Impacts that come and go make
 //! many minima, and friction ridges on which a number at rest moves nothing.
 
+use super::bounds::Bounds;
 use super::directions::Directions;
 use super::errors::Uncertainty;
 use super::evaluated::{Evaluated, Point, Solved};
-use super::model::Model;
-use super::solver::{Bounds, Convergence, solve};
+use super::problem::Problem;
+use super::solver::{Convergence, solve};
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -48,10 +49,10 @@ pub(super) enum Found {
 }
 
 /// Starts beside a point at which some numbers move nothing: these are moved.
-fn nudged(model: &Model, bounds: &Bounds, point: &Point, at: &Evaluated) -> Vec<Point> {
+fn nudged(model: &dyn Problem, bounds: &Bounds, point: &Point, at: &Evaluated) -> Vec<Point> {
     let mut all = Vec::new();
     for j in (0..point.values.len()).filter(|&j| at.is_idle(j, point.values[j])) {
-        let Some(size) = model.size_of_start(&bounds.names[j], &point.values) else { continue };
+        let Some(size) = model.size_of_start(j, &point.values) else { continue };
         for sign in [1.0, -1.0] {
             let mut next = point.clone();
             next.values[j] = (next.values[j] + sign * NUDGE * size).clamp(bounds.low[j], bounds.high[j]);
@@ -63,7 +64,7 @@ fn nudged(model: &Model, bounds: &Bounds, point: &Point, at: &Evaluated) -> Vec<
 
 /// The best point to which numbers lead that moved nothing where a fit begins.
 pub(super) fn from_rest(
-    model: &Model,
+    model: &dyn Problem,
     bounds: &Bounds,
     best: Solved,
     go_on: &(dyn Fn() -> bool + Sync),
@@ -80,13 +81,13 @@ pub(super) fn from_rest(
 /// What starts some standard errors beside a point lead to. `factors` are the errors over those of
 /// the curvature.
 pub(super) fn restarted(
-    model: &Model,
+    model: &dyn Problem,
     bounds: &Bounds,
     best: &Solved,
     factors: &[f64],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Found> {
-    let is_whole = best.reach.nodes.is_empty();
+    let is_whole = best.reach.is_whole();
     let ways = AWAY[usize::from(model.has_stops() && is_whole)].iter().map(|away| (*away, false));
     // Residuals that are more than noise say that there is a better point.
     let is_better = model.has_stops() && is_whole && model.misses(&best.point, &best.reach)?;
@@ -102,7 +103,7 @@ pub(super) fn restarted(
 
 /// What starts at one distance beside a point lead to.
 fn restarted_from(
-    model: &Model,
+    model: &dyn Problem,
     bounds: &Bounds,
     best: &Solved,
     (factors, away, is_paired): (&[f64], f64, bool),
@@ -132,11 +133,11 @@ fn restarted_from(
         |start: &Point| solve(model, bounds, start, (&best.reach, Convergence::Back(enough)), go_on).ok();
     let all: Vec<Solved> = starts.par_iter().filter_map(by).collect();
     let least = all.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let better = BETTER[usize::from(!best.reach.nodes.is_empty())];
+    let better = BETTER[usize::from(!best.reach.is_whole())];
     if let Some(own) = least.filter(|own| own.cost < best.cost - better * variance) {
         return Ok(Found::Better(own.clone()));
     }
-    let own = (model.loss, model.has_sigma);
+    let own = (model.loss(), model.has_sigma());
     let mut uncertainty = Uncertainty::of(&at, &bounds.names, &best.point.values, own);
     uncertainty.widen(factors);
     let errors = uncertainty.errors;
@@ -156,7 +157,7 @@ fn restarted_from(
 /// The derivatives of all residuals by the free numbers, and changes of some standard errors along
 /// the combinations that are least determined, each with what states of segments then do.
 fn along(
-    model: &Model,
+    model: &dyn Problem,
     best: &Solved,
     at: &Evaluated,
     (away, is_paired): (f64, bool),

@@ -3,11 +3,12 @@
 //! way whose residuals are noise.
 
 use super::blocks::over_blocks;
+use super::bounds::Bounds;
 use super::evaluated::{Point, Reach, Solved};
 use super::horizons::over_horizons;
 use super::model::Model;
 use super::segments::over_segments;
-use super::solver::{Bounds, Convergence, solve};
+use super::solver::{Convergence, solve};
 use super::ties::tied;
 use super::{CLOSE, Segments, WAYS, Way};
 use crate::error::Result;

@@ -6,10 +6,11 @@
 //! may differ from the end of the segment before falls step by step, to rounding in the end.
 
 use super::beside::Followed;
+use super::bounds::Bounds;
 use super::evaluated::{Point, Reach, Solved};
 use super::horizons::LEAST_ROWS;
 use super::model::Model;
-use super::solver::{Bounds, Convergence, solve};
+use super::solver::{Convergence, solve};
 use super::{WAYS, Way};
 use crate::error::{Error, Result};
 use vibro_machine::derivative::By;
@@ -230,4 +231,40 @@ pub(super) fn misses(model: &Model, (point, reach): (&Point, &Reach), sizes: &[f
         missed.fold(0.0, |most: f64, (((end, _), next), size)| most.max(((end - next) / size).abs()))
     };
     Ok(beside.0.iter().zip(&point.states).map(one).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{FitRequest, Free, Loss, Measured, Segments};
+    use super::*;
+    use crate::Machine;
+    use vibro_machine::Start;
+    use vibro_machine::file::no_records;
+
+    /// A mass on a spring whose curve falls by 1 N/m: changes grow as the exponential of time.
+    #[test]
+    fn closed_form_a_motion_is_chaotic_where_changes_grow_beyond_a_thousandth_over_rounding() {
+        let text = "name = \"Tilting\"\nbody.a = { mass = 1.0, start = { s = 1e-9 } }\n\
+                    spring.k = { between = [\"ground\", \"a\"], points = [[-1.0, 1.0], [1.0, -1.0]] }\n";
+        let is_chaotic = |until: f64| {
+            let request = FitRequest {
+                machine: Machine::parse(text, "tilting.toml", &no_records).unwrap(),
+                start: Start::default(),
+                measured: Measured {
+                    times: vec![0.0, until],
+                    columns: vec![("a.s".parse().unwrap(), vec![0.0, 1.0])],
+                    ..Measured::default()
+                },
+                free: vec![Free { name: "body.a.start.s".into(), within: None, is_own: false }],
+                sigma: None,
+                filters: Vec::new(),
+                loss: Loss::Linear,
+                segments: Segments::Auto,
+                starts: 0,
+            };
+            Model::new(&request).unwrap().is_chaotic(&[1e-9])
+        };
+        // ln 1e13 is 29.9; the growth of one state is half the exponential.
+        assert!(!is_chaotic(29.0) && is_chaotic(32.0));
+    }
 }

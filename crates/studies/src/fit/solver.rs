@@ -2,13 +2,12 @@
 //! for Non-Linear Least Squares Problems, 2004), with losses by reweighting. Written here since the
 //! published crates know neither bounds nor rows without a derivative.
 
+use super::bounds::Bounds;
 use super::elimination::Triangle;
 use super::evaluated::{Change, Evaluated, Point, Reach, Solved};
 use super::loss::Loss;
-use super::model::Model;
-use super::{FitRequest, MOST_FREE};
-use crate::error::{Error, Result};
-use crate::{significant, sobol};
+use super::problem::Problem;
+use crate::error::Result;
 use nalgebra::DVector;
 
 /// How far a fit over one horizon goes.
@@ -43,137 +42,8 @@ impl Convergence {
 /// Part of a number by which a step moves it at most where contacts alone are matched, which come
 /// and go.
 const STEP: f64 = 0.2;
-/// Part of a number from which it does not come nearer to 0 while segments are apart.
-const INSIDE: f64 = 0.02;
 /// Largest damping, at which no step helps.
 const MOST_DAMPING: f64 = 1e12;
-
-/// Ranges of the free numbers, and where they begin.
-#[derive(Clone, Debug)]
-pub(super) struct Bounds {
-    pub begin: Vec<f64>,
-    pub low: Vec<f64>,
-    pub high: Vec<f64>,
-    pub names: Vec<String>,
-    given: Vec<bool>,
-}
-
-impl Bounds {
-    pub fn of(request: &FitRequest, model: &Model) -> Result<Self> {
-        let refused = |problem: String| Err(Error::Described { problem });
-        let free = &request.free;
-        if free.is_empty() || free.len() > MOST_FREE {
-            return refused(format!("{} free numbers: allowed are 1 to {MOST_FREE}", free.len()));
-        }
-        if let Some(i) = (1..free.len()).find(|&i| free[..i].iter().any(|own| own.name == free[i].name)) {
-            return refused(format!("{} is free twice; allowed is each number once", free[i].name));
-        }
-        if model.rows() < free.len() {
-            return refused(format!(
-                "the record has {} samples for {} free numbers; allowed are at least as many samples",
-                model.rows(),
-                free.len()
-            ));
-        }
-        let begin = model.unknowns.begin.clone();
-        let (mut low, mut high) = (Vec::new(), Vec::new());
-        for (k, own) in free.iter().enumerate() {
-            let (least, most) = own.within.unwrap_or_else(|| model.unknowns.allowed(k));
-            if least >= most || least.is_nan() || most.is_nan() {
-                return refused(format!(
-                    "{} within {least} to {most}: allowed is a range with length",
-                    own.name
-                ));
-            }
-            if !(least..=most).contains(&begin[k]) {
-                return refused(format!(
-                    "{} begins at {}, outside {least} to {most}; allowed is a range that contains it",
-                    own.name, begin[k]
-                ));
-            }
-            low.push(least);
-            high.push(most);
-        }
-        let names = free.iter().map(|own| own.name.clone()).collect();
-        let given = free.iter().map(|own| own.within.is_some()).collect();
-        Ok(Self { begin, low, high, names, given })
-    }
-
-    /// The numbers that lie at an end of their range, with that end.
-    pub fn reached(&self, values: &[f64]) -> Vec<(String, f64)> {
-        let ends = self.low.iter().zip(&self.high);
-        let all = self.names.iter().zip(values).zip(ends);
-        let is_reached = all.filter(|((_, value), (low, high))| *value == *low || *value == *high);
-        is_reached.map(|((name, value), _)| (name.clone(), *value)).collect()
-    }
-
-    /// Point `k` of the Sobol sequence within the bounds.
-    pub fn within(&self, k: u32) -> Result<Vec<f64>> {
-        let at = |i: usize| {
-            if !self.given[i] {
-                let problem = format!(
-                    "further starts need a range of each free number; allowed is a range of {}: --within, or within= in Python",
-                    self.names[i]
-                );
-                return Err(Error::Described { problem });
-            }
-            Ok(self.low[i] + (self.high[i] - self.low[i]) * sobol::coordinate(k, i))
-        };
-        (0..self.begin.len()).map(at).collect()
-    }
-
-    /// Point `k` of the Sobol sequence around a start, within a part of its values and the bounds.
-    pub fn beside(&self, start: &[f64], k: u32, part: f64) -> Vec<f64> {
-        let at = |i: usize| {
-            let moved = start[i] * (1.0 + part * (2.0 * sobol::coordinate(k, i) - 1.0));
-            moved.clamp(self.low[i], self.high[i])
-        };
-        (0..start.len()).map(at).collect()
-    }
-
-    /// The bounds without 0, where a start is above it: a number of 0 has no derivative.
-    pub fn inside(&self, start: &[f64]) -> Self {
-        let mut bounds = self.clone();
-        for (low, x) in bounds.low.iter_mut().zip(start) {
-            if *low == 0.0 && *x > 0.0 {
-                *low = INSIDE * x;
-            }
-        }
-        bounds
-    }
-
-    /// The bounds with a number held at a value.
-    pub fn held(&self, number: usize, value: f64) -> Self {
-        let mut bounds = self.clone();
-        (bounds.low[number], bounds.high[number]) = (value, value);
-        bounds
-    }
-
-    /// Values with their names, in words.
-    pub fn told(&self, values: &[f64]) -> String {
-        let all = self.names.iter().zip(values).map(|(name, x)| format!("{name} = {}", significant(*x)));
-        all.collect::<Vec<_>>().join(", ")
-    }
-
-    /// A point after a change, which is cut at the bounds.
-    fn moved(&self, point: &Point, change: &mut Change) -> Point {
-        let mut next = point.clone();
-        for (j, value) in next.values.iter_mut().enumerate() {
-            let before = *value;
-            *value = (before + change.values[j]).clamp(self.low[j], self.high[j]);
-            change.values[j] = *value - before;
-        }
-        for (state, change) in next.states.iter_mut().zip(&change.states) {
-            state.iter_mut().zip(change).for_each(|(x, dx)| *x += dx);
-        }
-        next
-    }
-
-    /// Whether a number lies at a bound beyond which a step would lead.
-    fn holds(&self, i: usize, value: f64, step: f64) -> bool {
-        (value <= self.low[i] && step < 0.0) || (value >= self.high[i] && step > 0.0)
-    }
-}
 
 /// What is found of a number's sizes: the largest lengths of its columns of derivatives so far.
 fn include(sizes: &mut Change, at: &Evaluated) {
@@ -228,15 +98,21 @@ fn cost_of(at: &Evaluated, loss: Loss) -> f64 {
     loss.sum(at.residuals()) + at.defects()
 }
 
+/// Factor of the damping after a step, from the fall of the cost over the fall that was predicted
+/// (Madsen et al., algorithm 3.16).
+fn damped(ratio: f64) -> f64 {
+    (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0)
+}
+
 /// The point with the least cost near a given one.
 pub(super) fn solve(
-    model: &Model,
+    model: &dyn Problem,
     bounds: &Bounds,
     begin: &Point,
     (reach, convergence): (&Reach, Convergence),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
-    let (loss, mut point) = (model.loss, begin.clone());
+    let (loss, mut point) = (model.loss(), begin.clone());
     let mut at = model.evaluate(&point, reach)?;
     let mut cost = cost_of(&at, loss);
     let (mut damping, mut growth) = (convergence.damping(), 2.0);
@@ -277,7 +153,7 @@ pub(super) fn solve(
             let is_done = cost - after <= least_reduction * cost;
             (point, cost) = (next, after);
             at = tried.unwrap_or(at);
-            damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0);
+            damping *= damped(ratio);
             growth = 2.0;
             if is_done || matches!(convergence, Convergence::Back(enough) if cost <= enough) {
                 break;
@@ -295,19 +171,12 @@ pub(super) fn solve(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::damped;
 
     #[test]
-    fn invariant_bounds_inside_leave_out_0_below_a_positive_start_alone() {
-        let bounds = Bounds {
-            begin: vec![2.0, 0.0, -1.0, 2.0],
-            low: vec![0.0, 0.0, -5.0, 1.0],
-            high: vec![9.0; 4],
-            names: vec![String::new(); 4],
-            given: vec![false; 4],
-        };
-        let inside = bounds.inside(&bounds.begin);
-        assert_eq!(inside.low, [2.0 * INSIDE, 0.0, -5.0, 1.0]);
-        assert_eq!(inside.high, bounds.high);
+    fn closed_form_a_step_as_predicted_thirds_the_damping_and_half_as_good_a_step_keeps_it() {
+        assert_eq!([1.0, 0.5, 0.0].map(damped), [1.0 / 3.0, 1.0, 2.0]);
+        // (2 · 0.75 - 1)³ is an eighth.
+        assert_eq!([0.75, 0.25].map(damped), [0.875, 1.125]);
     }
 }

@@ -1,10 +1,11 @@
 //! Segments that become one motion: each start is free, and ties to the ends before the starts grow
 //! until they leave rounding alone.
 
+use super::bounds::Bounds;
 use super::evaluated::{Point, Reach, Solved};
 use super::model::Model;
 use super::segments::{CONTINUOUS, DEFECTS, misses};
-use super::solver::{Bounds, Convergence, solve};
+use super::solver::{Convergence, solve};
 use crate::error::Result;
 
 /// Miss of a start, in standard deviations, above which the start is given up, and the number of

@@ -106,11 +106,16 @@ impl<'a> Unknowns<'a> {
         Ok(Self { machine, start, all, names, begin, columns: columns.len(), sensors })
     }
 
+    /// The name of a free number of the machine or of the start; `None` for a number of the record.
+    pub fn name(&self, k: usize) -> Option<&'a str> {
+        if let Unknown::Number(place) = self.all[k] { Some(self.names[place]) } else { None }
+    }
+
     /// The values that a free number may have.
     pub fn allowed(&self, k: usize) -> (f64, f64) {
         let any = (f64::MIN, f64::MAX);
-        let Unknown::Number(place) = self.all[k] else { return any };
-        let Ok(parameter) = self.machine.description.parameter(self.names[place]) else { return any };
+        let Some(name) = self.name(k) else { return any };
+        let Ok(parameter) = self.machine.description.parameter(name) else { return any };
         let range = parameter.range();
         let low = if range.open_min { range.min + LEAST * parameter.value.abs() } else { range.min };
         (low.max(f64::MIN), range.max.min(f64::MAX))

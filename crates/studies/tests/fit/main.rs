@@ -9,6 +9,8 @@ mod losses;
 mod regular;
 mod segments;
 mod sure;
+mod suspects;
+mod together;
 mod trusted;
 mod verdicts;
 
@@ -85,7 +87,8 @@ fn contacts(machine: &Machine, stops: &[&str], until: f64, sigma: f64, noise: &m
 }
 
 fn request(machine: Machine, measured: Measured, free: &[&str]) -> FitRequest {
-    let free = free.iter().map(|name| Free { name: (*name).to_owned(), within: None }).collect();
+    let free =
+        free.iter().map(|name| Free { name: (*name).to_owned(), within: None, is_own: false }).collect();
     let (start, loss, segments) = (Start::default(), Loss::Linear, Segments::Auto);
     let filters = Vec::new();
     FitRequest { machine, start, measured, free, sigma: None, filters, loss, segments, starts: 0 }

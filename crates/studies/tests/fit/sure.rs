@@ -209,3 +209,26 @@ fn invariant_a_number_that_is_the_rounding_of_zero_has_an_error() {
     let error = found.uncertainty.errors[1].unwrap();
     assert!(found.values[1].1.abs() < 1e-12 && error < 1e-12, "{:?} {error}", found.values);
 }
+
+/// A ball that falls 1 m, with one sample after the contact. A larger gap moves the contact behind
+/// this sample at latest, so the cost rises by the residual's square at most: by 1, if the noise is
+/// what the contact changes at this sample. A rise of 1 at two errors of the curvature is twice the
+/// error.
+#[test]
+fn closed_form_an_error_doubles_where_the_last_sample_after_a_contact_is_lost() {
+    let text = "name = \"Ball\"\ngravity = 9.81\nbody.b = { mass = 1.0, gravity = 1.0 }\n\
+                stop.floor = { between = [\"ground\", \"b\"], gap = 1.0, restitution = 0.8 }\n";
+    let m = Machine::parse(text, "ball.toml", &no_records).unwrap();
+    let (contact, after) = ((2.0f64 / 9.81).sqrt(), 1e-6);
+    let lost = (1.0 + 0.8) * 9.81 * contact * after;
+    let fall = |time: f64| 0.5 * 9.81 * time * time;
+    let times = vec![0.1, 0.2, 0.3, 0.4, contact + after];
+    let mut values: Vec<f64> = times.iter().map(|time| fall(*time)).collect();
+    values[4] -= lost;
+    let measured = Measured { times, columns: vec![("b.s".parse().unwrap(), values)], contacts: Vec::new() };
+    let own = FitRequest { sigma: Some(vec![lost]), ..request(m, measured, &["stop.floor.gap"]) };
+    let found = fitted(&own);
+    let factor = found.uncertainty.errors[0].unwrap() / found.uncertainty.white[0].unwrap();
+    // Gravity bends the fall by a millionth of it within the last interval.
+    assert!((factor - 2.0).abs() < 1e-3, "{factor}");
+}

@@ -92,6 +92,9 @@ fn invariant_progress_grows_and_ends_at_the_cost_of_the_fit() {
     };
     assert!(all.len() > 5 && all.windows(2).all(grows), "{all:?}");
     assert!(all.iter().all(|now| !now.stage.is_empty()));
+    // Attempts that were left out are over when starts beside begin: 15 stages of 36.
+    let beside = all.iter().find(|now| now.stage.starts_with("starts beside")).unwrap();
+    assert_eq!(beside.part, 15.0 / 36.0);
     // The solver stops at a relative change of 1e-13; the last steps tell the cost by rounding.
     let best = all.last().unwrap().best.unwrap();
     assert!((best / found.cost - 1.0).abs() < 1e-9, "{best} {}", found.cost);
@@ -104,7 +107,7 @@ fn made_record_by_twenty_starts_from_50_percent_off() {
     let own = request(off(&m, &FREE, |i| [1.5, 0.5][i]), measured, &FREE);
     let range = |name: &&str| {
         let truth = m.description.get(name).unwrap();
-        Free { name: (*name).to_owned(), within: Some((0.4 * truth, 1.8 * truth)) }
+        Free { name: (*name).to_owned(), within: Some((0.4 * truth, 1.8 * truth)), is_own: false }
     };
     let found = fitted(&FitRequest { free: FREE.iter().map(range).collect(), starts: 20, ..own });
     for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {

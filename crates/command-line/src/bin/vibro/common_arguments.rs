@@ -74,7 +74,7 @@ pub fn with_notes(command: clap::Command, notes: &[&str]) -> clap::Command {
 }
 
 /// Arguments of every command.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct Common {
     /// Set one parameter of a machine's FILE, e.g. stop.steel.gap=5mm, or of the paper's machine,
     /// e.g. kappa=0.6, box.k=48kN/m. May be repeated

@@ -13,16 +13,26 @@ pub struct FitArguments {
     /// The machine's file (TOML); its numbers, with --set, are the values from which the fit begins
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The record: a table whose first line names `time` and columns such as box.s, SI
-    #[arg(long, value_name = "TABLE", required_unless_present = "events")]
-    pub data: Option<PathBuf>,
-    /// Times of impacts and first touches of stops: a table with the columns `element` and `time`
-    #[arg(long, value_name = "TABLE")]
-    pub events: Option<PathBuf>,
+    /// The record: a table whose first line names `time` and columns such as box.s, SI. Several
+    /// records are fitted together; each gets a folder with the name of its table
+    #[arg(long, value_name = "TABLE,…", value_delimiter = ',', required_unless_present = "events")]
+    pub data: Vec<PathBuf>,
+    /// Times of impacts and first touches of stops: a table with the columns `element` and `time`;
+    /// with several records a table for each
+    #[arg(long, value_name = "TABLE,…", value_delimiter = ',')]
+    pub events: Vec<PathBuf>,
     /// The numbers that are fitted: parameters, numbers of the start (body.box.start.s, or
     /// start.box.s), record.shift, record.offset.COLUMN
-    #[arg(long, required = true, value_name = "NAME,…")]
+    #[arg(long, required_unless_present = "own", value_name = "NAME,…")]
     pub free: Vec<String>,
+    /// Fitted numbers that each of several records has for itself, such as body.box.start.v. The
+    /// numbers record.shift and record.offset.COLUMN always are
+    #[arg(long, value_name = "NAME,…")]
+    pub own: Vec<String>,
+    /// Set a parameter for one of several records, by the name of its table without ending, e.g.
+    /// run2:load.shaker.frequency=11Hz. May be repeated
+    #[arg(long, value_name = "RECORD:NAME=VALUE")]
+    pub set_in: Vec<String>,
     /// Range of a free number [default: what it may be]. May be repeated
     #[arg(long, value_name = "NAME=LOW:HIGH", allow_hyphen_values = true)]
     pub within: Vec<String>,

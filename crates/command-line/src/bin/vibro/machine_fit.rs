@@ -1,7 +1,7 @@
 //! `vibro fit`: from arguments to the library's fit.
 
 use crate::common_arguments::{Common, SectionArguments, names};
-use crate::destination::{self, Destination};
+use crate::destination::{self, Claim, Destination};
 use crate::fit_arguments::FitArguments;
 use crate::interruption::{self, Second};
 use crate::machine_studies::{invocation, machine, read_axis, start_of};
@@ -11,11 +11,14 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use vibro::machine::{check_record, read_record, write_with_numbers};
 use vibro::report::fit_page;
-use vibro::studies::{self, fit_json};
+use vibro::studies::{self, Study, fit_json};
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
+use vibro_machine::Start;
 use vibro_numerics::quantities::quantity_in;
-use vibro_studies::fit::{self, Filter, FitRequest, Free, Measured, Segments, fit};
+use vibro_studies::fit::{
+    self, Filter, FitRequest, Fitted, Free, Measured, Misfit, Segments, fit_records, misfit,
+};
 use vibro_studies::{Machine, QuantityName};
 
 /// A number with an optional unit of a dimension, SI.
@@ -70,13 +73,19 @@ fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(
 
 /// The free numbers with their ranges. Numbers of a parameter's range are read as those of an axis.
 fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
-    let mut all: Vec<Free> =
-        names(&a.free).iter().map(|name| Free { name: name.trim().to_owned(), within: None }).collect();
+    let given = |list: &[String], is_own| {
+        let one = move |name: String| Free { name: name.trim().to_owned(), within: None, is_own };
+        names(list).into_iter().filter(|name| !name.is_empty()).map(one).collect::<Vec<_>>()
+    };
+    let mut all = [given(&a.free, false), given(&a.own, true)].concat();
     for text in &names(&a.within) {
         let name = text.split('=').next().unwrap_or_default().trim();
         let own = all.iter_mut().find(|own| own.name == name).ok_or_else(|| Error::Refused {
             what: format!("--within {text}"),
-            problem: format!("{name} is not free; allowed are {}", a.free.join(", ")),
+            problem: format!(
+                "{name} is not free; expected one of {}",
+                [a.free.join(","), a.own.join(",")].join(",").trim_matches(',')
+            ),
         })?;
         if own.within.is_some() {
             let problem = format!("{name} has two ranges; allowed is one");
@@ -157,20 +166,100 @@ fn in_words(now: &fit::Progress) -> String {
     format!("{}{costs}, {} simulations", now.stage, now.simulations)
 }
 
-/// Fits a machine to a record.
-pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
-    let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
-    let start = start_of(&machine, &a.start)?;
-    let measured = read_record(a.data.as_deref(), a.events.as_deref(), &machine.description)?;
-    let free = free(&mut machine, a)?;
-    check_record(&measured, (a.data.as_deref(), a.events.as_deref()), (&machine, &start), &free)?;
-    let filters = a.filter.iter().map(|text| filter(text)).collect::<Result<_>>()?;
-    let sigma = sigma(&machine, &measured, &a.sigma)?;
-    let path =
-        |path: &Option<PathBuf>| path.as_ref().map_or(String::new(), |path| path.display().to_string());
-    let options = [
-        ("data", path(&a.data)),
-        ("events", path(&a.events)),
+/// A record with what belongs to it.
+struct Record {
+    /// Name of its table without ending.
+    name: String,
+    data: Option<PathBuf>,
+    events: Option<PathBuf>,
+    request: FitRequest,
+}
+
+/// The tables of each record, with its name.
+fn tables(a: &FitArguments) -> Result<Vec<(String, Option<PathBuf>, Option<PathBuf>)>> {
+    let (data, events) = (&a.data, &a.events);
+    if !data.is_empty() && !events.is_empty() && data.len() != events.len() {
+        return Err(Error::Refused {
+            what: "--events".into(),
+            problem: format!(
+                "has {} tables where --data has {}; expected one for each record",
+                events.len(),
+                data.len()
+            ),
+        });
+    }
+    let mut all: Vec<(String, Option<PathBuf>, Option<PathBuf>)> = Vec::new();
+    for k in 0..data.len().max(events.len()) {
+        let (data, events) = (data.get(k).cloned(), events.get(k).cloned());
+        let stem = data.as_ref().or(events.as_ref()).and_then(|path| path.file_stem());
+        let name = stem.map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+        if all.iter().any(|(own, ..)| *own == name) {
+            let problem = "is the name of two records; expected tables with different names".into();
+            return Err(Error::Refused { what: name, problem });
+        }
+        all.push((name, data, events));
+    }
+    Ok(all)
+}
+
+/// Parameters that `--set-in` sets for a record, as `--set` has them.
+fn set_in(a: &FitArguments, record: &str, all: &[&str]) -> Result<Vec<String>> {
+    let mut found = Vec::new();
+    for text in &a.set_in {
+        let form = || Error::form(text, "RECORD:NAME=VALUE, e.g. run2:load.shaker.frequency=11Hz");
+        let (name, set) = text.split_once(':').ok_or_else(form)?;
+        if !all.contains(&name) {
+            return Err(Error::Refused {
+                what: format!("--set-in {text}"),
+                problem: format!("no record is named {name}; expected one of {}", all.join(", ")),
+            });
+        }
+        if name == record {
+            found.push(set.to_owned());
+        }
+    }
+    Ok(found)
+}
+
+/// The records that are fitted, each with its machine.
+fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
+    let tables = tables(a)?;
+    let all: Vec<&str> = tables.iter().map(|(name, ..)| name.as_str()).collect();
+    let filters: Vec<Filter> = a.filter.iter().map(|text| filter(text)).collect::<Result<_>>()?;
+    let one = |(name, data, events): &(String, Option<PathBuf>, Option<PathBuf>)| {
+        let set = [common.set.clone(), set_in(a, name, &all)?].concat();
+        let common = Common { set, ..common.clone() };
+        let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, &common)?;
+        let start = start_of(&machine, &a.start)?;
+        let measured = read_record(data.as_deref(), events.as_deref(), &machine.description)?;
+        let free = free(&mut machine, a)?;
+        check_record(&measured, (data.as_deref(), events.as_deref()), (&machine, &start), &free)?;
+        let sigma = sigma(&machine, &measured, &a.sigma)?;
+        let request = FitRequest {
+            machine,
+            start,
+            measured,
+            free,
+            sigma,
+            filters: filters.clone(),
+            loss: a.loss.into(),
+            segments: a.segments,
+            starts: a.starts,
+        };
+        Ok(Record { name: name.clone(), data: data.clone(), events: events.clone(), request })
+    };
+    tables.iter().map(one).collect()
+}
+
+/// The options of a fit in the account of a run.
+fn options(a: &FitArguments, start: &Start) -> Vec<(&'static str, String)> {
+    let paths = |paths: &[PathBuf]| {
+        let all: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+        all.join(",")
+    };
+    let mut all = vec![
+        ("data", paths(&a.data)),
+        ("events", paths(&a.events)),
         ("free", a.free.join(",")),
         ("within", a.within.join(",")),
         ("sigma", a.sigma.join(",")),
@@ -180,42 +269,85 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         ("starts", a.starts.to_string()),
         ("start", start.to_string()),
     ];
-    let invocation = invocation(common, &options);
-    let destination = Destination::new(common, &invocation, &machine);
+    // A fit of one record has the account that it always had.
+    if !a.own.is_empty() {
+        all.push(("own", a.own.join(",")));
+    }
+    if !a.set_in.is_empty() {
+        all.push(("set_in", a.set_in.join(" ")));
+    }
+    all
+}
+
+/// Fits a machine to a record, or to several records together.
+pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
+    let records = records(common, a)?;
+    let invocation = invocation(common, &options(a, &records[0].request.start));
+    let machine = &records[0].request.machine;
+    let destination = Destination::new(common, &invocation, machine);
     // The folder is checked before work begins.
-    let out = destination.place(&[destination.result("fit"), destination.result("report")])?;
+    let names: &[&str] = if records.len() == 1 { &["fit", "report"] } else { &["numbers"] };
+    let claims: Vec<Claim> = names.iter().map(|name| destination.result(name)).collect();
+    let out = destination.place(&claims)?;
     let stop = interruption::flag(Second::Ends);
-    let request = FitRequest {
-        machine: machine.clone(),
-        start,
-        measured,
-        free,
-        sigma,
-        filters,
-        loss: a.loss.into(),
-        segments: a.segments,
-        starts: a.starts,
-    };
     let progress = Progress::new(0, TIME);
-    let fitted = fit(&request, &|now| {
+    let requests: Vec<FitRequest> = records.iter().map(|own| own.request.clone()).collect();
+    let fitted = fit_records(&requests, &|now| {
         progress.described(now.part, &|| in_words(now), "left at most");
         !stop.load(Ordering::Relaxed)
     })?;
+    // After an end by hand the files are written at once.
+    let goes_on = || !stop.load(Ordering::Relaxed);
+    let explained = |(request, fitted): (&FitRequest, &Fitted)| match goes_on() {
+        true => misfit(request, fitted, &goes_on).unwrap_or_default(),
+        false => Misfit::default(),
+    };
+    let misfits: Vec<Misfit> = requests.iter().zip(&fitted).map(explained).collect();
     drop(progress);
-    let study = studies::fit(&request, &fitted)?;
-    let held = destination::hold(&common.out);
-    destination.write(std::slice::from_ref(&study))?;
-    write_whole(&out.join("fit.json"), fit_json(&fitted).as_bytes())?;
+    if let ([record], [fitted]) = (&records[..], &fitted[..]) {
+        let study = write(&destination, a, (record, fitted, &misfits[0]), &invocation.command_line, &out)?;
+        output::print(&[study], machine, &out, common)?;
+        return Ok(!stop.load(Ordering::Relaxed));
+    }
+    let mut studies = vec![studies::fit_numbers(
+        &records.iter().map(|own| own.name.as_str()).collect::<Vec<_>>(),
+        &requests,
+        &fitted,
+    )?];
+    destination.write_into(&studies, &out)?;
+    for ((record, fitted), misfit) in records.iter().zip(&fitted).zip(&misfits) {
+        let out = out.join(&record.name);
+        let common = Common { out: out.clone(), ..common.clone() };
+        let destination = Destination::new(&common, &invocation, &record.request.machine);
+        let out = destination.place(&[destination.result("fit"), destination.result("report")])?;
+        let study = write(&destination, a, (record, fitted, misfit), &invocation.command_line, &out)?;
+        studies.push(Study { name: record.name.clone(), ..study });
+    }
+    output::print(&studies, machine, &out, common)?;
+    Ok(!stop.load(Ordering::Relaxed))
+}
+
+/// Writes the files of a fitted record.
+fn write(
+    destination: &Destination,
+    a: &FitArguments,
+    (record, fitted, misfit): (&Record, &Fitted, &Misfit),
+    command_line: &str,
+    out: &Path,
+) -> Result<Study> {
+    let study = studies::fit(&record.request, fitted, misfit)?;
+    let held = destination::hold(out);
+    destination.write_into(std::slice::from_ref(&study), out)?;
+    write_whole(&out.join("fit.json"), fit_json(fitted, misfit).as_bytes())?;
     let verdict = format!("vibro fit: {}", fitted.verdict);
-    write_with_numbers(&a.file, &fitted.machine.description, ("fitted.toml", &verdict), &out)?;
-    let files = [Some(&a.file), a.data.as_ref(), a.events.as_ref()].map(|path| path.map(PathBuf::as_path));
-    let files: Vec<&Path> = files.into_iter().flatten().collect();
-    let page = fit_page((&request, &fitted), &study, &invocation.command_line, &files)?;
-    destination.write_page("report", &page, &out)?;
+    write_with_numbers(&a.file, &fitted.machine.description, ("fitted.toml", &verdict), out)?;
+    let files = [Some(&a.file), record.data.as_ref(), record.events.as_ref()];
+    let files: Vec<&Path> = files.into_iter().flatten().map(PathBuf::as_path).collect();
+    let page = fit_page((&record.request, fitted, misfit), &study, command_line, &files)?;
+    destination.write_page("report", &page, out)?;
     if !fitted.start.is_own() {
         write_whole(&out.join("start.toml"), fitted.start.to_toml().as_bytes())?;
     }
     drop(held);
-    output::print(&[study], &machine, &out, common)?;
-    Ok(!stop.load(Ordering::Relaxed))
+    Ok(study)
 }

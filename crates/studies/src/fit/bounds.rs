@@ -1,0 +1,215 @@
+//! Ranges of the free numbers of a fit.
+
+use super::evaluated::{Change, Point};
+use super::model::Model;
+use super::{FitRequest, MOST_FREE};
+use crate::error::{Error, Result};
+use crate::{significant, sobol};
+
+/// Part of a number from which it does not come nearer to 0 while segments are apart.
+const INSIDE: f64 = 0.02;
+/// Ranges of the free numbers, and where they begin.
+#[derive(Clone, Debug)]
+pub(super) struct Bounds {
+    pub begin: Vec<f64>,
+    pub low: Vec<f64>,
+    pub high: Vec<f64>,
+    pub names: Vec<String>,
+    given: Vec<bool>,
+}
+
+impl Bounds {
+    pub fn of(request: &FitRequest, model: &Model) -> Result<Self> {
+        let refused = |problem: String| Err(Error::Described { problem });
+        let free = &request.free;
+        if free.is_empty() || free.len() > MOST_FREE {
+            return refused(format!("{} free numbers: allowed are 1 to {MOST_FREE}", free.len()));
+        }
+        if let Some(i) = (1..free.len()).find(|&i| free[..i].iter().any(|own| own.name == free[i].name)) {
+            return refused(format!("{} is free twice; allowed is each number once", free[i].name));
+        }
+        let begin = model.unknowns.begin.clone();
+        let (mut low, mut high) = (Vec::new(), Vec::new());
+        for (k, own) in free.iter().enumerate() {
+            let (least, most) = own.within.unwrap_or_else(|| model.unknowns.allowed(k));
+            if least >= most || least.is_nan() || most.is_nan() {
+                return refused(format!(
+                    "{} within {least} to {most}: allowed is a range with length",
+                    own.name
+                ));
+            }
+            if !(least..=most).contains(&begin[k]) {
+                return refused(format!(
+                    "{} begins at {}, outside {least} to {most}; allowed is a range that contains it",
+                    own.name, begin[k]
+                ));
+            }
+            low.push(least);
+            high.push(most);
+        }
+        let names = free.iter().map(|own| own.name.clone()).collect();
+        let given = free.iter().map(|own| own.within.is_some()).collect();
+        Ok(Self { begin, low, high, names, given })
+    }
+
+    /// The bounds of joint numbers from those of each record, whose numbers have given places among
+    /// a count of joint numbers; `rows` is the number of residuals of all records.
+    pub fn joint(all: &[Self], (places, count): (&[Vec<usize>], usize), rows: usize) -> Result<Self> {
+        let refused = |problem: String| Err(Error::Described { problem });
+        if count > MOST_FREE {
+            return refused(format!("{count} free numbers of all records: expected at most {MOST_FREE}"));
+        }
+        if rows < count {
+            return refused(format!(
+                "the record has {rows} samples for {count} free numbers; expected at least as many samples"
+            ));
+        }
+        // For each joint number the records that have it, each with the place there.
+        let of = |joint: usize| -> Vec<(usize, usize)> {
+            let place = |own: &Vec<usize>| own.iter().position(|place| *place == joint);
+            places.iter().enumerate().filter_map(|(k, own)| Some((k, place(own)?))).collect()
+        };
+        let mut found = Self { begin: vec![], low: vec![], high: vec![], names: vec![], given: vec![] };
+        for joint in 0..count {
+            let records = of(joint);
+            let Some(&(record, place)) = records.first() else { continue };
+            let own = &all[record];
+            let name = &own.names[place];
+            let differs = |(k, there): &&(usize, usize)| all[*k].begin[*there] != own.begin[place];
+            if let Some((other, there)) = records.iter().find(differs) {
+                return refused(format!(
+                    "{name} begins at {} in record {} and at {} in record {}; expected one value, or a number \
+                     that each record has for itself",
+                    own.begin[place],
+                    record + 1,
+                    all[*other].begin[*there],
+                    other + 1
+                ));
+            }
+            let is_one_of_many = records.len() < all.len();
+            found.begin.push(own.begin[place]);
+            found.low.push(own.low[place]);
+            found.high.push(own.high[place]);
+            found.given.push(own.given[place]);
+            found.names.push(if is_one_of_many { in_record(name, record) } else { name.clone() });
+        }
+        Ok(found)
+    }
+
+    /// The bounds of one record's numbers at places among joint numbers, with a begin of their own.
+    pub fn local(&self, places: &[usize], begin: &[f64]) -> Self {
+        let of = |all: &[f64]| places.iter().map(|&place| all[place]).collect();
+        Self {
+            begin: begin.to_vec(),
+            low: of(&self.low),
+            high: of(&self.high),
+            names: places.iter().map(|&place| self.names[place].clone()).collect(),
+            given: places.iter().map(|&place| self.given[place]).collect(),
+        }
+    }
+
+    /// The numbers that lie at an end of their range, with that end.
+    pub fn reached(&self, values: &[f64]) -> Vec<(String, f64)> {
+        let ends = self.low.iter().zip(&self.high);
+        let all = self.names.iter().zip(values).zip(ends);
+        let is_reached = all.filter(|((_, value), (low, high))| *value == *low || *value == *high);
+        is_reached.map(|((name, value), _)| (name.clone(), *value)).collect()
+    }
+
+    /// Point `k` of the Sobol sequence within the bounds.
+    pub fn within(&self, k: u32) -> Result<Vec<f64>> {
+        let at = |i: usize| {
+            if !self.given[i] {
+                let problem = format!(
+                    "further starts need a range of each free number; allowed is a range of {}: --within, or within= in Python",
+                    self.names[i]
+                );
+                return Err(Error::Described { problem });
+            }
+            Ok(self.low[i] + (self.high[i] - self.low[i]) * sobol::coordinate(k, i))
+        };
+        (0..self.begin.len()).map(at).collect()
+    }
+
+    /// Point `k` of the Sobol sequence around a start, within a part of its values and the bounds.
+    pub fn beside(&self, start: &[f64], k: u32, part: f64) -> Vec<f64> {
+        let at = |i: usize| {
+            let moved = start[i] * (1.0 + part * (2.0 * sobol::coordinate(k, i) - 1.0));
+            moved.clamp(self.low[i], self.high[i])
+        };
+        (0..start.len()).map(at).collect()
+    }
+
+    /// Values cut at the bounds.
+    pub fn cut(&self, values: Vec<f64>) -> Vec<f64> {
+        let ends = self.low.iter().zip(&self.high);
+        values.into_iter().zip(ends).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
+    }
+
+    /// The bounds without 0, where a start is above it: a number of 0 has no derivative.
+    pub fn inside(&self, start: &[f64]) -> Self {
+        let mut bounds = self.clone();
+        for (low, x) in bounds.low.iter_mut().zip(start) {
+            if *low == 0.0 && *x > 0.0 {
+                *low = INSIDE * x;
+            }
+        }
+        bounds
+    }
+
+    /// The bounds with a number held at a value.
+    pub fn held(&self, number: usize, value: f64) -> Self {
+        let mut bounds = self.clone();
+        (bounds.low[number], bounds.high[number]) = (value, value);
+        bounds
+    }
+
+    /// Values with their names, in words.
+    pub fn told(&self, values: &[f64]) -> String {
+        let all = self.names.iter().zip(values).map(|(name, x)| format!("{name} = {}", significant(*x)));
+        all.collect::<Vec<_>>().join(", ")
+    }
+
+    /// A point after a change, which is cut at the bounds.
+    pub fn moved(&self, point: &Point, change: &mut Change) -> Point {
+        let mut next = point.clone();
+        for (j, value) in next.values.iter_mut().enumerate() {
+            let before = *value;
+            *value = (before + change.values[j]).clamp(self.low[j], self.high[j]);
+            change.values[j] = *value - before;
+        }
+        for (state, change) in next.states.iter_mut().zip(&change.states) {
+            state.iter_mut().zip(change).for_each(|(x, dx)| *x += dx);
+        }
+        next
+    }
+
+    /// Whether a number lies at a bound beyond which a step would lead.
+    pub fn holds(&self, i: usize, value: f64, step: f64) -> bool {
+        (value <= self.low[i] && step < 0.0) || (value >= self.high[i] && step > 0.0)
+    }
+}
+
+/// Name of a number that a record has for itself.
+pub(super) fn in_record(name: &str, record: usize) -> String {
+    format!("{name} of record {}", record + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn invariant_bounds_inside_leave_out_0_below_a_positive_start_alone() {
+        let bounds = Bounds {
+            begin: vec![2.0, 0.0, -1.0, 2.0],
+            low: vec![0.0, 0.0, -5.0, 1.0],
+            high: vec![9.0; 4],
+            names: vec![String::new(); 4],
+            given: vec![false; 4],
+        };
+        let inside = bounds.inside(&bounds.begin);
+        assert_eq!(inside.low, [2.0 * INSIDE, 0.0, -5.0, 1.0]);
+        assert_eq!(inside.high, bounds.high);
+    }
+}

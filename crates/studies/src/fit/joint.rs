@@ -1,0 +1,298 @@
+//! Several records of one machine, fitted together: free numbers that all records share, and free
+//! numbers that each record has for itself.
+//!
+//! The segments of all records stand one after another, each record behind the one before. The
+//! first segment of a record begins with the start of its own motion, so no state ties it to the
+//! record before.
+
+use super::FitRequest;
+use super::beside::Compared;
+use super::bounds::Bounds;
+use super::evaluated::{Evaluated, NEXT_RECORD, Point, Reach, Solved};
+use super::loss::Loss;
+use super::model::Model;
+use super::problem::Problem;
+use crate::error::{Error, Result};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Singular value, relative to the largest, below which a merged combination of numbers stays at
+/// the first record's values.
+const SINGULAR: f64 = 1e-9;
+
+/// The records of a fit.
+pub(super) struct Joint<'a> {
+    pub models: Vec<Model<'a>>,
+    /// For each record the index of each of its free numbers among the joint numbers.
+    pub places: Vec<Vec<usize>>,
+    /// Number of joint numbers.
+    count: usize,
+    /// Number of states of each record's machine.
+    states: Vec<usize>,
+}
+
+/// Refuses records whose fits differ in what all records share.
+fn check(requests: &[FitRequest]) -> Result<()> {
+    let refused = |problem: String| Err(Error::Described { problem });
+    let Some(first) = requests.first() else {
+        return refused("no record; expected at least one".into());
+    };
+    for (k, own) in requests.iter().enumerate() {
+        let (record, same) =
+            (k + 1, |what| refused(format!("record {}: {what} differs from record 1", k + 1)));
+        match () {
+            () if own.free != first.free => return same("the list of free numbers"),
+            () if own.loss != first.loss => return same("the loss"),
+            () if own.segments != first.segments => return same("the choice of segments"),
+            () if own.starts != first.starts => return same("the number of further starts"),
+            () if own.sigma.is_some() != first.sigma.is_some() => {
+                return refused(format!(
+                    "record {record}: standard deviations must be given for all records or for none"
+                ));
+            }
+            () => {}
+        }
+    }
+    Ok(())
+}
+
+impl<'a> Joint<'a> {
+    /// The records of requests.
+    ///
+    /// # Errors
+    /// [`Error::Described`] for requests that differ in what all records share, and for what a
+    /// single record does not allow.
+    pub fn new(requests: &'a [FitRequest]) -> Result<Self> {
+        check(requests)?;
+        let mut models = requests.iter().map(Model::new).collect::<Result<Vec<_>>>()?;
+        let watch = models[0].watch.clone();
+        for model in &mut models {
+            model.watch = watch.clone();
+            model.is_part = requests.len() > 1;
+        }
+        let free = &requests[0].free;
+        let (mut places, mut count) = (vec![Vec::new(); models.len()], 0);
+        for own in free {
+            let is_own = own.is_own || own.name.starts_with("record.");
+            for (k, places) in places.iter_mut().enumerate() {
+                places.push(count + if is_own { k } else { 0 });
+            }
+            count += if is_own { models.len() } else { 1 };
+        }
+        let states = models.iter().map(Model::states).collect::<Result<_>>()?;
+        Ok(Self { models, places, count, states })
+    }
+
+    /// Ranges of the joint numbers, and where they begin.
+    ///
+    /// # Errors
+    /// [`Error::Described`] for ranges that are not allowed, and for a shared number that begins at
+    /// different values.
+    pub fn bounds(&self, requests: &[FitRequest]) -> Result<Bounds> {
+        let all = requests.iter().zip(&self.models);
+        let all = all.map(|(request, model)| Bounds::of(request, model)).collect::<Result<Vec<_>>>()?;
+        Bounds::joint(&all, (&self.places, self.count), self.rows())
+    }
+
+    /// Begin of each record's segments among all segments.
+    fn begins(&self, reach: &Reach) -> Vec<usize> {
+        let next = reach.nodes.iter().enumerate().filter(|(_, node)| **node == NEXT_RECORD);
+        std::iter::once(0).chain(next.map(|(k, _)| k + 1)).collect()
+    }
+
+    /// Point and reach of one record.
+    pub fn local(&self, k: usize, point: &Point, reach: &Reach) -> (Point, Reach) {
+        let begins = self.begins(reach);
+        let nodes = begins[k]..begins.get(k + 1).map_or(reach.nodes.len(), |next| next - 1);
+        let before: usize = self.states[..k].iter().sum();
+        let weights = reach.weights.get(before..before + self.states[k]).unwrap_or_default();
+        let own = Point {
+            values: self.places[k].iter().map(|&place| point.values[place]).collect(),
+            states: point.states.get(nodes.clone()).unwrap_or_default().to_vec(),
+        };
+        let end = reach.end.min(self.models[k].end());
+        (own, Reach { end, nodes: reach.nodes[nodes].to_vec(), weights: weights.to_vec() })
+    }
+
+    /// The reach of whole records, each with one motion.
+    fn whole(&self) -> Reach {
+        let nodes = vec![NEXT_RECORD; self.models.len() - 1];
+        let end = self.models.iter().map(Model::end).fold(f64::NEG_INFINITY, f64::max);
+        Reach { nodes, ..Reach::whole(end) }
+    }
+
+    /// One motion of each record with joint values.
+    pub fn single(&self, values: Vec<f64>) -> Solved {
+        let point = Point { values, states: vec![Vec::new(); self.models.len() - 1] };
+        Solved { point, reach: self.whole(), cost: f64::INFINITY, is_continuous: true }
+    }
+
+    /// The fits of single records as one point of joint values, which `values` gives.
+    pub fn together(&self, found: &[Solved], values: Vec<f64>) -> Solved {
+        let (mut point, mut reach) = (Point { values, states: Vec::new() }, self.whole());
+        reach.nodes.clear();
+        for (k, own) in found.iter().enumerate() {
+            if k > 0 {
+                reach.nodes.push(NEXT_RECORD);
+                point.states.push(Vec::new());
+            }
+            reach.nodes.extend(&own.reach.nodes);
+            point.states.extend(own.point.states.iter().cloned());
+            let weights = own.reach.weights.iter().copied().chain(std::iter::repeat(1.0));
+            reach.weights.extend(weights.take(self.states[k]));
+        }
+        let is_continuous = found.iter().all(|own| own.is_continuous);
+        Solved { point, reach, cost: f64::INFINITY, is_continuous }
+    }
+
+    /// Joint values from the fits of single records: what all share as record `of` has it.
+    pub fn values_as(&self, of: usize, found: &[Solved]) -> Vec<f64> {
+        let mut values = vec![0.0; self.count];
+        let others = (0..found.len()).filter(|k| *k != of).chain(std::iter::once(of));
+        for k in others {
+            self.places[k].iter().zip(&found[k].point.values).for_each(|(&place, x)| values[place] = *x);
+        }
+        values
+    }
+
+    /// Joint values with the least sum of the costs, each taken as the parabola at the fit of its
+    /// record: each record counts for a number as much as it determines it. `None` if a derivative
+    /// is not finite.
+    pub fn merged(&self, found: &[Solved]) -> Option<Vec<f64>> {
+        let begin = self.values_as(0, found);
+        let mut information = DMatrix::<f64>::zeros(self.count, self.count);
+        let mut right = DVector::<f64>::zeros(self.count);
+        for (k, own) in found.iter().enumerate() {
+            let at = self.models[k].evaluate(&own.point, &own.reach).ok()?;
+            let p = own.point.values.len();
+            let directions = super::directions::Directions::of(&self.models[k], &own.point.values, &at)?;
+            let square = directions.jacobian.tr_mul(&directions.jacobian);
+            let variance = self.models[k].variance(own.cost, p).max(f64::MIN_POSITIVE);
+            for i in 0..p {
+                let a = self.places[k][i];
+                for j in 0..p {
+                    let b = self.places[k][j];
+                    information[(a, b)] += square[(i, j)] / variance;
+                    right[a] += square[(i, j)] / variance * (own.point.values[j] - begin[b]);
+                }
+            }
+        }
+        // Numbers count by what they do, whatever their units are.
+        let unit = |j: usize| match information[(j, j)] {
+            own if own > 0.0 => own.sqrt().recip(),
+            _ => 0.0,
+        };
+        let units = DVector::from_fn(self.count, |j, _| unit(j));
+        let scaled =
+            DMatrix::from_fn(self.count, self.count, |i, j| information[(i, j)] * units[i] * units[j]);
+        let right = right.component_mul(&units);
+        let change = scaled.svd(true, true).solve(&right, SINGULAR).ok()?.component_mul(&units);
+        let values: Vec<f64> = begin.iter().zip(change.iter()).map(|(x, dx)| x + dx).collect();
+        values.iter().all(|x| x.is_finite()).then_some(values)
+    }
+
+    /// Whether the motion of each record is the record's, or so near that restarts lead to it.
+    pub fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        let one = |k: usize| {
+            let (point, reach) = self.local(k, point, reach);
+            self.models[k].fits(&point, &reach)
+        };
+        (0..self.models.len()).try_fold(true, |all, k| Ok(all && one(k)?))
+    }
+
+    /// Takes the residuals at a point for the standard deviations of columns and contacts.
+    pub fn reweigh(&mut self, point: &Point, reach: &Reach) -> Result<()> {
+        let all: Vec<_> = (0..self.models.len()).map(|k| self.local(k, point, reach)).collect();
+        for (model, (point, reach)) in self.models.iter_mut().zip(&all) {
+            model.reweigh(point, reach)?;
+        }
+        Ok(())
+    }
+
+    /// Why nothing tells the noise, in words: as many numbers as samples meet all.
+    pub fn lacks_noise(&self) -> Option<String> {
+        let (rows, free) = (self.rows(), self.count);
+        let why =
+            || format!("{free} numbers meet {rows} samples exactly: no residual is left to tell the noise");
+        (!self.has_sigma() && rows <= free).then(why)
+    }
+
+    /// What each record is compared with.
+    pub fn compared(&self) -> Vec<Arc<Compared<'a>>> {
+        self.models.iter().map(|model| model.compared.clone()).collect()
+    }
+
+    /// Number of motions that were followed.
+    pub fn simulations(&self) -> u32 {
+        self.models.iter().map(|model| model.compared.simulations()).sum()
+    }
+}
+
+impl Problem for Joint<'_> {
+    fn loss(&self) -> Loss {
+        self.models[0].loss
+    }
+
+    fn has_sigma(&self) -> bool {
+        self.models[0].has_sigma
+    }
+
+    fn rows(&self) -> usize {
+        self.models.iter().map(Model::rows).sum()
+    }
+
+    fn has_stops(&self) -> bool {
+        self.models.iter().any(Model::has_stops)
+    }
+
+    fn is_of_contacts(&self) -> bool {
+        self.models.iter().all(Model::is_of_contacts)
+    }
+
+    fn evaluate(&self, point: &Point, reach: &Reach) -> Result<Evaluated> {
+        let one = |k: usize| {
+            let (point, reach) = self.local(k, point, reach);
+            self.models[k].evaluate(&point, &reach)
+        };
+        let all = (0..self.models.len()).into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
+        let (mut segments, mut columns) = (Vec::new(), 0);
+        for (k, own) in all.into_iter().enumerate() {
+            for mut segment in own.0 {
+                segment.place(k, (&self.places[k], self.count), columns);
+                segments.push(segment);
+            }
+            columns += self.models[k].deviations().len();
+        }
+        Ok(Evaluated(segments))
+    }
+
+    fn cost(&self, solved: &Solved) -> Result<f64> {
+        let one = |k: usize| {
+            let (point, reach) = self.local(k, &solved.point, &solved.reach);
+            self.models[k].cost(&Solved { point, reach, ..*solved })
+        };
+        (0..self.models.len()).into_par_iter().map(one).sum()
+    }
+
+    fn misses(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        let one = |k: usize| {
+            let (point, reach) = self.local(k, point, reach);
+            self.models[k].misses(&point, &reach)
+        };
+        (0..self.models.len()).try_fold(false, |any, k| Ok(any || one(k)?))
+    }
+
+    fn size_of_start(&self, j: usize, values: &[f64]) -> Option<f64> {
+        let own = |k: usize| {
+            let place = self.places[k].iter().position(|place| *place == j)?;
+            let values: Vec<f64> = self.places[k].iter().map(|&place| values[place]).collect();
+            self.models[k].size_of_start(place, &values)
+        };
+        (0..self.models.len()).find_map(own)
+    }
+
+    fn tell(&self, cost: f64, reach: &Reach) {
+        self.models[0].watch.cost(cost, reach.is_whole());
+    }
+}

@@ -1,0 +1,259 @@
+//! The search for a fit: each record by its own schedule, all records together, weights of the
+//! columns, and restarts beside the best point.
+
+use super::bounds::Bounds;
+use super::checks::check;
+use super::errors::Uncertainty;
+use super::evaluated::Solved;
+use super::joint::Joint;
+use super::loss::Loss;
+use super::problem::Problem;
+use super::profile::{Profile, profile};
+use super::progress::Observer;
+use super::restarts::{Found, restarted};
+use super::schedule::{MOST_ATTEMPTS, best_from};
+use super::solver::{Convergence, solve};
+use super::verdict::Verdict;
+use super::{FitRequest, Fitted, Segments, filter};
+use crate::error::{Error, Result};
+use crate::sobol;
+use rayon::prelude::*;
+
+/// Number of times that columns without a standard deviation are weighed by their residuals.
+const REWEIGHTED: u32 = 2;
+/// The same number with a robust loss, where the deviation falls as outliers lose weight.
+const REWEIGHTED_ROBUST: u32 = 6;
+/// Number of times that the search moves to a better point beside a fitted one.
+const BETTER: u32 = 20;
+
+/// What ends a search early by returning false.
+type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Fits numbers of a machine to a record. `observer` sees the progress at each step and ends the
+/// fit by returning false. The result then has the best values so far, and is undecided.
+///
+/// # Errors
+/// [`Error::Described`] for a record, a name or a range that is not allowed, and where no motion of
+/// the machine covers the record; [`Error::Refusal`] for values that are not allowed.
+pub fn fit(request: &FitRequest, observer: Observer) -> Result<Fitted> {
+    let mut all = fit_records(std::slice::from_ref(request), observer)?;
+    all.pop().ok_or_else(|| Error::Described { problem: "no record; expected one".into() })
+}
+
+/// Fits numbers of a machine to several records together. Each request has a record, and the
+/// machine and the start of its motion. All requests have the same free numbers, which all records
+/// share except for the numbers that each record has for itself ([`Free::is_own`](super::Free)).
+///
+/// Returns a result for each record: its machine, start and residuals, with the free numbers of
+/// this record. Values, errors and correlations are from all records together, and so are `cost`
+/// and `simulations`.
+///
+/// # Errors
+/// As [`fit`]; [`Error::Described`] for requests that differ in free numbers, loss, segments or
+/// starts, and for a shared number that begins at different values.
+pub fn fit_records(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitted>> {
+    requests.iter().try_for_each(check)?;
+    let carrying = |request| Ok(filter::carrying(request)?.unwrap_or_else(|| request.clone()));
+    let carrying = requests.iter().map(carrying).collect::<Result<Vec<_>>>()?;
+    let all = fit_carrying(&carrying, observer)?;
+    Ok(all.into_iter().zip(requests).map(|(own, of)| filter::without(own, of.filters.len())).collect())
+}
+
+/// The fit of machines that carry the filters of their sensors.
+fn fit_carrying(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitted>> {
+    let mut joint = Joint::new(requests)?;
+    let (watch, compared) = (joint.models[0].watch.clone(), joint.compared());
+    let simulations = || compared.iter().map(|own| own.simulations()).sum();
+    let go_on: GoOn = &|| watch.go_on(observer, simulations());
+    let bounds = joint.bounds(requests)?;
+    let request = &requests[0];
+    let count = bounds.begin.len();
+    if request.starts > 0 && count > sobol::DIMENSIONS {
+        let problem = format!("--starts with {count} free numbers; expected at most {}", sobol::DIMENSIONS);
+        return Err(Error::Described { problem });
+    }
+    let further = (1..=request.starts).map(|k| bounds.within(k));
+    let starts: Vec<Vec<f64>> =
+        std::iter::once(Ok(bounds.begin.clone())).chain(further).collect::<Result<_>>()?;
+    watch.announce(starts.len() * requests.len() * MOST_ATTEMPTS + BETTER as usize + 1);
+    let search = Search { joint: &joint, bounds: &bounds, segments: request.segments, go_on };
+    let found: Vec<Result<Solved>> = starts.par_iter().map(|start| search.from(start)).collect();
+    let mut best = Best::default();
+    found.into_iter().for_each(|found| _ = best.take(found));
+    if watch.is_ended() {
+        // The given start may be better than what an early end leaves.
+        let given = joint.single(bounds.begin.clone());
+        best.take(joint.cost(&given).map(|cost| Solved { cost, ..given }));
+    }
+    let mut best = best.found()?;
+    for _ in 0..reweighted(&joint, requests) {
+        watch.begin("weights of the columns");
+        joint.reweigh(&best.point, &best.reach)?;
+        let found = solve(&joint, &bounds, &best.point, (&best.reach, Convergence::Whole), go_on)?;
+        best = Solved { is_continuous: best.is_continuous, ..found };
+    }
+    let Settled { best, factors, doubt } = settled(&joint, &bounds, best, go_on)?;
+    let at = joint.evaluate(&best.point, &best.reach)?;
+    let own = (request.loss, joint.has_sigma());
+    let mut uncertainty = Uncertainty::of(&at, &bounds.names, &best.point.values, own);
+    uncertainty.widen(&factors);
+    let doubt = joint.lacks_noise().or(doubt);
+    let mut all = joint.finish(requests, &bounds, (&best, &uncertainty, doubt))?;
+    if watch.is_ended() {
+        all.iter_mut().for_each(|own| own.verdict = Verdict::ended());
+    }
+    Ok(all)
+}
+
+/// Number of times that the columns are weighed by their residuals.
+fn reweighted(joint: &Joint, requests: &[FitRequest]) -> u32 {
+    let lists = requests.iter().map(|own| own.measured.columns.len() + own.measured.contacts.len());
+    match (joint.has_sigma(), joint.loss()) {
+        (true, _) => 0,
+        // One column weighs the same whatever its unit is.
+        (false, Loss::Linear) if lists.sum::<usize>() == 1 => 0,
+        (false, Loss::Linear) => REWEIGHTED,
+        (false, Loss::SoftL1 | Loss::Huber) => REWEIGHTED_ROBUST,
+    }
+}
+
+/// Search from one start.
+struct Search<'s, 'a> {
+    joint: &'s Joint<'a>,
+    bounds: &'s Bounds,
+    segments: Segments,
+    go_on: GoOn<'s>,
+}
+
+impl Search<'_, '_> {
+    /// The best point from a start: of one record by its schedule; of several by a descent over all
+    /// records, or else from the best points of single records.
+    fn from(&self, start: &[f64]) -> Result<Solved> {
+        let joint = self.joint;
+        if joint.models.len() == 1 {
+            return self.of_record(0, start);
+        }
+        let mut best = Best::default();
+        if self.is_last(best.take(self.descent(joint.single(start.to_vec()))))? {
+            return best.found();
+        }
+        let all = (0..joint.models.len()).into_par_iter().map(|k| self.of_record(k, start));
+        let all = all.collect::<Result<Vec<_>>>()?;
+        // A record that is fitted says more of the shared numbers than one that is not.
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        let misses = |k: &usize| !joint.models[*k].fits(&all[*k].point, &all[*k].reach).unwrap_or(false);
+        order.sort_by_cached_key(misses);
+        for k in order {
+            let values = joint.values_as(k, &all);
+            if self.is_last(best.take(self.descent(joint.single(values.clone()))))? {
+                break;
+            }
+            let other = |j: usize| if j == k { Ok(all[k].clone()) } else { self.of_record(j, &values) };
+            let all = (0..all.len()).into_par_iter().map(other).collect::<Result<Vec<_>>>()?;
+            let merged = joint.merged(&all).map(|values| self.bounds.cut(values));
+            let together = joint.together(&all, merged.unwrap_or(values));
+            if self.is_last(best.take(self.descent(together)))? {
+                break;
+            }
+        }
+        best.found()
+    }
+
+    /// The best point of one record by its schedule, from joint values.
+    fn of_record(&self, k: usize, start: &[f64]) -> Result<Solved> {
+        let places = &self.joint.places[k];
+        let begin: Vec<f64> = places.iter().map(|&place| start[place]).collect();
+        let bounds = self.bounds.local(places, &begin);
+        best_from(&self.joint.models[k], &bounds, &begin, self.segments, self.go_on)
+    }
+
+    /// A descent over all records.
+    fn descent(&self, begin: Solved) -> Result<Solved> {
+        let (joint, bounds, reach) = (self.joint, self.bounds, &begin.reach);
+        let rough = solve(joint, bounds, &begin.point, (reach, Convergence::Rough), self.go_on)?;
+        let found = solve(joint, bounds, &rough.point, (reach, Convergence::Whole), self.go_on)?;
+        Ok(Solved { is_continuous: begin.is_continuous, ..found })
+    }
+
+    /// Whether a point ends the search.
+    fn is_last(&self, found: Option<&Solved>) -> Result<bool> {
+        let fits = found.map(|own| self.joint.fits(&own.point, &own.reach)).transpose()?;
+        Ok(fits == Some(true) || !(self.go_on)())
+    }
+}
+
+/// The best of several points.
+#[derive(Default)]
+struct Best {
+    found: Option<Solved>,
+    failed: Option<Error>,
+}
+
+impl Best {
+    /// Takes a point; returns it if it is the best so far.
+    fn take(&mut self, found: Result<Solved>) -> Option<&Solved> {
+        match found {
+            Err(error) => _ = self.failed.get_or_insert(error),
+            Ok(own) if self.found.as_ref().is_none_or(|best| own.cost < best.cost) => {
+                return Some(self.found.insert(own));
+            }
+            Ok(_) => {}
+        }
+        None
+    }
+
+    fn found(self) -> Result<Solved> {
+        let none = || Error::Described { problem: "no fit: no start was tried".into() };
+        self.found.ok_or_else(|| self.failed.unwrap_or_else(none))
+    }
+}
+
+/// A point that no start beside it improves.
+struct Settled {
+    best: Solved,
+    /// Errors over the errors by the curvature of the cost.
+    factors: Vec<f64>,
+    /// Why the point is not certain, in words.
+    doubt: Option<String>,
+}
+
+/// Moves to better points beside the best one until there is none.
+fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Result<Settled> {
+    let watch = &joint.models[0].watch;
+    let (mut doubt, mut factors) = (None, vec![1.0; bounds.begin.len()]);
+    for turn in 0..=BETTER {
+        // Restarts beside segments that stay apart do not lead to one motion.
+        if !best.is_continuous {
+            doubt = Some("segments do not make one motion".into());
+            break;
+        }
+        watch.begin(format!("starts beside the best point, {} of at most {}", turn + 1, BETTER + 1));
+        if !go_on() {
+            break;
+        }
+        let found = match profile(joint, bounds, &best, go_on)? {
+            Profile::Better(own) => Found::Better(own),
+            Profile::Factors(own) => {
+                factors = own;
+                restarted(joint, bounds, &best, &factors, go_on)?
+            }
+        };
+        match found {
+            Found::Same => break,
+            Found::Other(values) => {
+                doubt = Some(format!("another minimum is as good, {}", bounds.told(&values)));
+                break;
+            }
+            Found::Better(_) if turn == BETTER => {
+                doubt = Some(format!("starts beside it led to better numbers {BETTER} times"));
+            }
+            Found::Better(next) => {
+                let is_continuous = best.is_continuous;
+                let found = solve(joint, bounds, &next.point, (&next.reach, Convergence::Whole), go_on)?;
+                best = Solved { is_continuous, ..found };
+            }
+        }
+        watch.over(1);
+    }
+    Ok(Settled { best, factors, doubt })
+}

@@ -1,0 +1,82 @@
+//! What is said of residuals that are more than noise: where they are, and which number would take
+//! them up.
+
+use super::*;
+use vibro_studies::fit::{Misfit, Place, misfit};
+
+/// Part by which the number that takes up residuals may miss the truth: other numbers are fitted
+/// with it, and kinks of friction bend the cost.
+const NEAR: f64 = 0.02;
+
+/// Removes the lines of a section of a machine's file.
+fn without(machine: &str, section: &str) -> Machine {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly");
+    let text = std::fs::read_to_string(Path::new(folder).join(machine)).unwrap();
+    let (before, rest) = text.split_once(&format!("[{section}]")).unwrap();
+    let after = rest.split_once("\n[").map_or(String::new(), |(_, after)| format!("\n[{after}"));
+    Machine::parse(&(before.to_owned() + &after), machine, &no_records).unwrap()
+}
+
+/// A fit with what is wrong with it.
+fn explained(request: &FitRequest) -> (Fitted, Misfit) {
+    let found = fitted(request);
+    let misfit = misfit(request, &found, &|| true).unwrap();
+    (found, misfit)
+}
+
+#[test]
+fn made_record_of_a_machine_whose_friction_is_left_out() {
+    let truth = example("coulomb_oscillator.toml");
+    let measured = record(&truth, &[("mass.s", 2e-6)], 0.25, 400, &mut Noise(61));
+    let m = without("coulomb_oscillator.toml", "friction.floor");
+    let (found, misfit) = explained(&request(m, measured, &["spring.mount.stiffness"]));
+    assert_ne!(found.verdict, Verdict::Fits);
+    let best = &misfit.suspects[0];
+    assert_eq!((&*best.name, best.value), ("friction between ground and mass", 0.0));
+    assert!((best.better / truth.description.get("friction.floor.force").unwrap() - 1.0).abs() < NEAR);
+    // The noise is 2 µm of some 300 µm that friction leaves.
+    assert!(best.left < 0.05, "{:?}", misfit.suspects);
+}
+
+#[test]
+fn made_record_of_a_ball_whose_restitution_is_wrong() {
+    let text = "name = \"Ball\"\ngravity = 9.81\nbody.a = { mass = 1.0, gravity = 1.0 }\n\
+                stop.floor = { between = [\"ground\", \"a\"], gap = 1.0, restitution = 0.8 }\n";
+    let truth = Machine::parse(text, "ball.toml", &no_records).unwrap();
+    let measured = record(&truth, &[("a.s", 1e-3)], 1.2, 400, &mut Noise(62));
+    let m = truth.with([("stop.floor.restitution", 0.75)]).unwrap();
+    let (found, misfit) = explained(&request(m, measured, &["stop.floor.gap"]));
+    assert_ne!(found.verdict, Verdict::Fits);
+    let best = &misfit.suspects[0];
+    assert_eq!(best.name, "stop.floor.restitution");
+    assert!((best.better / 0.8 - 1.0).abs() < NEAR, "{best:?}");
+    // The second fall of 0.64 m takes 0.72 s: all residuals come after the first contact at 0.45 s.
+    let is_late = |place: &Place| matches!(place, Place::Time(from, _) if *from > 0.45);
+    assert!(misfit.places.iter().any(|own| is_late(&own.place)), "{:?}", misfit.places);
+}
+
+#[test]
+fn invariant_a_fit_that_is_accepted_suspects_nothing() {
+    let m = example("coulomb_oscillator.toml");
+    let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 400, &mut Noise(63));
+    let (found, misfit) = explained(&request(m, measured, &["spring.mount.stiffness"]));
+    assert_eq!(found.verdict, Verdict::Fits);
+    assert_eq!(misfit, Misfit::default());
+}
+
+/// A bump of 50 times the noise from 0.10 s to 0.11 s: the window of the record and its share of
+/// the squares are known.
+#[test]
+fn closed_form_residuals_of_a_window_are_named_by_its_times() {
+    let m = example("coulomb_oscillator.toml");
+    let mut measured = record(&m, &[("mass.s", 2e-6)], 0.2, 401, &mut Noise(64));
+    for (time, value) in measured.times.iter().zip(&mut measured.columns[0].1) {
+        *value += if (0.1..0.11).contains(time) { 1e-4 } else { 0.0 };
+    }
+    let (_, misfit) = explained(&request(m, measured, &["friction.floor.force"]));
+    let place = misfit.places.iter().find(|own| matches!(own.place, Place::Time(..))).unwrap();
+    let Place::Time(from, to) = place.place else { panic!() };
+    // Windows are a twentieth of the record.
+    assert!((from - 0.1).abs() < 1e-12 && (to - 0.11).abs() < 1e-12, "{place:?}");
+    assert!(place.shares.0 > 0.8 && (place.shares.1 - 0.05).abs() < 0.005, "{place}");
+}
