@@ -57,7 +57,7 @@ use std::sync::atomic::AtomicBool;
 /// let (time, by_gap, by_gravity) = times[0];
 /// assert!((time - 1.0).abs() < 1e-15);
 /// assert!((by_gap.unwrap() - 0.1).abs() < 1e-15 && (by_gravity.unwrap() + 0.05).abs() < 1e-15);
-/// The ball has left the floor, at h, with 5 m/s; both depend on h.
+/// // The ball has left the floor, at h, with 5 m/s; both depend on h.
 /// let place = ball.derivative(Quantity::of_body(0, What::S), 0).unwrap();
 /// let by_hand = 1.0 - 0.5 * (1.0 * 0.5 - 10.0 * 0.1) - 10.0 * 0.5 * 0.1;
 /// assert!((place - by_hand).abs() < 1e-14);
