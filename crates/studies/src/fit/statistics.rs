@@ -112,7 +112,7 @@ mod tests {
         let all = normal(4000);
         let slow = |i: usize| 5.0 * (TAU * i as f64 / 700.0).sin();
         let signal: Vec<f64> = all.iter().enumerate().map(|(i, x)| slow(i) + 0.3 * x).collect();
-        // Six standard deviations of what 4000 samples say.
+        // Six standard deviations of an estimate from 4000 samples.
         assert!((noise(&signal) / 0.3 - 1.0).abs() < 0.1, "{}", noise(&signal));
         assert!((noise(&all) - 1.0).abs() < 0.1, "{}", noise(&all));
         // No difference is left of two values, and none that is not 0 of a straight line.
