@@ -173,7 +173,7 @@ pub struct Fitted {
     pub segments: Vec<Fresh>,
     /// Parameters at an end of their range, with that end, SI; their errors are one-sided.
     pub at_bounds: Vec<(String, f64)>,
-    /// Reasons why derivatives stop to exist at some time; finite differences replace them.
+    /// Reasons why derivatives stop existing at some time; finite differences replace them.
     pub lost: Vec<String>,
     /// Number of simulations.
     pub simulations: u32,

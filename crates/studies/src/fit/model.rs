@@ -24,7 +24,7 @@ const EXACT: f64 = 1e-12;
 #[derive(Clone)]
 pub(super) struct Model<'a> {
     pub measured: &'a Measured,
-    /// The times of all rows, sorted.
+    /// Sorted times of all rows.
     times: Vec<f64>,
     pub loss: Loss,
     pub unknowns: Arc<Unknowns<'a>>,
@@ -176,7 +176,7 @@ impl<'a> Model<'a> {
         self.measured.columns.is_empty()
     }
 
-    /// Twice the longest mean interval between contacts: tolerance in time for a last contact.
+    /// Twice the longest mean interval between contacts: the last contact may be this early.
     pub fn slack(&self) -> f64 {
         2.0 * self.compared.longest_interval()
     }

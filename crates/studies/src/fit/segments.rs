@@ -86,7 +86,7 @@ pub(super) fn over_segments(
 }
 
 /// Next node and the state there: the middle of the longest interval without an event or a closed
-/// contact; `None` if it is beyond the horizon.
+/// contact; `None` without one before the horizon.
 fn next_node(
     model: &Model,
     point: &Point,
