@@ -305,7 +305,7 @@ impl<'a> Compared<'a> {
 }
 
 impl Followed {
-    /// All values; of each contact list as many as `counts` gives.
+    /// All values, with the first `counts` entries of each contact list.
     fn numbers<'f>(&'f mut self, counts: &'f [usize]) -> impl Iterator<Item = &'f mut Varied> {
         let contacts = self.contacts.iter_mut().zip(counts).flat_map(|((_, own), n)| own.iter_mut().take(*n));
         self.samples.iter_mut().flatten().chain(contacts).chain(&mut self.end)

@@ -156,7 +156,7 @@ impl<'a> Joint<'a> {
     }
 
     /// Joint values that minimise the sum of the records' quadratic costs: a record weighs on a
-    /// parameter as much as it determines it. `None` if a derivative is not finite.
+    /// parameter by how well it determines it. `None` if a derivative is not finite.
     pub fn merged(&self, found: &[Solved]) -> Option<Vec<f64>> {
         let begin = self.values_as(0, found);
         let mut information = DMatrix::<f64>::zeros(self.count, self.count);

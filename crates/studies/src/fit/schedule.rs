@@ -67,7 +67,7 @@ impl Search<'_> {
         // Contacts alone are matched in order, which only growing horizons preserve.
         let plain = (!model.is_of_contacts()).then_some(Attempt::Plain);
         let horizons = ways.map(|way| Attempt::Horizons(start.to_vec(), *way));
-        // Each impact adds wrong minima, in which horizons over many impacts end.
+        // Horizons over many impacts end in wrong minima: each impact adds some.
         let has_many = is_in_blocks && self.has_many_contacts();
         let blocks = || Attempt::Blocks(start.to_vec());
         let (first, later) = (has_many.then(blocks), (is_in_blocks && !has_many).then(blocks));

@@ -194,7 +194,7 @@ enum Source {
 #[derive(Default)]
 pub(super) struct Columns {
     pub by: Vec<By>,
-    /// By free parameter, then by component of the segment's initial state.
+    /// For each free parameter, then for each component of the segment's initial state.
     of: Vec<Source>,
 }
 
