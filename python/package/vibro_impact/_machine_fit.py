@@ -36,9 +36,9 @@ class Segment:
     time: float
     "Time of the record, s."
     state: dict[str, float]
-    "Its state by name, SI."
+    "State by name, SI."
     defect: dict[str, float]
-    "The end of the segment before less this state, by name, SI."
+    "End of the previous segment minus this state, by name, SI."
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,13 +46,13 @@ class Suspect:
     """A parameter that is not free and would reduce the residuals of a fit."""
 
     name: str
-    "A parameter, or words for friction that the machine does not have."
+    "Name of the parameter, or a description of friction that the machine does not have."
     value: float
-    "Its value in the machine, SI."
+    "Value in the machine, SI."
     better: float
-    "The value that fits best together with the free numbers, SI."
+    "Value that fits best together with the free parameters, SI."
     left: float
-    "Root mean square of the residuals with this value, over the root mean square without it."
+    "Ratio of the root mean square residuals with this value and without it."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -60,45 +60,45 @@ class Fit(Result):
     """A machine of your own fitted to a record; all numbers in SI."""
 
     verdict: str
-    "``fits``; or ``does not fit: …`` or ``undecided: …`` with the reason: errors hold only where the motion is the record's."
+    "``fits``; or ``does not fit: …`` or ``undecided: …`` with the reason. Errors are valid only if the motion is the record's."
     machine: AnyMachine
-    "The machine with the fitted numbers."
+    "The machine with the fitted parameters."
     start: Start
-    "The start of its motion; empty for the machine's own."
+    "Start of the motion; empty for the machine's own start."
     values: dict[str, float]
-    "The fitted numbers by name."
+    "Fitted parameters by name."
     errors: dict[str, Optional[float]]
-    "Standard error of each; none where the record does not determine it."
+    "Standard error of each parameter; None if the record does not determine it."
     white_errors: dict[str, Optional[float]]
-    "Standard error of each if the residuals were white noise."
+    "Standard error of each parameter for white residuals."
     correlation: Floats
-    "Correlations of the numbers, shape (n, n); 0 beside one that is not determined."
+    "Correlations of the parameters, shape (n, n); 0 for an undetermined parameter."
     undetermined: list[dict[str, float]]
-    "Combinations of relative changes that the record does not determine, by name."
+    "Undetermined combinations of relative parameter changes, by name."
     rms: dict[str, float]
-    "Root mean square of the residuals of each column, and of the times of each stop's contacts."
+    "Root mean square residual of each column, and of each stop's contact times."
     t: Floats
     "Times of the record, shape (m,), s."
     residuals: dict[str, Floats]
-    "By column the fitted motion less the record, shape (m,)."
+    "Fitted motion minus record for each column, shape (m,)."
     contacts: dict[str, Floats]
-    "By stop the times of the fitted motion's contacts less those of the record, s; NaN where it has none."
+    "Fitted motion minus record of each stop's contact times, s; NaN if the motion lacks the contact."
     simulations: int
-    "Number of motions that were followed."
+    "Number of simulations."
     near_until: float
-    "Time up to which the fitted motion keeps near the record, s: its last time where it does throughout."
+    "Time up to which the fitted motion is near the record, s; the last time if it always is."
     persistence: float
-    "Correlation of a residual with the next one of its column."
+    "Correlation of successive residuals of a column."
     segments: list[Segment]
-    "Segments after the first, each with a start of its own; empty of one motion."
+    "Segments after the first, each with its own initial state; empty for a single motion."
     lost: list[str]
-    "Why the fitted motion has no derivative by a number from some time on, where differences stand."
+    "Reasons why derivatives do not exist from some time on; finite differences replace them."
     at_bounds: dict[str, float]
-    "Numbers that lie at an end of their range, with that end: their errors are of one side."
+    "Parameters at an end of their range, with that end; their errors are one-sided."
     places: list[str]
-    "Where residuals are concentrated: times, phases of the period, times after contacts. Empty where residuals are noise."
+    "Concentrations of residuals: in time, in the phase of the period, after contacts. Empty if residuals are noise."
     suspects: list[Suspect]
-    "Numbers that are not free and would take up residuals, the best first. Empty where residuals are noise."
+    "Parameters that are not free and would reduce the residuals, the best first. Empty if residuals are noise."
 
     def _picture(self) -> str:
         some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
@@ -110,9 +110,9 @@ class PaperFit(Fit):
     """A :class:`PaperMachine` fitted to a record."""
 
     machine: AnyMachine
-    "The machine with the fitted numbers."
+    "The machine with the fitted parameters."
     twin: AnyMachine
-    "The same as a machine of your own, whose names columns and starts have."
+    "The same machine as a machine of your own, whose names columns and starts use."
 
 
 def _table(path: Union[str, os.PathLike[str]], machine: MachineDescription, names: Mapping[str, str]) -> dict[str, tuple[Floats, Floats]]:
