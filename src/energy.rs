@@ -93,8 +93,8 @@ impl Sums {
     }
 }
 
-/// Gramians of input and damped power from a sub-step's start to the centre of each interval and to
-/// its end.
+/// Gramians of input and damped power from a sub-step's start to the centre of each interval and
+/// to its end.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Gramians {
@@ -143,9 +143,9 @@ impl Gramians {
     }
 
     /// Integrates the Gramians of `mode` over a sub-step `h`; `core` is the table of the same mode
-    /// and sub-step. The forms over the two halves of an interval are equal about every centre, and
-    /// the transition matrices carry them to the sub-step's start. The forms of input are filled
-    /// only if the drive's work has no closed form.
+    /// and sub-step. The forms over the two halves of an interval are equal about every centre,
+    /// and the transition matrices carry them to the sub-step's start. The forms of input are
+    /// filled only if the drive's work has no closed form.
     pub fn fill(&mut self, core: &SubstepTable<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         let radius = 0.5 * h / INTERVALS as f64;
         let columns: [Series<CENTRED>; COORDINATES] =
@@ -196,8 +196,8 @@ impl Gramians {
         form(simd, &self.input[index], z)
     }
 
-    /// Damped energy from the start `z` to the centre of interval `index`, or to the sub-step's end
-    /// if `index` is [`INTERVALS`].
+    /// Damped energy from the start `z` to the centre of interval `index`, or to the sub-step's
+    /// end if `index` is [`INTERVALS`].
     #[inline(always)]
     pub fn damped_up_to<S: Simd>(&self, simd: S, index: usize, z: &Augmented) -> f64 {
         form(simd, &self.damped[index], z)
@@ -302,9 +302,9 @@ fn add_carried(sum: &mut Form, form: &Form, columns: &[Augmented; COORDINATES]) 
     }
 }
 
-/// Drive work in flight in closed form. In flight the only forces on the box are those of its
-/// spring, its damper and the drive. With c = cos θ, s = sin θ, the system matrix A of the box
-/// alone and `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`,
+/// Drive work in flight in closed form. In flight the only forces on the box are from its spring,
+/// its damper and the drive. With c = cos θ, s = sin θ, the system matrix A of the box alone and
+/// `q + ip = (Aᵀ + iω1)⁻¹ (0, F10)`,
 ///
 /// ```text
 /// F10 s x1' = mean + d/dt [c (p0 x1 + p1 x1') + s (q0 x1 + q1 x1')

@@ -1,6 +1,6 @@
 //! The error type of the crate.
 
-/// Error of this crate; every message names the quantity, its value and what is allowed.
+/// Error of this crate; every message names the quantity, its value and the valid values.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -32,7 +32,7 @@ pub enum Error {
         /// Largest allowed value.
         limit: f64,
     },
-    /// An advance has reached its limit of work. The state is that at `time` and is valid. Another
+    /// An advance has reached its limit of work. The state is valid and belongs to `time`. Another
     /// advance continues from there and has a new limit.
     #[error(
         "the advance ended at t = {time} s, where it reached the limit of work in one call: the last {span} s took {events} events. \

@@ -170,8 +170,8 @@ impl Simulator {
     /// them; [`advance_to`](Self::advance_to) continues it under the last polynomials.
     ///
     /// # Errors
-    /// As [`advance_until`](Self::advance_until) and [`set_loads`](Self::set_loads); the state is
-    /// then that at the time reached.
+    /// As [`advance_until`](Self::advance_until) and [`set_loads`](Self::set_loads); the state
+    /// then belongs to the time reached.
     pub fn advance_under(
         &mut self,
         loads: &[Load],

@@ -11,9 +11,9 @@
 //! - resting contact is a separate mode, docs/theory.md (13) to (15);
 //! - chatter is closed once a rebound stays below [`Tolerance::rebound`].
 //!
-//! Sources: E. Fehlberg, NASA TR R-315 (1969), table III (fourth order with a fifth-order estimate;
-//! the fifth-order result is carried on, as in Shampine and Watts's RKF45); Fritzkowski &
-//! Awrejcewicz, doi:10.1007/s11071-021-06838-w.
+//! Sources: E. Fehlberg, NASA TR R-315 (1969), table III (fourth order with a fifth-order
+//! estimate; the fifth-order result is carried on, as in Shampine and Watts's RKF45); Fritzkowski
+//! & Awrejcewicz, doi:10.1007/s11071-021-06838-w.
 
 mod law;
 mod steps;
@@ -27,7 +27,7 @@ use law::{Law, Vector};
 const HALVINGS: u32 = 60;
 
 /// Range of tolerances. Below it, round-off dominates. Above it, the computed motion no longer
-/// resembles that of the system.
+/// resembles the system's motion.
 const TOLERANCES: Range =
     Range { min: 1e-15, max: 1e-2, open_min: false, allowed: "1e-15 <= tolerance <= 0.01" };
 
@@ -46,7 +46,7 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    /// Tolerances with one value for step and gap, and four times that for the rebound.
+    /// Tolerances with one value for step and gap, and four times this value for the rebound.
     pub const fn new(tolerance: f64) -> Self {
         Self { step: tolerance, gap: tolerance, rebound: 4.0 * tolerance }
     }
@@ -74,7 +74,7 @@ pub struct Reference {
     drive: f64,
     /// Length of the next step, s.
     step: f64,
-    /// Scale of each coordinate for its error, added to its own size: L, or L times a typical rate.
+    /// Scale of each coordinate for its error, added to its size: L, or L times a typical rate.
     scale: Vector,
     impacts: ImpactRecord,
 }
@@ -171,8 +171,8 @@ impl Reference {
     /// Advances to exactly `end` (s), reporting each event.
     ///
     /// # Errors
-    /// [`Error::Step`] if `end` is not finite or in the past; [`Error::PrecisionLost`] if the error
-    /// control needs steps under the resolution of time.
+    /// [`Error::Step`] if `end` is not finite or in the past; [`Error::PrecisionLost`] if the
+    /// error control needs steps under the resolution of time.
     pub fn advance(&mut self, end: f64, on_event: &mut dyn FnMut(&Event)) -> Result<()> {
         if !end.is_finite() || end < self.time {
             return Err(Error::Step { time: self.time, end });
@@ -228,8 +228,8 @@ impl Reference {
         let reach = gap + self.law.slack(next);
         let violated = w.abs() > reach;
         if !violated {
-            // side·w may have a maximum inside the step. It can reach the stop only if the tangents
-            // at both ends do.
+            // side·w may have a maximum inside the step. It can reach the stop only if the
+            // tangents at both ends do.
             let (w0, rate0) = (self.y[1] - self.y[0], self.y[4] - self.y[3]);
             side = rate0.signum();
             let peak = side * rate < 0.0 && side * (w0 + rate0 * h) > reach && side * (w - rate * h) > reach;

@@ -32,10 +32,10 @@ macro_rules! entry {
 }
 use entry;
 
-/// Physical parameters, SI units. `Default` is the default data set (docs/theory.md, end of section
-/// 4: partly a reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI and
-/// dimensionless numbers coincide. For a real machine all parameters must be set:
-/// [`left_at_default`](Self::left_at_default) lists those that may have been forgotten.
+/// Physical parameters, SI units. `Default` is the default data set (docs/theory.md, end of
+/// section 4: partly a reconstruction) in unit scales: m1 = 1 kg, k1 = 1 N/m, L = 1 m, so that SI
+/// and dimensionless numbers coincide. For a real machine all parameters must be set:
+/// [`left_at_default`](Self::left_at_default) lists parameters that may have been forgotten.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {

@@ -43,7 +43,7 @@ impl Simulator {
     /// [`Error::Step`] if the end is before the present or not finite, and
     /// [`Error::PrecisionLost`] if it is so late that a double no longer resolves the motion;
     /// nothing has changed then. [`Error::WorkLimit`] if the motion hardly progresses; the state
-    /// is then that at the time the error names.
+    /// then belongs to the error's time.
     pub fn advance_until(
         &mut self,
         end: impl Into<DoubleDouble>,
@@ -75,7 +75,7 @@ impl Simulator {
     }
 
     /// Event at which an advance with [`Pause::BeforeEvent`] has stopped. Its law is not yet
-    /// applied. State, accelerations and contact are those before it.
+    /// applied: state, accelerations and contact are from before the event.
     pub fn due_event(&self) -> Option<DueEvent> {
         self.hybrid.due
     }

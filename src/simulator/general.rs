@@ -24,15 +24,15 @@
 //!   instruction sets (`tests/state_bits.rs`). Both stops are searched over the whole way, so that
 //!   a motion and its mirror image have the same bits.
 //! - [`MAX_REACH`] and [`SHORT`]: docs/numerics.md, sections 1 and 2.
-//! - The places at which the time is set to exactly `end`. A step that reaches `end` sets the time;
-//!   a sum would drift.
+//! - The places at which the time is set to exactly `end`: a step that reaches `end` sets the
+//!   time, since a sum would drift.
 //!
 //! # Changes
 //!
 //! - Another reason to shorten a step: the condition in `general_substep` that chooses
 //!   `substep_within_interval`.
-//! - Another event functional: `Series::functional`, the samples of `flow::SubstepTable` with their
-//!   bound, and the limit in `substep_by_tables` and `search_intervals`.
+//! - Another event functional: `Series::functional`, the samples of `flow::SubstepTable` with
+//!   their bound, and the limit in `substep_by_tables` and `search_intervals`.
 
 use super::points::{SeriesPoint, SubstepStart};
 use super::{Contact, Simulator};
@@ -43,8 +43,8 @@ use vibro_numerics::double_double::DoubleDouble;
 use vibro_numerics::events::first_crossing;
 use vibro_numerics::simd::value;
 
-/// Largest penetration of a stop at the start of a search, relative to path and gap, that counts as
-/// rounding; checked in debug builds only.
+/// Largest penetration of a stop at the start of a search, relative to path and gap, that counts
+/// as rounding; checked in debug builds only.
 const START_ROUNDING: f64 = 1e-9;
 
 /// Fraction of an interval below which a step is short. Its change of state is summed separately,
@@ -209,7 +209,7 @@ impl Simulator {
     ) -> Option<f64> {
         let interval = self.interval();
         let side = self.hybrid.contact.side();
-        // A sample is near, that is, within the margin of a limit or past it, if this value is ≥ 0.
+        // A sample is near (within the margin of a limit or past it) if this value is ≥ 0.
         let limit = self.model.gap - margin;
         let excess = |x: f64| if side == 0.0 { x.abs() - limit } else { margin - side * x };
         if !first_clear || excess(g[0]) >= 0.0 {
@@ -267,7 +267,7 @@ impl Simulator {
     }
 
     /// First event between `lo` and `hi`, with its stop, from the coefficients of the event
-    /// functional. `near` tells which stops, upper and lower, may be reached.
+    /// functional. `near` has the stops, upper and lower, that may be reached.
     #[inline(never)]
     fn first_event<const N: usize>(
         &mut self,
@@ -306,9 +306,9 @@ impl Simulator {
         found
     }
 
-    /// First event on a series about the sub-step's start, with its stop. If the block is leaving a
-    /// stop at the start, the roots at the start are divided out, so that a return is found however
-    /// soon it comes.
+    /// First event on a series about the sub-step's start, with its stop. If the block is leaving
+    /// a stop at the start, the roots at the start are divided out, so that a return is found
+    /// however soon it comes.
     #[inline(never)]
     pub(super) fn first_event_from_start<const LOADS: usize>(
         &mut self,

@@ -229,7 +229,7 @@ impl Simulator {
     /// Computes the allowed count of sub-steps for the time reached.
     ///
     /// # Errors
-    /// [`Error::WorkLimit`] if it is exceeded; the state is then that at the time reached.
+    /// [`Error::WorkLimit`] if it is exceeded; the state then belongs to the time reached.
     #[cold]
     pub(super) fn check_work(&mut self, advance: &mut AdvanceState) -> Result<()> {
         let span = self.hybrid.time.minus(advance.begin).value();

@@ -52,7 +52,7 @@ impl ModeTables {
 }
 
 impl Simulator {
-    /// Marks all tables stale and fills those that flight needs.
+    /// Marks all tables stale and fills the tables that flight needs.
     pub(super) fn renew_tables(&mut self) {
         for (tables, mode) in [(&mut self.flight, SmoothMode::Flight), (&mut self.rest, SmoothMode::Rest)] {
             let tables = Arc::make_mut(tables);

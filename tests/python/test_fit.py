@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import vibro_impact as vi
 
-# Standard errors within which an estimate lies but for one in some ten thousand.
+# Distance of an estimate, in standard errors; about one in ten thousand is beyond it.
 FAR = 4.0
 NOISE = 5e-6
 
@@ -38,7 +38,7 @@ def test_made_record_and_its_errors() -> None:
         assert found.machine.parameters[name] == found.values[name]
     assert abs(found.rms["a.s"] / NOISE - 1) < 0.2
     assert found.correlation.shape == (2, 2) and found.undetermined == []
-    # The residuals are those of the fitted machine's own motion.
+    # The residuals are from the fitted machine's own motion.
     run = found.machine.simulate(times=t)
     assert np.allclose(run["a.s"] - s, found.residuals["a.s"], atol=1e-15)
     same = vi.fit(begin, {"a.s": (t, s)}, free=free, sigma={"a.s": NOISE}, within={"friction.f.force": (0.5, 2.0)})
@@ -111,7 +111,7 @@ def test_records_that_are_refused() -> None:
 
 
 def test_second_method_errors_are_the_cramer_rao_bound_by_differences() -> None:
-    # Noise of a known size: the inverse of the information, from runs alone.
+    # For noise of a known size: the inverse of the information, from runs alone.
     t, s = made()
     free = ["spring.k.stiffness", "friction.f.force"]
     found = vi.fit(slide(), {"a.s": (t, s)}, free=free, sigma={"a.s": NOISE})
@@ -122,7 +122,7 @@ def test_second_method_errors_are_the_cramer_rao_bound_by_differences() -> None:
         columns.append((ends[0] - ends[1]) / (2 * step))
     jacobian = np.column_stack(columns) / NOISE
     bound = np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
-    # Differences through the last stick are good to some parts in ten thousand.
+    # Finite differences through the last stick are accurate to some parts in ten thousand.
     assert np.allclose([found.white_errors[name] for name in free], bound, rtol=1e-3)
 
 
@@ -168,7 +168,7 @@ def test_a_signal_leaves_the_best_values_so_far(monkeypatch: pytest.MonkeyPatch)
 
     def stop(*parts: object) -> None:
         told.append(parts)
-        # As a signal would, once a step is done.
+        # Like a signal after a step.
         if "best" in str(parts[-1]):
             raise KeyboardInterrupt
 
@@ -188,7 +188,7 @@ def test_closed_form_an_accelerometer_is_fitted_through_its_filter() -> None:
         "body": {"b": {"mass": 1.0, "gravity": 1.0}},
         "stop": {"floor": {"between": ["ground", "b"], "gap": 1.0, "restitution": 0.79}},
     }
-    # The filter's answers to gravity from the start on, and to the jump of the speed at the impact.
+    # The filter's responses to gravity from the start on, and to the velocity jump at the impact.
     t, hit, rate = np.linspace(0.0, 1.0, 400), np.sqrt(2 / 9.81), 2 * np.pi * 40 / np.sqrt(2)
     late = np.clip(t - hit, 0.0, None)
     shown = 9.81 * (1 - np.exp(-rate * t) * (np.cos(rate * t) + np.sin(rate * t)))
@@ -201,7 +201,7 @@ def test_closed_form_an_accelerometer_is_fitted_through_its_filter() -> None:
 
 
 def test_records_share_numbers_and_have_numbers_of_their_own() -> None:
-    # Two runs with masses and places of their own; the mass is known, the place is not.
+    # Two runs with their own masses and initial places; the masses are known, the places are not.
     truths = [slide(), slide().replace({"body.a.mass": 2.0, "body.a.start.s": 1.2e-3})]
     noise = np.random.default_rng(6)
     runs = [machine.simulate(until=0.2, samples=200) for machine in truths]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// An analysis refuses its input.
+    /// Invalid input of an analysis.
     #[error(transparent)]
     Analysis(#[from] vibro_studies::Error),
     /// A machine's file, or a new value of its parameters, is refused.

@@ -1,4 +1,4 @@
-//! Files that are either complete or absent, whatever ends the program.
+//! Files that are either complete or absent, however the program ends.
 
 use crate::{Error, Result};
 use std::fs::File;

@@ -1,5 +1,4 @@
-//! `vibro fit`: the page docs/fit.md against the machine by which its record was made, and
-//! refusals.
+//! `vibro fit`: docs/fit.md compared with the machine that made its record, and errors.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -20,21 +19,21 @@ use vibro_figures::canvas::svg;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path as Line};
 use vibro_machine::{Assembly, Description, Motion};
 
-/// Tolerance of a picture's coordinates, which have few digits: another mathematical library moves
-/// them by less.
+/// Tolerance of a picture's coordinates, which have few digits; another mathematical library
+/// changes them by less.
 const MOVED: f64 = 2.0;
 
-/// Standard errors within which an estimate lies but for one in some ten thousand.
+/// Distance of an estimate, in standard errors; about one in ten thousand is beyond it.
 const FAR: f64 = 4.0;
 
-/// The number after a key of a JSON text, from a place on.
+/// Number after a key of a JSON text, searched from `place`.
 fn number_after(text: &str, place: &str, key: &str) -> f64 {
     let from = text.find(place).unwrap_or_else(|| panic!("{place}: {text}"));
     let rest = text[from..].split_once(&format!("\"{key}\": ")).unwrap().1;
     rest.split([',', '}']).next().unwrap().parse().unwrap()
 }
 
-/// Compares a picture of docs/fit/, or writes it anew with `VIBRO_IMPACT_UPDATE=1`.
+/// Compares a picture of docs/fit/, or writes it again with `VIBRO_IMPACT_UPDATE=1`.
 fn is_kept(name: &str, now: &str) {
     let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../docs/fit/{name}.svg"));
     if std::env::var("VIBRO_IMPACT_UPDATE").is_ok_and(|v| v == "1") {
@@ -46,8 +45,8 @@ fn is_kept(name: &str, now: &str) {
     assert!(is_near, "{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew");
 }
 
-/// Root mean square, in µm, of the difference between the record and the motion of the page's
-/// fitted machine with some of its numbers multiplied by a factor.
+/// Root mean square difference, in µm, between the record and the motion of the page's fitted
+/// machine with some parameters multiplied by a factor.
 fn off(machine: &Description, factor: f64, names: &[&str], record: &[Vec<f64>]) -> f64 {
     let changes = names.iter().map(|name| (*name, factor * machine.get(name).unwrap()));
     let changed = machine.with(changes).unwrap();
@@ -60,7 +59,7 @@ fn off(machine: &Description, factor: f64, names: &[&str], record: &[Vec<f64>]) 
     1e6 * (squares / record.len() as f64).sqrt()
 }
 
-/// What a flat valley looks like: residuals over one number alone, and over all three together.
+/// Picture of a flat valley: residuals over one parameter, and over all three together.
 fn valley_picture(home: &Path) -> String {
     let machine = vibro_machine::file::read(&home.join("fit/fitted.toml")).unwrap();
     let record = guide::rows("fit", "record.csv");
@@ -103,21 +102,21 @@ fn made_record_of_the_page() {
     }
     assert!(said[0].contains("spring.mount.stiffness ="), "{}", said[0]);
     assert!(said[0].contains("verdict: fits") && json.contains("\"verdict\": \"fits\""), "{}", said[0]);
-    // Mass, stiffness and friction change by one part.
+    // Mass, stiffness and friction change by the same fraction.
     let valley = std::fs::read_to_string(home.join("valley/fit.json")).unwrap();
     let part = |name: &str| number_after(&valley, "combination", name).abs();
     for name in ["body.slide.mass", "spring.mount.stiffness", "friction.guide.force"] {
         assert!((part(name) - 3f64.sqrt().recip()).abs() < 1e-3, "{name}: {valley}");
     }
     assert!(valley.contains("\"error\": null") && said[1].contains("does not determine"), "{}", said[1]);
-    // A range without a unit is in the unit of the file, kN/m.
+    // A range without a unit is in the file's unit, kN/m.
     let line = "fit drive.toml --data record.csv --free spring.mount.stiffness --within spring.mount.stiffness=7:9 --out within";
     let output =
         Command::new(env!("CARGO_BIN_EXE_vibro")).args(line.split(' ')).current_dir(&home).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let within = std::fs::read_to_string(home.join("within/fit.json")).unwrap();
     assert_eq!(number_after(&within, "spring.mount.stiffness", "value"), 9e3);
-    // The range does not have the record's stiffness: no fit, and no errors of one.
+    // The range excludes the record's stiffness, so the fit fails and shows no errors.
     let shown = String::from_utf8_lossy(&output.stdout);
     let page = std::fs::read_to_string(home.join("within/report.html")).unwrap();
     for text in [&shown, &*page] {
@@ -135,7 +134,7 @@ fn made_record_of_the_page() {
     for words in ["<b>fits</b>", "spring.mount.stiffness</th>", "<td class=\"n\">kN/m</td>", "<svg role"] {
         assert!(page.contains(words), "{words}: {page}");
     }
-    // One file without network: the only address is the name of SVG.
+    // One file without network: the only address is the SVG namespace.
     assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http").count());
     assert!(!page.contains("<script") && !page.contains("src="));
 }
@@ -198,7 +197,7 @@ fn what_is_no_record_is_refused_by_name_and_row() {
     }
 }
 
-/// What `vibro fit` of a machine's text says, with tables by name.
+/// Output of `vibro fit` for a machine's text, with tables by name.
 fn said(name: &str, machine: &str, tables: &[(&str, &str)], arguments: &str) -> (std::path::PathBuf, String) {
     let out = folder(name);
     std::fs::create_dir_all(&out).unwrap();
@@ -253,7 +252,7 @@ fn refused_records_ranges_and_deviations_are_named_with_their_file() {
 
 #[test]
 fn closed_form_residuals_of_contacts_are_in_a_table_of_their_own() {
-    // Contacts of a ball that falls 1 m: √(2 h / g), then twice the times that it rises.
+    // Contacts of a ball that falls 1 m: √(2 h / g), then twice the time of each rise.
     let fall = (2f64 / 9.81).sqrt();
     let times: Vec<f64> =
         (0..8).map(|k| fall + (1..=k).map(|i| 2.0 * fall * 0.8f64.powi(i)).sum::<f64>()).collect();
@@ -276,7 +275,7 @@ fn closed_form_residuals_of_contacts_are_in_a_table_of_their_own() {
 /// A mass of 1 kg on 100 N/m from 10 mm moves as 10 mm cos 10t.
 const COSINE: &str = "name = \"C\"\n[body.m]\nmass = 1.0\nstart = { s = 0.01 }\n[spring.k]\nbetween = [\"ground\", \"m\"]\nstiffness = 90.0\n";
 
-/// Error of a stiffness of 100 N/m from places of 10 mm that are rounded to 0.1 µm.
+/// Error of a stiffness of 100 N/m from displacements of 10 mm rounded to 0.1 µm.
 const ROUNDED: f64 = 1e-2;
 
 #[test]
@@ -315,7 +314,7 @@ fn closed_form_of_a_fit_to_a_record_in_other_units() {
     }
 }
 
-/// The lines of a text that another text does not have.
+/// Lines of a text that another text lacks.
 fn new_lines<'t>(text: &'t str, other: &str) -> Vec<&'t str> {
     text.lines().filter(|line| !other.lines().any(|own| own == *line)).collect()
 }
@@ -343,12 +342,12 @@ fn invariant_a_fitted_file_keeps_comments_units_and_records() {
     run("fit m.toml --data t.csv --free spring.k.stiffness,body.b.start.v --out fit");
     let text = std::fs::read_to_string(out.join("fit/fitted.toml")).unwrap();
     let new = new_lines(&text, MACHINE);
-    // The text has no start: it is added to the body.
+    // The text has no start, so it is added to the body.
     let begins = ["# vibro fit: ", "start.v = ", "stiffness = \"0."];
     assert!(new.len() == 3 && new.iter().zip(begins).all(|(line, begin)| line.starts_with(begin)), "{text}");
     assert!(new[2].ends_with(" kN/m\" # guessed") && new_lines(MACHINE, &text).len() == 1, "{text}");
     assert_eq!(std::fs::read_to_string(out.join("fit/records/push.csv")).unwrap(), PUSH);
-    // The file is a machine, which moves as the record says.
+    // The file is a machine, whose motion matches the record.
     run("run fit/fitted.toml --until 0.1s --samples 1 --out run");
     let states = std::fs::read_to_string(out.join("run/states.csv")).unwrap();
     let last: Vec<f64> =
@@ -356,7 +355,7 @@ fn invariant_a_fitted_file_keeps_comments_units_and_records() {
     assert!((last[1] - 5e-3 * (1.0 - 1f64.cos())).abs() < 1e-8, "{states}");
 }
 
-/// Whether a process handles Ctrl-C itself, by the mask of its caught signals.
+/// Whether a process handles Ctrl-C itself, from the mask of its caught signals.
 #[cfg(target_os = "linux")]
 fn catches_ctrl_c(pid: u32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
@@ -370,7 +369,7 @@ fn catches_ctrl_c(pid: u32) -> bool {
 fn ctrl_c_writes_the_best_values_so_far_as_undecided() {
     let out = folder("fit-ended");
     std::fs::create_dir_all(&out).unwrap();
-    // No ball moves like this: without an end by hand the fit takes a minute and does not fit.
+    // No ball moves like this: without an interruption, the fit takes a minute and fails.
     let row = |k: usize| format!("{:?},{}\n", 1e-3 * k as f64, (k * k) % 7);
     let table = "time,b.s\n".to_owned() + &(0..20_000).map(row).collect::<String>();
     std::fs::write(out.join("m.toml"), BALL).unwrap();
@@ -392,6 +391,6 @@ fn ctrl_c_writes_the_best_values_so_far_as_undecided() {
     );
     let json = std::fs::read_to_string(out.join("fit/fit.json")).unwrap();
     assert!(json.contains("\"verdict\": \"undecided: ended by hand"), "{json}");
-    // The motion is that of the written values.
+    // The motion is the written values' motion.
     assert!(number_after(&json, "stop.floor.gap", "value") > 0.0 && out.join("fit/fitted.toml").exists());
 }

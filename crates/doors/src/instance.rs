@@ -38,7 +38,7 @@ impl<C: Component> CommonInstance<C> {
         Ok(Self { component: C::instantiate(request)?, enabled, states: Handles::default() })
     }
 
-    /// Lets the component log how `function` has made it, as far as a user should know.
+    /// Lets the component log how `function` made it.
     pub fn tell(&self, function: &'static str, sink: &mut dyn Sink) {
         self.component.tell_at_instantiation(&mut self.log(sink, function));
     }

@@ -48,7 +48,7 @@ pub trait Model: Sized + Debug + 'static {
     /// Lifecycle state, mutable.
     fn life_mut(&mut self) -> &mut Life;
 
-    /// Logs how the instance was made, as far as a user should know.
+    /// Logs how the instance was made, for the user.
     fn tell_at_instantiation(&self, log: &mut dyn Log) {}
 
     /// `fmi2Reset`, `fmi3Reset`: puts the component into the state after instantiation.
@@ -156,7 +156,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2GetContinuousStates`, `fmi3GetContinuousStates`.
     ///
     /// # Errors
-    /// By default none; there are no states.
+    /// By default none, since the component has no states.
     fn continuous_states(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }
@@ -164,7 +164,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2GetDerivatives`, `fmi3GetContinuousStateDerivatives`.
     ///
     /// # Errors
-    /// By default none; there are no states.
+    /// By default none, since the component has no states.
     fn state_derivatives(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }
@@ -173,7 +173,7 @@ pub trait Model: Sized + Debug + 'static {
     /// changes its sign.
     ///
     /// # Errors
-    /// By default none; there are no indicators.
+    /// By default none, since the component has no indicators.
     fn event_indicators(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }

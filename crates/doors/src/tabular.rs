@@ -49,8 +49,8 @@ pub trait Tabular: 'static {
     /// Computes the dependent values: derivatives and outputs.
     fn evaluate(values: &mut [f64]);
 
-    /// Advances the states to `time`, s; there is no event before it. The time among `values` is
-    /// still the present time.
+    /// Advances the states to `time`, s, which is before the next event. The time among `values`
+    /// is still the present time.
     fn advance(values: &mut [f64], time: f64);
 
     /// Time of the next event, s: not before the present time; infinite if there is none.

@@ -167,8 +167,8 @@ fn a_step_after_an_impact_names_the_way_back() {
     assert!(last(&host).ends_with(refusal), "{}", last(&host));
 }
 
-/// As fmusim does, with its own load; the motion equals that of a host that returns to its saved
-/// state.
+/// Like fmusim, with its own load; the motion equals the motion for a host that returns to its
+/// saved state.
 #[test]
 fn a_host_goes_on_from_an_impact_where_the_motion_stands() {
     const END: f64 = 60.0;
@@ -210,7 +210,7 @@ fn a_thousand_instances_in_eight_threads_have_the_same_bits() {
     std::thread::scope(|scope| {
         for _ in 0..8 {
             scope.spawn(|| {
-                // In each thread all exist at once and are stepped in turn.
+                // In each thread all instances exist at once and take turns stepping.
                 let hosts: Vec<_> = (0..125).map(|_| Fmu2::logged().start(&[])).collect();
                 for i in 0..20 {
                     for host in &hosts {

@@ -42,7 +42,7 @@ pub struct BasinRequest<M: DesignMachine> {
     pub x: StartAxis,
     /// Vertical axis.
     pub y: StartAxis,
-    /// The numbers of the starts that are not on an axis.
+    /// Start parameters that are not on an axis.
     pub start: M::Start,
     /// Returns or drive periods discarded before a motion is observed. A motion that is then
     /// undecided is followed further.
@@ -194,8 +194,8 @@ impl<A: BasinAttractor> Basins<A> {
         [BasinCell::Attractor(number), BasinCell::Mirror(number)].map(|cell| self.share(cell))
     }
 
-    /// The cell of a motion on a known attractor, which takes in its means, or on a new one.
-    /// `None` if that is undecided, and for a new attractor that is not `sure`.
+    /// The cell of a motion on a known attractor, to which it adds its means, or on a new one.
+    /// `None` if the attractor is undecided, and for a new attractor unless `sure`.
     pub(crate) fn reached(&mut self, found: A, sure: bool) -> Result<Option<BasinCell>> {
         let mut undecided = false;
         // Attractor numbers cannot exceed `u16::MAX`.

@@ -130,7 +130,7 @@ pub trait DiagramPoint {
     fn class(&self) -> MotionClass;
     /// Impacts per period.
     fn contacts(&self) -> f64;
-    /// Whether another motion ended on another attractor; `None` if that is undecided.
+    /// Whether another motion ended on another attractor; `None` if it is undecided.
     fn differs(&self, other: &Self) -> Option<bool>;
 }
 

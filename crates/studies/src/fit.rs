@@ -1,9 +1,9 @@
 //! Fits of a machine to a record: nonlinear least squares with exact derivatives.
 //!
-//! A motion with impacts follows its parameters only over a time: a plain fit over a long record
-//! often ends in a wrong minimum. `schedule` has the ways that are tried, the cheapest first: plain
-//! descent, growing horizons, estimation block by block, segments of the fitted motion, and starts
-//! beside.
+//! A motion with impacts depends smoothly on its parameters over a short time only, so a plain fit
+//! over a long record often ends in a wrong minimum. `schedule` tries several strategies, the
+//! cheapest first: plain descent, growing horizons, a block filter, segments of the fitted motion,
+//! and restarts.
 
 mod beside;
 mod blocks;
@@ -51,136 +51,134 @@ pub use search::{fit, fit_records};
 use super::{Machine, QuantityName};
 use vibro_machine::Start;
 
-/// Ways to lengthen horizons, the next where the residuals of the one before are more than noise.
+/// Growing horizons in order; the next one is tried while residuals exceed noise.
 const WAYS: [Way; 4] = [
     Way { near: 0.3, of_whole: true, growth: (1.25, 2.0) },
     Way { near: 0.3, of_whole: false, growth: (1.25, 2.0) },
     Way { near: 0.15, of_whole: false, growth: (1.1, 1.4) },
     Way { near: 0.05, of_whole: false, growth: (1.05, 1.2) },
 ];
-/// A motion that is close to the record throughout.
+/// Criterion for a motion that is close to the whole record.
 const CLOSE: Way = Way { near: 0.05, of_whole: true, growth: (1.25, 2.0) };
-/// Most free numbers.
+/// Largest number of free parameters.
 const MOST_FREE: usize = 50;
 
-/// How horizons become longer.
+/// Growth of horizons.
 #[derive(Clone, Copy)]
 struct Way {
-    /// Part of a record's own deviation up to which a motion is near it.
+    /// A motion is near the record up to this fraction of the record's standard deviation.
     near: f64,
-    /// Whether this deviation is that of the whole record, else of the record so far.
+    /// Whether the standard deviation is over the whole record, otherwise over its part so far.
     of_whole: bool,
-    /// Least and largest growth of a horizon.
+    /// Smallest and largest growth factor of a horizon.
     growth: (f64, f64),
 }
 
-/// A record: values of quantities at rising times, and times of contacts of stops.
+/// Record: values of quantities at increasing times, and contact times of stops.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Rising times, s, from the motion's start on.
+    /// Increasing times, s, not before the motion's start.
     pub times: Vec<f64>,
     /// Columns with a value for each time, SI.
     pub columns: Vec<(QuantityName, Vec<f64>)>,
-    /// Stops, each with the rising times of its impacts or first touches, s.
+    /// Stops with the increasing times of their impacts or first touches, s.
     pub contacts: Vec<(String, Vec<f64>)>,
 }
 
-/// A number that is fitted.
+/// A fitted parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Free {
-    /// A parameter of the machine, a number of the start, `record.shift` (s, the time of the motion
-    /// at the record's time 0) or `record.offset.COLUMN`.
+    /// Parameter of the machine or the start, `record.shift` (s, time of the motion at the
+    /// record's time 0) or `record.offset.COLUMN`.
     pub name: String,
-    /// Least and largest value, SI; those that the parameter allows if `None`.
+    /// Smallest and largest value, SI; the parameter's own range if `None`.
     pub within: Option<(f64, f64)>,
-    /// Whether each of several records has the number for itself, as the initial velocity of its
-    /// motion. The numbers `record.…` always are.
+    /// Whether each of several records has its own value, for example the initial velocity of its
+    /// motion. Parameters `record.…` always have one for each record.
     pub is_own: bool,
 }
 
-/// How the motion is divided into segments, each with a start of its own that continues the segment
-/// before.
+/// Division of the motion into segments, each with its own initial state, which the fit ties to
+/// the end of the previous segment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Segments {
-    /// By the record: one motion where horizons lead to it, else segments that end where changes
-    /// have grown.
+    /// Automatic: a single motion if growing horizons lead to it, otherwise segments that end
+    /// where small changes have grown.
     #[default]
     Auto,
     /// Segments of about this length, s.
     Length(f64),
-    /// One motion.
+    /// A single motion.
     None,
 }
 
-/// The start of a segment.
+/// Initial state of a segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fresh {
     /// Time of the record, s.
     pub time: f64,
-    /// Its state, by the names of a start's numbers, SI.
+    /// State, by the names of start parameters, SI.
     pub state: Vec<(String, f64)>,
-    /// The end of the segment before less this state, SI.
+    /// End of the previous segment minus this state, SI.
     pub defect: Vec<f64>,
 }
 
-/// What is fitted to which record.
+/// Request for a fit: machine, record and free parameters.
 #[derive(Clone, Debug)]
 pub struct FitRequest {
-    /// The machine with the values from which the fit begins.
+    /// Machine with the initial parameter values.
     pub machine: Machine,
     /// Start of the motion.
     pub start: Start,
     /// The record.
     pub measured: Measured,
-    /// The numbers that are fitted.
+    /// Free parameters.
     pub free: Vec<Free>,
-    /// Standard deviation of each column's noise, SI, in their order, then of the contacts' times,
-    /// s. Without them all columns weigh the same by their own deviation.
+    /// Standard deviation of the noise: of each column in order, SI, then of contact times, s.
+    /// Without it, each column is weighted by its own standard deviation.
     pub sigma: Option<Vec<f64>>,
-    /// Filters of the sensors of columns; a column of accelerations has one.
+    /// Sensor filters of columns; a column of accelerations requires one.
     pub filters: Vec<Filter>,
-    /// How residuals count.
+    /// Loss function of the residuals.
     pub loss: Loss,
-    /// Whether the motion is divided.
+    /// Division into segments.
     pub segments: Segments,
-    /// Number of further starts, spread over the ranges of the free numbers.
+    /// Number of further starts, spread over the ranges of the free parameters.
     pub starts: u32,
 }
 
 /// A fitted machine.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// Whether the fitted motion is the record's; errors are those of the record only where it is.
+    /// Whether the motion is the record's; the errors are valid only if it is.
     pub verdict: Verdict,
-    /// The machine with the fitted numbers.
+    /// Machine with the fitted parameters.
     pub machine: Machine,
-    /// The start of its motion.
+    /// Start of its motion.
     pub start: Start,
-    /// The free numbers' names and values, SI.
+    /// Names and values of the free parameters, SI.
     pub values: Vec<(String, f64)>,
-    /// Standard errors, correlations, what the record does not determine.
+    /// Standard errors, correlations and undetermined combinations.
     pub uncertainty: Uncertainty,
-    /// Root mean square of the residuals of each column and of the contacts' times, SI.
+    /// Root mean square residual of each column and of the contact times, SI.
     pub rms: Vec<(String, f64)>,
-    /// For each time of the record and then each column the motion's value less the record's, SI.
+    /// Motion minus record, for each time and then each column, SI.
     pub residuals: Vec<Vec<f64>>,
-    /// For each stop the times of the motion's contacts less those of the record, s; NaN where the
-    /// motion has none.
+    /// Motion minus record of the contact times of each stop, s; NaN if the motion lacks the
+    /// contact.
     pub contacts: Vec<(String, Vec<f64>)>,
-    /// Times of the record at which stops of the fitted motion are hit or touched, with their
-    /// names.
+    /// Record times of impacts and first touches of the fitted motion, with the stops' names.
     pub events: Vec<(f64, String)>,
-    /// Segments after the first; empty of one motion.
+    /// Segments after the first; empty for a single motion.
     pub segments: Vec<Fresh>,
-    /// Numbers that lie at an end of their range, with that end, SI: their errors are of one side.
+    /// Parameters at an end of their range, with that end, SI; their errors are one-sided.
     pub at_bounds: Vec<(String, f64)>,
-    /// Why the fitted motion has no derivative by a number from some time on; differences stand
-    /// there.
+    /// Reasons why derivatives stop existing at some time; finite differences replace them.
     pub lost: Vec<String>,
-    /// Number of motions that were followed.
+    /// Number of simulations.
     pub simulations: u32,
-    /// Time up to which the motion keeps near the record, s: its last where it does throughout.
+    /// Time up to which the motion is near the record, s; the last time if it always is.
     pub near_until: f64,
-    /// Sum of the losses, in units of the standard deviations' squares.
+    /// Sum of losses, in units of the squared standard deviations.
     pub cost: f64,
 }

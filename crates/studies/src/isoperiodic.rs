@@ -44,7 +44,7 @@ pub trait PlaneMachine: DesignMachine {
     /// Checks the properties on which every point depends.
     ///
     /// # Errors
-    /// Starts and names that are not allowed.
+    /// Error for invalid starts and names.
     fn check_plane(&self, request: &IsoperiodicRequest<Self>) -> Result<()>;
 
     /// The points of some rows, one row after the other.
@@ -73,8 +73,8 @@ pub fn count<M: PlaneMachine>(request: &IsoperiodicRequest<M>) -> usize {
 ///
 /// # Errors
 /// [`Error::Form`] for axes of one quantity, and for starts on the exact orbit under constant
-/// loads; [`Error::TooMany`] for a plane that does not fit into memory; a start that the simulator
-/// refuses; what the parts' folder refuses.
+/// loads; [`Error::TooMany`] for a plane that does not fit into memory; also errors of the
+/// simulator for a start, and of the store of parts.
 pub fn isoperiodic<M: PlaneMachine>(
     machine: &M,
     request: &IsoperiodicRequest<M>,

@@ -70,7 +70,7 @@ const OF_QUANTITIES: [OfQuantity; 4] = [
 impl FromStr for Measure {
     type Err = Error;
 
-    /// Parses a name; [`Measure::check`] tells whether a machine has the body or element.
+    /// Parses a name; [`Measure::check`] checks that a machine has the body or element.
     fn from_str(text: &str) -> Result<Self> {
         let text = text.trim();
         for (word, kind) in OF_QUANTITIES {

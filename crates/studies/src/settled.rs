@@ -72,8 +72,8 @@ pub struct Settled {
 }
 
 impl Settled {
-    /// Whether two motions are on different attractors, by class, period or states. `None` if that
-    /// is undecided, as for two chaotic motions.
+    /// Whether two motions are on different attractors, by class, period or states. `None` if it
+    /// is undecided, for example for two chaotic motions.
     pub fn differs(&self, other: &Self) -> Option<bool> {
         if !(self.class.is_decided() && other.class.is_decided()) {
             return None;

@@ -67,8 +67,8 @@ impl Orthogonal {
         new
     }
 
-    /// Orthonormalizes the variations, and adds the logarithms of their lengths before. A
-    /// variation of which only rounding is left becomes zero.
+    /// Orthonormalizes the variations, and adds the logarithms of their previous lengths. A
+    /// variation that consists only of rounding becomes zero.
     fn orthogonalize(&mut self) {
         let size = self.metric.0.len();
         for j in 0..self.columns.len() {

@@ -32,21 +32,21 @@ class DesignMotion:
     """A motion of the best design at the parameters of its worst value."""
 
     kind: str
-    "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
+    "Class: 1T, 2T, ..., quasi-periodic, chaotic."
     contacts: float
-    "Impacts and first touches a return."
+    "Number of impacts and first touches per return."
     goal: float
-    "The output, SI."
+    "Value of the output, SI."
     bar: tuple[float, float]
-    "Ends of its error bar."
+    "Ends of the error bar."
     starts: int
-    "Number of the starts that lead to it."
+    "Number of starts that lead to this motion."
     start: Start
-    "One of these starts; empty for the machine's own."
+    "A start that leads to this motion; empty for the machine's own start."
     requested: bool
-    "Whether a start of the search leads to it."
+    "Whether a start of the search leads to this motion."
     worse: bool
-    "Whether it is worse than the design's value beyond the error bars."
+    "Whether the motion is worse than the design's value beyond the error bars."
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,13 +54,13 @@ class Rival:
     """Another design, far from the best one."""
 
     values: dict[str, float]
-    "Its numbers by name, SI."
+    "Values of the varied parameters by name, SI."
     goal: float
-    "The output, SI."
+    "Value of the output, SI."
     bar: tuple[float, float]
-    "Ends of its error bar."
+    "Ends of the error bar."
     told_apart: bool
-    "Whether it is worse than the best beyond the error bars."
+    "Whether the design is worse than the best one beyond the error bars."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -70,37 +70,37 @@ class Design(Result):
     verdict: str
     "``decided``; or ``undecided: …`` or ``none found: …`` with the reason."
     machine: AnyMachine
-    "The machine with the numbers of the best design; as it was given where none was found."
+    "The machine with the best design's parameters; unchanged if none was found."
     values: dict[str, float]
-    "The numbers of the best design by name; empty where no design has a value."
+    "Parameters of the best design by name; empty if no design has a value."
     goal: float
-    "The output of its worst motion; NaN where no design has a value."
+    "Output of the best design's worst motion; NaN if no design has a value."
     bar: tuple[float, float]
-    "Ends of the error bar of that."
+    "Ends of the error bar of `goal`."
     exact: bool
-    "Whether every motion repeats, so that the error bar is rounding."
+    "Whether every motion repeats, so that the error bar is only rounding."
     place: str
-    "The worst motion, in words; empty where there is one motion."
+    "Description of the worst motion; empty if there is a single motion."
     at_ends: list[str]
-    "Numbers at an end of their range."
+    "Parameters at an end of their range."
     limits: dict[str, tuple[Optional[float], str]]
-    "By limit, as given, the output of the worst motion, and ``met``, ``not met`` or ``undecided``."
+    "For each limit, as given: the output of the worst motion, and ``met``, ``not met`` or ``undecided``."
     motions: list[DesignMotion]
-    "Motions that coexist at the place of the worst value."
+    "Coexisting motions where the worst value occurs."
     rivals: list[Rival]
     "Other designs that were compared with the best one."
     gradients: bool
-    "Whether the best comes from exact derivatives of orbits."
+    "Whether the best design was found with exact derivatives of orbits."
     names: tuple[str, ...]
-    "Names of the numbers that vary."
+    "Names of the varied parameters."
     designs: Floats
-    "The numbers of all designs that were evaluated, shape (m, n), in order."
+    "Parameters of all evaluated designs, shape (m, n), in order."
     goals: Floats
-    "The output of each, shape (m,); NaN where a motion has none."
+    "Output of each design, shape (m,); NaN if a motion has no value."
     within_limits: NDArray[np.bool_]
-    "Whether each keeps the limits, shape (m,)."
+    "Whether each design satisfies the limits, shape (m,)."
     stages: list[str]
-    "What asked for each: own, sobol, evolution, gradient, nearby."
+    "Stage of the search that requested each design: own, sobol, evolution, gradient, nearby."
 
     def _picture(self) -> str:
         count = np.arange(1.0, len(self.goals) + 1)

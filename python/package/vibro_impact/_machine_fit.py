@@ -31,28 +31,28 @@ _LOSSES = ("linear", "soft_l1", "huber")
 
 @dataclasses.dataclass(frozen=True)
 class Segment:
-    """The start of a segment of a fitted motion."""
+    """Initial state of a segment of a fitted motion."""
 
     time: float
     "Time of the record, s."
     state: dict[str, float]
-    "Its state by name, SI."
+    "State by name, SI."
     defect: dict[str, float]
-    "The end of the segment before less this state, by name, SI."
+    "End of the previous segment minus this state, by name, SI."
 
 
 @dataclasses.dataclass(frozen=True)
 class Suspect:
-    """A number that is not free and would take up residuals of a fit."""
+    """A parameter that is not free and would reduce the residuals of a fit."""
 
     name: str
-    "A parameter, or words for friction that the machine does not have."
+    "Name of the parameter, or a description of friction that the machine does not have."
     value: float
-    "Its value in the machine, SI."
+    "Value in the machine, SI."
     better: float
-    "The value that fits best together with the free numbers, SI."
+    "Value that fits best together with the free parameters, SI."
     left: float
-    "Root mean square of the residuals with this value, over the root mean square without it."
+    "Ratio of the root mean square residuals with this value and without it."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -60,45 +60,45 @@ class Fit(Result):
     """A machine of your own fitted to a record; all numbers in SI."""
 
     verdict: str
-    "``fits``; or ``does not fit: …`` or ``undecided: …`` with the reason: errors hold only where the motion is the record's."
+    "``fits``; or ``does not fit: …`` or ``undecided: …`` with the reason. Errors are valid only if the motion is the record's."
     machine: AnyMachine
-    "The machine with the fitted numbers."
+    "The machine with the fitted parameters."
     start: Start
-    "The start of its motion; empty for the machine's own."
+    "Start of the motion; empty for the machine's own start."
     values: dict[str, float]
-    "The fitted numbers by name."
+    "Fitted parameters by name."
     errors: dict[str, Optional[float]]
-    "Standard error of each; none where the record does not determine it."
+    "Standard error of each parameter; None if the record does not determine it."
     white_errors: dict[str, Optional[float]]
-    "Standard error of each if the residuals were white noise."
+    "Standard error of each parameter for white residuals."
     correlation: Floats
-    "Correlations of the numbers, shape (n, n); 0 beside one that is not determined."
+    "Correlations of the parameters, shape (n, n); 0 for an undetermined parameter."
     undetermined: list[dict[str, float]]
-    "Combinations of relative changes that the record does not determine, by name."
+    "Undetermined combinations of relative parameter changes, by name."
     rms: dict[str, float]
-    "Root mean square of the residuals of each column, and of the times of each stop's contacts."
+    "Root mean square residual of each column, and of each stop's contact times."
     t: Floats
     "Times of the record, shape (m,), s."
     residuals: dict[str, Floats]
-    "By column the fitted motion less the record, shape (m,)."
+    "Fitted motion minus record for each column, shape (m,)."
     contacts: dict[str, Floats]
-    "By stop the times of the fitted motion's contacts less those of the record, s; NaN where it has none."
+    "Fitted motion minus record of each stop's contact times, s; NaN if the motion lacks the contact."
     simulations: int
-    "Number of motions that were followed."
+    "Number of simulations."
     near_until: float
-    "Time up to which the fitted motion keeps near the record, s: its last time where it does throughout."
+    "Time up to which the fitted motion is near the record, s; the last time if it always is."
     persistence: float
-    "Correlation of a residual with the next one of its column."
+    "Correlation of successive residuals of a column."
     segments: list[Segment]
-    "Segments after the first, each with a start of its own; empty of one motion."
+    "Segments after the first, each with its own initial state; empty for a single motion."
     lost: list[str]
-    "Why the fitted motion has no derivative by a number from some time on, where differences stand."
+    "Reasons why derivatives do not exist from some time on; finite differences replace them."
     at_bounds: dict[str, float]
-    "Numbers that lie at an end of their range, with that end: their errors are of one side."
+    "Parameters at an end of their range, with that end; their errors are one-sided."
     places: list[str]
-    "Where residuals are concentrated: times, phases of the period, times after contacts. Empty where residuals are noise."
+    "Concentrations of residuals: in time, in the phase of the period, after contacts. Empty if residuals are noise."
     suspects: list[Suspect]
-    "Numbers that are not free and would take up residuals, the best first. Empty where residuals are noise."
+    "Parameters that are not free and would reduce the residuals, the best first. Empty if residuals are noise."
 
     def _picture(self) -> str:
         some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
@@ -110,13 +110,13 @@ class PaperFit(Fit):
     """A :class:`PaperMachine` fitted to a record."""
 
     machine: AnyMachine
-    "The machine with the fitted numbers."
+    "The machine with the fitted parameters."
     twin: AnyMachine
-    "The same as a machine of your own, whose names columns and starts have."
+    "The same machine as a machine of your own, whose names columns and starts use."
 
 
 def _table(path: Union[str, os.PathLike[str]], machine: MachineDescription, names: Mapping[str, str]) -> dict[str, tuple[Floats, Floats]]:
-    """The columns of a table in SI, with its times; `names` has other names of the machine's columns."""
+    """The columns of a table in SI, with its times; `names` maps other names to the machine's columns."""
     with open(path, newline="", encoding="utf-8") as file:
         text = file.read()
     try:
@@ -153,7 +153,7 @@ def _record(record: RecordLike, machine: MachineDescription) -> tuple[Floats, li
     return np.empty(0) if t is None else t, columns
 
 
-# Where each parameter of `PaperMachine` stands in the file of the same machine.
+# File of the same machine, in terms of the parameters of `PaperMachine`.
 _TWIN = """
 name = "Machine"
 body.box = {{ mass = "= box_m" }}
@@ -174,14 +174,14 @@ load.secondary = {{ on = "secondary", constant = "= load_secondary" }}
 
 
 def _twin(machine: ParameterValues) -> MachineDescription:
-    """The machine of the 3-DOF core as a machine of bodies and elements, by whose names it is set."""
+    """The machine of the 3-DOF core as a machine of bodies and elements, with its parameter values."""
     text = _TWIN.format(parameters="\n".join(f"{name} = {getattr(machine, name)!r}" for name in SI_NAMES))
     found: MachineDescription = machine._described_by(text)
     return found
 
 
 def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[str], start: Any, arguments: dict[str, Any]) -> PaperFit:
-    """The fit of the twin, by the machine's own names."""
+    """Fit the twin, with the parameter names of the paper's machine."""
     from ._arguments import state
 
     names = [free] if isinstance(free, str) else list(free)
@@ -222,10 +222,10 @@ def fit(
     start: StartLike = None,
     progress: bool = False,
 ) -> Fit:
-    """Numbers of a machine fitted to a record, with their errors: ``vibro fit FILE``.
+    """Fit parameters of a machine to a record, with their standard errors: ``vibro fit FILE``.
 
-    A :class:`PaperMachine` is fitted as the same machine of bodies and elements: `free` are its physical parameters, columns ``box.s`` or
-    ``box_s`` and so on, stops ``upper`` and ``lower``, `start` as of :meth:`PaperMachine.simulate`; the result is a :class:`PaperFit`.
+    A :class:`PaperMachine` is fitted as the same machine of bodies and elements. `free` has its physical parameters, the columns are ``box.s`` or
+    ``box_s`` and so on, the stops ``upper`` and ``lower``; `start` is as in :meth:`PaperMachine.simulate`. The result is a :class:`PaperFit`.
 
     >>> import vibro_impact as vi
     >>> slide = vi.Machine({
@@ -240,44 +240,44 @@ def fit(
     Parameters
     ----------
     machine
-        The machine with the values from which the fit begins.
+        Machine with the initial parameter values.
     record
-        By column, such as ``box.s``, times (s) and values (SI); all columns at the same times. Or the path of a table (CSV) whose first
-        line names ``time`` and columns, as the command line's ``--data``; it may name units, as ``box.s [mm]``.
+        Times (s) and values (SI) for each column, for example ``box.s``; all columns have the same times. Or the path of a table (CSV) whose
+        first line names ``time`` and columns, like ``--data`` of the command line; it may name units, for example ``box.s [mm]``.
     free
-        The numbers that are fitted: parameters, numbers of the start, ``record.shift``, ``record.offset.COLUMN``.
+        Names of the free parameters: parameters of the machine or the start, ``record.shift``, ``record.offset.COLUMN``.
     within
-        Least and largest value of a free number, in SI or as texts with units.
+        Smallest and largest value of a free parameter, in SI or as texts with units.
     events
-        By stop the times of its impacts or first touches, s.
+        Times of the impacts or first touches of each stop, s.
     sigma
-        Standard deviation of the noise of each column, in SI or as a text with a unit, and of the times of ``events`` as ``"contacts"``; by
-        the residuals without it.
+        Standard deviation of the noise of each column, in SI or as a text with a unit, and of the times of ``events`` as ``"contacts"``.
+        Without it, the residuals determine the standard deviation.
     filter
-        Order and corner frequency (Hz, or a text with a unit) of the low-pass filter of a column's sensor, Butterworth's: ``{"box.a": (2, 400.0)}``.
+        Order and corner frequency (Hz, or a text with a unit) of the Butterworth low-pass filter of a column's sensor: ``{"box.a": (2, 400.0)}``.
         A column of accelerations requires one.
     loss
-        ``linear``, ``soft_l1`` or ``huber``: how residuals count.
+        Loss function of the residuals: ``linear``, ``soft_l1`` or ``huber``.
     segments
-        ``"auto"``, ``"none"``, or a length in s: whether the motion is divided into segments with starts of their own, each continuing the
-        one before. ``"auto"`` divides where one motion does not lead to the record, as of chaotic ones.
+        Division of the motion into segments with their own initial states: ``"auto"``, ``"none"``, or a length in s. ``"auto"`` divides a
+        motion that does not lead to the record otherwise, for example a chaotic one.
     starts
         Number of further starts of the fit, spread over ``within``.
     start
-        Where the motion begins, as of :meth:`Machine.simulate`. Without it the machine's own start: of a :class:`PaperMachine` that in units of the
-        gap that it is given with.
+        Start of the motion, as in :meth:`Machine.simulate`; by default the machine's own start. The default start of a :class:`PaperMachine` is
+        in units of its initial gap.
     progress
         Whether to show a progress bar, with the stage, the least cost so far, and the number of simulations.
 
     Raises
     ------
     KeyboardInterrupt
-        On Ctrl-C, with the best values so far as its attribute ``partial``: a :class:`Fit` whose verdict is ``undecided: ended by hand …``;
-        None where the simulations that run do not end within 10 s, or at a second Ctrl-C.
+        On Ctrl-C. Its attribute ``partial`` has the best values so far: a :class:`Fit` with the verdict ``undecided: ended by hand …``, or
+        None if running simulations do not end within 10 s, or at a second Ctrl-C.
     ValueError, TypeError
         For arguments out of their range, unknown names, and records that are empty or not finite.
     RuntimeError
-        Where no motion of the machine covers the record.
+        If no motion of the machine covers the record.
     """
     if isinstance(machine, ParameterValues):
         arguments = {"within": within, "events": events, "sigma": sigma, "filter": filter, "loss": loss, "segments": segments, "starts": starts}
@@ -315,9 +315,9 @@ def fit_records(
     start: Optional[Sequence[StartLike]] = None,
     progress: bool = False,
 ) -> list[Fit]:
-    """Fit numbers of a machine to several records together: ``vibro fit FILE --data a.csv,b.csv``.
+    """Fit parameters of a machine to several records together: ``vibro fit FILE --data a.csv,b.csv``.
 
-    Returns a :class:`Fit` for each record, with the free numbers of this record. Values, errors and verdicts are from all records together.
+    Returns a :class:`Fit` for each record, with its free parameters. Values, errors and verdicts are from all records together.
 
     >>> import vibro_impact as vi
     >>> slide = vi.Machine({
@@ -334,23 +334,23 @@ def fit_records(
     Parameters
     ----------
     machines
-        The machine of each record, with the values from which the fit begins. The machines may differ in numbers that are not free.
+        Machine of each record, with the initial parameter values. The machines may differ in parameters that are not free.
     records
-        The records, each as of :func:`fit`.
+        Records, each as in :func:`fit`.
     free
-        The numbers that all records share.
+        Free parameters that all records share.
     own
-        The numbers that each record has for itself, such as ``body.a.start.v``. The numbers ``record.shift`` and ``record.offset.COLUMN``
-        always are.
+        Free parameters that each record has for itself, for example ``body.a.start.v``. ``record.shift`` and ``record.offset.COLUMN``
+        always belong to one record.
     events, sigma, start
-        As of :func:`fit`, one for each record.
+        As in :func:`fit`, one for each record.
     within, filter, loss, segments, starts, progress
-        As of :func:`fit`.
+        As in :func:`fit`.
 
     Raises
     ------
     KeyboardInterrupt, ValueError, TypeError, RuntimeError
-        As :func:`fit`; `partial` is a list. ValueError also for a shared number that begins at different values.
+        As :func:`fit`, with a list as `partial`. Also ValueError for a shared parameter with different initial values.
     """
     shared, single = ([names] if isinstance(names, str) else list(names) for names in (free, own))
     names = shared + single
@@ -395,21 +395,21 @@ def fit_records(
 
 
 def _contacts(events: Optional[Mapping[str, ArrayLike]]) -> list[tuple[str, list[float]]]:
-    """The times of contacts by stop, s."""
+    """Contact times of each stop, s."""
     if events is not None and not isinstance(events, Mapping):
         raise TypeError(f"events is of type {type(events).__name__}: allowed is a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
     return [(stop, array(f"events[{stop!r}]", times, "an array of shape (n,) of times in s").tolist()) for stop, times in (events or {}).items()]
 
 
 def _range(machine: MachineDescription, name: str, ends: Any) -> tuple[float, float]:
-    """The range of a free number, SI."""
+    """Range of a free parameter, SI."""
     if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
         raise TypeError(f"within: {name} = {ends!r}: allowed is a pair of its least and largest value, in SI or as texts with units")
     return _bound(machine, name, ends[0]), _bound(machine, name, ends[1])
 
 
 def _bound(machine: MachineDescription, name: str, value: Union[float, str]) -> float:
-    """An end of the range of a free number, SI."""
+    """End of the range of a free parameter, SI."""
     if not isinstance(value, str):
         return number("within", value)
     if name == "record.shift":
@@ -423,7 +423,7 @@ def _bound(machine: MachineDescription, name: str, value: Union[float, str]) -> 
 
 
 def _filter(column: str, own: Any) -> tuple[str, int, float]:
-    """Column, order and corner frequency, Hz, of a sensor's filter."""
+    """Column, order and corner frequency (Hz) of a sensor's filter."""
     if isinstance(own, str) or not isinstance(own, Sequence) or len(own) != 2:
         raise TypeError(f"filter: {column} = {own!r}: expected a pair of order and corner frequency, such as (2, 400.0)")
     name = f"filter: {column}"
@@ -432,7 +432,7 @@ def _filter(column: str, own: Any) -> tuple[str, int, float]:
 
 
 def _length(segments: Union[str, float]) -> Optional[float]:
-    """None of ``auto``, 0 of ``none``."""
+    """Length of segments, s: None for ``auto``, 0 for ``none``."""
     if isinstance(segments, str):
         if segments not in ("auto", "none"):
             raise ValueError(f"segments = {segments!r}: allowed are 'auto', 'none' and a length in s")

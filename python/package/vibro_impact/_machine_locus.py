@@ -42,23 +42,23 @@ class Locus(Result):
     machine: MachineDescription
     "The machine with all other parameters."
     names: tuple[str, str]
-    "The two parameters; the first is that of the branch."
+    "The two parameters; the first is the branch's parameter."
     label: str
-    "What is special on the whole curve: a key of :data:`LABELS`."
+    "Kind of special point along the whole curve: a key of :data:`LABELS`."
     element: str
-    "The element that is meant, or empty."
+    "Element concerned, or empty."
     word: str
-    "The events of the orbits, in their shortest word."
+    "Events of the orbits, as the shortest word."
     periods: Optional[int]
-    "The period in common periods of the drive; None for a machine that nothing drives."
+    "Period in common periods of the drive; None for a machine without a drive."
     values: Floats
     "Both parameters along the curve, shape (n, 2), SI."
     period: Floats
-    "The period of each orbit, shape (n,), s."
+    "Period of each orbit, shape (n,), s."
     angle: Floats
     "Angle of the multipliers on the unit circle, shape (n,), rad; NaN unless `label` is NS."
     labels: NDArray[np.str_]
-    "What is special at a point of the curve, shape (n,): a key of :data:`LOCUS_LABELS`, or empty."
+    "Kind of special point at each point of the curve, shape (n,): a key of :data:`LOCUS_LABELS`, or empty."
 
     @property
     def special(self) -> list[tuple[str, float, float]]:

@@ -52,21 +52,21 @@ class Orbit(Result):
     """A periodic orbit of a machine of your own."""
 
     machine: MachineDescription
-    "Whose orbit it is."
+    "Machine of the orbit."
     word: str
-    "Its events in their order: ``impact steel, press buffer, free buffer``."
+    "Events in order: ``impact steel, press buffer, free buffer``."
     period: float
-    "The period, s."
+    "Period, s."
     periods: Optional[int]
-    "The period in common periods of the drive; none of a machine that nothing drives."
+    "Period in common periods of the drive; None for a machine without a drive."
     multipliers: NDArray[np.complex128]
-    "Multipliers of the period that are not 1 by theory, largest first."
+    "Multipliers of the period, largest first, without the ones that theory fixes at 1."
     stability: str
     "``stable``, ``unstable``, ``neutral`` (a machine without losses) or ``undecided``."
     violation: Optional[str]
-    "Why it is no motion of the machine; none where it is one."
+    "Reason why the orbit is not a motion of the machine; None if it is one."
     start: Start
-    "A start on it, in the middle of its longest flight."
+    "A start on the orbit, in the middle of its longest flight."
     events: list[tuple[float, str, str]]
     "Time (s), kind and element of each event."
     _handle: Optional[_native.Orbit] = dataclasses.field(repr=False)
@@ -145,35 +145,35 @@ class Branch(Result):
     machine: MachineDescription
     "The machine with all other parameters."
     name: str
-    "The parameter."
+    "Name of the parameter."
     word: str
-    "The events of all its orbits."
+    "Events of all its orbits."
     periods: Optional[int]
-    "The period in common periods of the drive."
+    "Period in common periods of the drive."
     closed: bool
-    "Whether it ends where it begins."
+    "Whether the branch ends where it begins."
     parent: Optional[tuple[int, int]]
-    "Branch and point from which it begins; none of one from a settled motion."
+    "Branch and point from which this branch begins; None if it begins at a settled motion."
     value: Floats
-    "The parameter along the branch, shape (n,), SI."
+    "Parameter along the branch, shape (n,), SI."
     period: Floats
-    "The period of each orbit, shape (n,), s."
+    "Period of each orbit, shape (n,), s."
     multipliers: list[NDArray[np.complex128]]
     "Multipliers of each orbit, largest first."
     stability: NDArray[np.str_]
-    "Stability of the piece from a point to the next, shape (n,)."
+    "Stability of the piece from each point to the next, shape (n,)."
     stable: NDArray[np.bool_]
-    "Whether that piece is stable, shape (n,)."
+    "Whether the piece from each point to the next is stable, shape (n,)."
     labels: NDArray[np.str_]
-    "What is special at a point, shape (n,): a key of :data:`LABELS`, or empty."
+    "Kind of special point at each point, shape (n,): a key of :data:`LABELS`, or empty."
     elements: NDArray[np.str_]
-    "The element that is meant there, shape (n,), or empty."
+    "Element concerned at each point, shape (n,), or empty."
     of: str
-    "The output that is kept."
+    "Name of the recorded output."
     measure: Floats
-    "That output of each orbit, shape (n,), SI."
+    "Value of the output for each orbit, shape (n,), SI."
     starts: list[Optional[Start]]
-    """A start on each orbit, none where it cannot be told: with the machine of a point,
+    """A start on each orbit; None if it is unknown. With the machine of a point,
     ``machine.replace({branch.name: branch.value[i]})``, it leads :meth:`Machine.orbit` back to the orbit."""
 
     @property

@@ -38,23 +38,23 @@ class Run(Result):
     """A motion of a machine of your own; ``run["box.s"]`` is an array."""
 
     machine: MachineDescription
-    "Whose motion it is."
+    "Machine of the motion."
     t: Floats
-    "Instants, shape (n,), s."
+    "Times, shape (n,), s."
     columns: list[str]
     "Names of the columns of `values`."
     values: Floats
-    "Shape (n, k), SI; just after an event at that instant."
+    "Values, shape (n, k), SI; just after an event at that time."
     events: NDArray[np.void]
     "All events, fields t (s), kind, element, value, stops."
     energy: NDArray[np.void]
     "Energies, shape (n,), fields kinetic, stored, balance, J."
     end: Start
-    "Time and state at the end, a start of a further motion."
+    "Time and state at the end, as a start for another motion."
     parameters: list[str] = dataclasses.field(default_factory=list)
-    "The parameters by which there are derivatives."
+    "Parameters with respect to which derivatives are available."
     lost: dict[str, str] = dataclasses.field(default_factory=dict)
-    "By parameter, for those by which there is no derivative from some time on: time, element and reason."
+    "Parameters whose derivatives do not exist from some time on, with time, element and reason."
     _derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
     _event_derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
 
@@ -105,13 +105,13 @@ class Ends(Result):
     """Final states of the motions of many machines; ``ends["box.s"]`` is an array."""
 
     t: float
-    "Time of the ends, s."
+    "Time of the end states, s."
     columns: list[str]
     "Names of the columns of `values`."
     values: Floats
-    "Shape (n, k), SI."
+    "Values, shape (n, k), SI."
     error: Optional[NDArray[Any]] = None
-    "With ``errors='row'`` the reason why a motion has no end, None where it has one; its numbers are then masked."
+    "With ``errors='row'`` the reason why a motion has no end state, otherwise None; its values are then masked."
 
     def __getitem__(self, name: str) -> Floats:
         return column_of(self.columns, self.values, name)
@@ -122,17 +122,17 @@ class Transition(Result):
     """Derivatives of the final state of a motion with respect to its initial state, through impacts, contacts and sticking."""
 
     machine: MachineDescription
-    "Whose motion it is."
+    "Machine of the motion."
     start: Start
-    "The start, with all its numbers."
+    "Start, with all its values."
     end: Start
-    "The end."
+    "End of the motion."
     states: list[str]
-    "Names of rows and columns: coordinates that links leave free, ``box.s``, then their rates, ``box.v``."
+    "Names of rows and columns: free coordinates, ``box.s``, then their rates, ``box.v``."
     matrix: np.ma.MaskedArray[Any, np.dtype[np.float64]]
-    "Shape (k, k), SI: `matrix[i, j]` is that of number i at the end by number j at the start, masked where there is none."
+    "Shape (k, k), SI: `matrix[i, j]` is the derivative of end value i with respect to start value j; masked if it does not exist."
     lost: dict[str, str]
-    "By number at the start, for those by which there is no derivative at the end: time, element and reason."
+    "Start values without derivatives at the end, by name, with time, element and reason."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -140,23 +140,23 @@ class Direction(Result):
     """Settled motions of one direction of a diagram."""
 
     value: Floats
-    "The parameter, shape (n,), SI, rising."
+    "Parameter, shape (n,), SI, ascending."
     kind: NDArray[np.str_]
     "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled; refused."
     period: NDArray[np.int32]
-    "Period in returns to the section, shape (n,); 0 where it has none up to 32."
+    "Period in returns to the section, shape (n,); 0 if there is none up to 32."
     contacts: Floats
-    "Impacts and first touches a return, shape (n,)."
+    "Number of impacts and first touches per return, shape (n,)."
     rests: NDArray[np.bool_]
-    "Whether a stop stays closed or a friction sticks in its course, shape (n,)."
+    "Whether a stop stays closed or a friction sticks at some time, shape (n,)."
     maxima: Floats
-    "Maxima, or values at the section, each once, shape (k,), SI, to seven digits."
+    "Distinct maxima, or values at the section, shape (k,), SI, to seven digits."
     at: NDArray[np.int64]
-    "The index in `value` of each, shape (k,)."
+    "Index in `value` of each maximum, shape (k,)."
     met: NDArray[np.uint32]
-    "How often it was met, shape (k,)."
+    "Number of occurrences of each maximum, shape (k,)."
     exponent: Floats
-    "Largest Lyapunov exponent, shape (n,), 1/s; 0 where it was not asked for and not needed, and where :attr:`kind` is not decided."
+    "Largest Lyapunov exponent, shape (n,), 1/s; 0 if it was neither requested nor needed, or if :attr:`kind` is not decided."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -166,17 +166,17 @@ class Diagram(Result):
     machine: MachineDescription
     "The machine whose parameter varies."
     name: str
-    "The parameter."
+    "Name of the parameter."
     of: str
-    "The quantity."
+    "Name of the quantity."
     up: Direction
-    "With the value rising."
+    "Motions with the parameter increasing."
     down: Direction
-    "With the value falling, in the order of rising values."
+    "Motions with the parameter decreasing, in ascending order of values."
     hysteresis: NDArray[np.bool_]
-    "Where the two end on different motions for certain, shape (n,)."
+    "Whether the two directions certainly end on different motions, shape (n,)."
     at_section: bool
-    "Whether `maxima` has values at the section instead."
+    "Whether `maxima` has values at the section instead of maxima."
 
     def _picture(self) -> str:
         down, up = (Line(way.value[way.at], way.maxima, label, dots=True, colour=k) for k, (way, label) in enumerate(((self.down, "falling"), (self.up, "rising"))))

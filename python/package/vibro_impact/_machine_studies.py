@@ -31,21 +31,21 @@ class Attractor(Result):
     """An attractor of a machine of your own."""
 
     kind: str
-    "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
+    "Class: 1T, 2T, ..., quasi-periodic, chaotic."
     period: Optional[int]
-    "Its period in returns to the section, up to 32."
+    "Period in returns to the section, up to 32."
     contacts: float
-    "Impacts and first touches a return."
+    "Number of impacts and first touches per return."
     rests: bool
-    "Whether a stop stays closed or a friction sticks for a while."
+    "Whether a stop stays closed or a friction sticks at some time."
     interval: float
     "Mean time between returns, s."
     word: str
-    "The events of its orbit in their order; empty without a period or events."
+    "Events of the orbit in order; empty without a period or events."
     stability: str
-    "Stability of that orbit; empty where none was found."
+    "Stability of the orbit; empty if none was found."
     start: Start
-    "A start on it, or near it where it has no period."
+    "A start on the attractor, or near it if it has no period."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -55,18 +55,18 @@ class Basins(Result):
     machine: MachineDescription
     "The machine."
     names: tuple[str, str]
-    "The numbers across and up: ``block.s``, ``block.v``, ``time``."
+    "Start parameters on the horizontal and vertical axis: ``block.s``, ``block.v``, ``time``."
     x: Floats
-    "Centres of the cells across, shape (nx,), SI."
+    "Centres of the cells on the horizontal axis, shape (nx,), SI."
     y: Floats
-    "Centres of the cells up, shape (ny,), SI."
+    "Centres of the cells on the vertical axis, shape (ny,), SI."
     attractors: tuple[Attractor, ...]
-    "The attractors in the order in which the cells meet them; motions without a period count as one of their class."
+    "Attractors in the order in which the cells reach them; all motions without a period count as one attractor of their class."
     cells: NDArray[np.int32]
-    """Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx). No attractor: -1 for a start that violates a
-    rigid stop, -2 where the motion was not decided, -3 where it ends, -4 where it comes to rest."""
+    """Index of the attractor that the motion from each cell's centre reaches, shape (ny, nx). Without an attractor: -1 if the start violates a
+    rigid stop, -2 if the motion is undecided, -3 if it ends, -4 if it comes to rest."""
     ended: Optional[str]
-    "Why the first motion that ended did."
+    "Reason why a motion ended, for the first one that did."
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
     "Ends of the plane: left, right, bottom, top."
 
@@ -79,17 +79,17 @@ class Section(Result):
     """A Poincaré section of a machine of your own: ``section["box.s"]`` is a column."""
 
     machine: MachineDescription
-    "Whose motion it is."
+    "Machine of the motion."
     at: Union[float, str, None]
-    "The section: a period, s, an element's name, or none for the common period of the harmonics."
+    "Section: a period, s, or an element's name; None for the common period of the harmonics."
     t: Floats
     "Times, shape (n,), s."
     phase: Optional[Floats]
-    "Phase of the common period of what drives the machine, shape (n,), rad; none where nothing does."
+    "Phase of the drive's common period, shape (n,), rad; None without a drive."
     speed: Optional[Floats]
-    "Closing speed at a stop's events, shape (n,), m/s or rad/s; none at others."
+    "Closing speed at a stop's events, shape (n,), m/s or rad/s; None for other sections."
     values: Floats
-    "All columns of the machine, shape (n, k), just after an event."
+    "Values of all columns of the machine, shape (n, k), just after an event."
 
     def __getitem__(self, column: str) -> Floats:
         names = self.machine.columns
@@ -112,18 +112,18 @@ class Spectrum(Result):
     """All Lyapunov exponents of a motion of a machine of your own."""
 
     machine: MachineDescription
-    "Whose motion it is."
+    "Machine of the motion."
     exponents: Floats
-    "The exponents, 1/s, largest first; -inf for directions that contacts take. That of the drive's phase, 0, is not among them."
+    "Exponents, 1/s, largest first; -inf for directions that contacts remove. The exponent 0 of the drive's phase is left out."
     errors: Floats
-    "Their standard errors, 1/s; on a periodic orbit the difference between two periods."
+    "Standard errors of the exponents, 1/s; for a periodic orbit, the difference between two periods."
     period: Optional[int]
-    """Returns in the period of the orbit on which the motion has settled: its exponents are ln|μ|/T by the orbit's multipliers μ. None for
-    a motion without a period, whose exponents are counted."""
+    """Period in returns of the orbit on which the motion has settled: its exponents are ln|μ|/T with the orbit's multipliers μ. None for
+    a motion without a period, whose exponents are averages."""
     t: Floats
-    "Times after the count began, shape (n,), s."
+    "Times after the start of averaging, shape (n,), s."
     running: Floats
-    "The exponents up to there, shape (n, k), 1/s."
+    "Running exponents at these times, shape (n, k), 1/s."
 
     def _picture(self) -> str:
         some = [Line(self.t, self.running[:, k], colour=k) for k in range(min(self.running.shape[1], 8))]

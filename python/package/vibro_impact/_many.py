@@ -35,13 +35,13 @@ class PaperEnds(Result):
     """Final states of the motions of many of the paper's machines; ``ends["box.s"]`` is an array."""
 
     t: Floats
-    "Times of the ends, shape (n,), s."
+    "Times of the end states, shape (n,), s."
     s: Floats
     "Displacements x1, x2, x3, shape (n, 3), m."
     v: Floats
     "Velocities, shape (n, 3), m/s."
     error: Optional[NDArray[Any]] = None
-    "With ``errors='row'`` the reason why a motion has no end, None where it has one; its numbers are then masked."
+    "With ``errors='row'`` the reason why a motion has no end state, otherwise None; its values are then masked."
 
     @property
     def states(self) -> Floats:

@@ -92,15 +92,15 @@ class PaperSpectrum(Result):
     """Lyapunov spectrum of a motion of the paper's machine."""
 
     machine: ParameterValues
-    "Whose motion it is."
+    "Machine of the motion."
     exponents: Floats
-    "The exponents, largest first, shape (7,), 1/s; -inf for directions lost in rest or at plastic impacts."
+    "Exponents, largest first, shape (7,), 1/s; -inf for directions lost in rest or at plastic impacts."
     deviation: float
     "Largest standard deviation of the running exponents over the last 200 periods, 1/s."
     running: Floats
     "Running exponents after each drive period, in the order of the directions, shape (periods, 7), 1/s."
     impacts: int
-    "Impacts in these periods."
+    "Number of impacts in these periods."
     rests: bool
     "Whether the block rested."
 

@@ -115,21 +115,21 @@ class PaperRun(Result):
     """A motion of the paper's machine."""
 
     machine: ParameterValues
-    "Whose motion it is."
+    "Machine of the motion."
     t: Floats
-    "Instants, shape (n,), s."
+    "Times, shape (n,), s."
     s: Floats
     "Displacements x1, x2, x3 of box, block and secondary oscillator, shape (n, 3), m."
     v: Floats
-    "Velocities, shape (n, 3), m/s; just after an impact at that instant."
+    "Velocities, shape (n, 3), m/s; just after an impact at that time."
     energy: NDArray[np.void]
     "Energy accounts since the start, shape (n,), fields mechanical, input, damped, impact, J."
     impacts: NDArray[np.void]
-    "All impacts between the instants, fields t (s), stop (+1, -1), speed (m/s), impulse (N.s)."
+    "All impacts from the first to the last time, fields t (s), stop (+1, -1), speed (m/s), impulse (N.s)."
     rests: NDArray[np.void]
-    "Where chatter ended in resting contact, fields t (s), stop."
+    "Ends of chatter in resting contact, fields t (s), stop."
     releases: NDArray[np.void]
-    "Where the block let go of a stop, fields t (s), stop."
+    "Releases of the block from a stop, fields t (s), stop."
 
     @property
     def w(self) -> Floats:
@@ -200,9 +200,9 @@ class PaperSection(Result):
     """A Poincaré section of the paper's machine."""
 
     machine: ParameterValues
-    "Whose motion it is."
+    "Machine of the motion."
     at: str
-    "Where it is taken: phase, upper or lower."
+    "Kind of the section: phase, upper or lower."
     t: Floats
     "Times, shape (n,), s."
     s: Floats
@@ -212,7 +212,7 @@ class PaperSection(Result):
     phase: Floats
     "Phase of the drive, shape (n,), rad in [0, 2 pi)."
     speed: Floats
-    "|w'| before the impact, shape (n,), m/s; zero for a section at a phase."
+    "Approach speed |w'| before the impact, shape (n,), m/s; zero for a section at a phase."
 
     def _picture(self) -> str:
         if self.at == "phase":

@@ -41,25 +41,25 @@ class PaperOrbit(Result):
     """A certified periodic orbit: it has the impacts of its word and no others."""
 
     machine: ParameterValues
-    "Whose orbit it is."
+    "Machine of the orbit."
     word: str
-    "The stops in order, letters U and L, - without impacts: the shortest word of the orbit, which may be shorter than the one that was asked for."
+    "Stops in order: letters U and L, or - without impacts. It is the shortest word of the orbit, which may be shorter than the requested word."
     symmetric: bool
     "Whether the word is half of a symmetric orbit, whose second half is the mirror image of the first."
     periods: int
-    "The period in drive periods."
+    "Period in drive periods."
     passages: int
-    "How often the word that was asked for passes the orbit: more than 1 where it is no orbit of its own."
+    "Number of times that the requested word passes the orbit: more than 1 if the word is not an orbit of its own."
     phases: Floats
     "Phases of the drive at the impacts, shape (n,), rad."
     speeds: Floats
-    "|w'| before the impacts, shape (n,), m/s."
+    "Approach speeds |w'| before the impacts, shape (n,), m/s."
     multipliers: NDArray[np.complex128]
     "Multipliers, largest first, shape (6,), over :attr:`multiplier_periods`."
     multiplier_periods: float
-    "Drive periods over which the multipliers are: the period, for a symmetric orbit half of it, so that those of the period are their squares."
+    "Drive periods that the multipliers cover: the period, or half of it for a symmetric orbit; squares are then the period's multipliers."
     stable: bool
-    "Whether it attracts its neighbourhood."
+    "Whether the orbit attracts neighbouring motions."
     _half_periods: int = dataclasses.field(repr=False)
 
     @property
@@ -121,29 +121,29 @@ class PaperBranch(Result):
     machine: ParameterValues
     "The machine with all other parameters."
     name: str
-    "The parameter."
+    "Name of the parameter."
     word: str
-    "The stops in order, of all its orbits."
+    "Stops in order, for all its orbits."
     symmetric: bool
     "Whether the word is half of a symmetric orbit."
     periods: int
-    "The period in drive periods."
+    "Period in drive periods."
     closed: bool
-    "Whether it ends where it begins."
+    "Whether the branch ends where it begins."
     value: Floats
-    "The parameter along the branch, shape (n,)."
+    "Parameter along the branch, shape (n,)."
     phases: list[Floats]
     "Phases of the drive at the impacts, rad, an array for each point."
     multipliers: NDArray[np.complex128]
     "Multipliers, largest first, shape (n, 6), over :attr:`multiplier_periods`."
     stable: NDArray[np.bool_]
-    "Whether the piece from a point to the next is stable, shape (n,)."
+    "Whether the piece from each point to the next is stable, shape (n,)."
     labels: NDArray[np.str_]
-    "What is special at a point, shape (n,): a key of :data:`PAPER_LABELS`, or empty."
+    "Kind of special point at each point, shape (n,): a key of :data:`PAPER_LABELS`, or empty."
     of: str
-    "The displacement whose maxima are kept."
+    "Displacement whose maxima are recorded."
     maxima: list[Floats]
-    "Local maxima of it, m, the largest first, an array for each point."
+    "Local maxima of the displacement, m, the largest first, an array for each point."
 
     @property
     def period(self) -> Floats:

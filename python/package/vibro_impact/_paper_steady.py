@@ -23,17 +23,17 @@ class SteadyState(Result):
     """The symmetric motion with two impacts per drive period, by one theory."""
 
     machine: ParameterValues
-    "Whose motion it is."
+    "Machine of the motion."
     theory: str
-    "multiple_scales (weak coupling, small mass ratio), strong_coupling (small mass ratio) or exact_orbit (any parameters)."
+    "Theory: multiple_scales (weak coupling, small mass ratio), strong_coupling (small mass ratio) or exact_orbit (any parameters)."
     sheet: str
-    "upper or lower."
+    "Sheet of the solution: upper or lower."
     amplitudes: Floats
     "Largest |x1|, |x2|, |x3|, shape (3,), m."
     drive_phase: float
-    "Phase of the drive when the block meets the upper stop, rad."
+    "Phase of the drive when the block hits the upper stop, rad."
     geometric: bool
-    "Whether the block keeps within the stops between its impacts."
+    "Whether the block stays between the stops between its impacts."
     fixed_point: bool
     "Whether the slow flow's fixed point is stable; true for the exact orbit, which has no slow flow."
     periodic_motion: bool
@@ -85,13 +85,13 @@ class SteadyStates(Result):
     """The steady states of a machine by three theories; None for a theory without a solution."""
 
     multiple_scales: Optional[SteadyState]
-    "The paper's sections 3 and 4."
+    "Results of the paper's sections 3 and 4."
     strong_coupling: Optional[SteadyState]
-    "The paper's section 5 in closed form."
+    "Results of the paper's section 5 in closed form."
     exact_orbit: Optional[SteadyState]
     "The exact orbit of the full system."
     reasons: dict[str, str]
-    "Why a theory has no answer, by its name."
+    "Reason why a theory has no result, by its name."
 
 
 def steady_states(machine: ParameterValues, sheet: str) -> SteadyStates:

@@ -28,23 +28,23 @@ class PaperDirection(Result):
     """Settled motions of one direction of a diagram."""
 
     value: Floats
-    "The parameter, shape (n,), in its unit, rising."
+    "Parameter, shape (n,), in its unit, ascending."
     kind: NDArray[np.str_]
-    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled where it is undecided; refused where there is none."
+    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled if undecided; refused if there is no motion."
     period: NDArray[np.int32]
-    "Period in drive periods, shape (n,); 0 where it has none up to 32."
+    "Period in drive periods, shape (n,); 0 if there is none up to 32."
     impacts: Floats
-    "Impacts per drive period at the upper and at the lower stop, shape (n, 2)."
+    "Number of impacts per drive period at the upper and at the lower stop, shape (n, 2)."
     rests: NDArray[np.bool_]
-    "Whether the block rests at a stop in its course, shape (n,)."
+    "Whether the block rests at a stop at some time, shape (n,)."
     maxima: Floats
-    "Local maxima of the displacement, each value once, shape (k,), units of L, to six digits after the point."
+    "Distinct local maxima of the displacement, shape (k,), units of L, to six digits after the point."
     at: NDArray[np.int64]
-    "The index in `value` of each maximum, shape (k,)."
+    "Index in `value` of each maximum, shape (k,)."
     met: NDArray[np.uint32]
-    "How often it was met, shape (k,)."
+    "Number of occurrences of each maximum, shape (k,)."
     exponents: Optional[Floats]
-    "Lyapunov exponents, largest first, shape (n, 7), in units of omega10, where they were asked for; 0 where refused."
+    "Lyapunov exponents, largest first, shape (n, 7), in units of omega10, if they were requested; 0 where refused."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -54,15 +54,15 @@ class PaperDiagram(Result):
     machine: ParameterValues
     "The machine whose parameter varies."
     name: str
-    "The parameter."
+    "Name of the parameter."
     of: str
-    "The displacement whose maxima are kept."
+    "Displacement whose maxima are recorded."
     up: PaperDirection
-    "With the value rising."
+    "Motions with the parameter increasing."
     down: PaperDirection
-    "With the value falling, in the order of rising values."
+    "Motions with the parameter decreasing, in ascending order of values."
     hysteresis: NDArray[np.bool_]
-    "Where the two end on attractors that are neither the same nor mirror images, shape (n,)."
+    "Whether the two directions end on attractors that are neither equal nor mirror images, shape (n,)."
 
     def _picture(self) -> str:
         down, up = (Line(way.value[way.at], way.maxima, label, dots=True, colour=k) for k, (way, label) in enumerate(((self.down, "falling"), (self.up, "rising"))))
@@ -100,21 +100,21 @@ class PaperAttractor(Result):
     """An attractor: class, period, impacts and states of a settled motion."""
 
     kind: str
-    "Its class: 1T, 2T, ..., quasi-periodic, chaotic."
+    "Class: 1T, 2T, ..., quasi-periodic, chaotic."
     period: Optional[int]
-    "Its period in drive periods, up to 32."
+    "Period in drive periods, up to 32."
     impacts: Floats
-    "Impacts per drive period at the upper and at the lower stop, shape (2,)."
+    "Number of impacts per drive period at the upper and at the lower stop, shape (2,)."
     rests: bool
-    "Whether the block rests at a stop in its course."
+    "Whether the block rests at a stop at some time."
     symmetric: bool
-    "Whether it is its own mirror image."
+    "Whether the attractor is its own mirror image."
     states: Floats
-    "States at whole drive periods, one for each of its period, shape (p, 6): x1, x2, x3 (units of L), v1, v2, v3 (L omega10)."
+    "States at successive whole drive periods of one period, shape (p, 6): x1, x2, x3 (units of L), v1, v2, v3 (L omega10)."
     mirror_states: Floats
-    "States of its mirror image, shape (p, 6); none under constant loads."
+    "States of the mirror image, shape (p, 6); none under constant loads."
     sizes: Floats
-    "Root mean squares of x1, x2, x3 at whole and half drive periods, shape (3,), units of L."
+    "Root mean square of x1, x2, x3 at whole and half drive periods, shape (3,), units of L."
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -124,18 +124,18 @@ class PaperBasins(Result):
     machine: ParameterValues
     "The machine."
     names: tuple[str, str]
-    "The initial values across and up, by their names in units of L or L omega10."
+    "Initial values on the horizontal and vertical axis, by name, in units of L or L omega10."
     x: Floats
-    "Centres of the cells across, shape (nx,), units of L or L omega10."
+    "Centres of the cells on the horizontal axis, shape (nx,), units of L or L omega10."
     y: Floats
-    "Centres of the cells up, shape (ny,)."
+    "Centres of the cells on the vertical axis, shape (ny,)."
     attractors: tuple[PaperAttractor, ...]
-    "The attractors in the order in which the cells meet them."
+    "Attractors in the order in which the cells reach them."
     cells: NDArray[np.int32]
-    """Number of the attractor to which the motion from a cell's centre leads, shape (ny, nx). No attractor: -1 for a start outside the stops,
-    -2 where the motion has not settled, -3 where it is on a chaotic or quasi-periodic attractor but on which one is undecided."""
+    """Index of the attractor that the motion from each cell's centre reaches, shape (ny, nx). Without an attractor: -1 for a start outside the
+    stops, -2 if the motion has not settled, -3 if it is on a chaotic or quasi-periodic attractor, but which one is undecided."""
     mirror: NDArray[np.bool_]
-    "Whether it is the attractor's mirror image, shape (ny, nx)."
+    "Whether the motion reaches the attractor's mirror image, shape (ny, nx)."
     edges: tuple[float, float, float, float] = dataclasses.field(repr=False)
     "Ends of the plane: left, right, bottom, top."
 

@@ -46,9 +46,9 @@ class ParameterValues(AnyMachine):
     drive_amplitude: float
     "Amplitude F10 of the harmonic force on the box, N."
     drive_frequency: float
-    "Angular frequency omega1 of that force, rad/s."
+    "Angular frequency omega1 of the harmonic force, rad/s."
     drive_phase: float
-    "Phase of that force at time 0, rad."
+    "Phase of the harmonic force at time 0, rad."
     load_box: float
     "Constant force on the box, N; 0 unless given."
     load_block: float

@@ -30,20 +30,20 @@ class Table(Result):
     """
 
     parameters: dict[str, NDArray[Any]]
-    "The parameters that vary, each of the table's shape, in SI."
+    "Varied parameters, each of the table's shape, in SI."
     values: dict[str, NDArray[Any]]
-    "The measures, each of the table's shape; ``class`` is an array of texts."
+    "Measures, each of the table's shape; ``class`` is an array of texts."
     spreads: dict[str, NDArray[Any]]
-    """By measure, how much its numbers would scatter from one window of the motion to the next: the standard error of a mean, rounding where a
-    motion repeats. ``table["impacts.spread"]`` is ``table.spreads["impacts"]``."""
+    """Scatter of each measure from one window of the motion to the next: the standard error for a mean, rounding if the motion
+    repeats. ``table["impacts.spread"]`` is ``table.spreads["impacts"]``."""
     unsettled: NDArray[Any]
-    "The name of a measure that still went one way while it was measured, None where all had settled."
+    "Name of a measure that was still drifting when it was measured; None if all had settled."
     error: Optional[NDArray[Any]]
-    "With ``errors='row'`` the reason why a motion has no measures, None where it has them."
+    "With ``errors='row'`` the reason why a motion has no measures, otherwise None."
     axes: Optional[tuple[str, ...]]
-    "Of a sweep the parameters of its dimensions."
+    "Parameters of the dimensions of a sweep."
     units: dict[str, str] = dataclasses.field(repr=False)
-    "The SI unit of each column."
+    "SI unit of each column."
     shape: tuple[int, ...]
     "Shape of all arrays."
 

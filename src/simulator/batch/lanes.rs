@@ -2,10 +2,9 @@
 //!
 //! Nearly all sub-steps of a motion are free flight over a whole sub-step, to its end or to an
 //! impact that is easily proved to be the first. These are computed for all lanes at once. All
-//! other sub-steps (those that are not free flight, and those for which the lanes find no proof)
-//! are computed for each motion alone with the code of [`step`](super::super::step). Only the
-//! motion's state decides which of the two computes a sub-step, so the result does not depend on
-//! neighbouring motions.
+//! other sub-steps (not free flight, or without a proof by the lanes) are computed for each motion
+//! alone with the code of [`step`](super::super::step). Only the motion's state decides between
+//! the two computations, so the result does not depend on neighbouring motions.
 
 mod centres;
 mod maxima;
@@ -162,8 +161,8 @@ impl Rounds<'_> {
         }
     }
 
-    /// Advances a motion alone and returns it to its lane; if it has ended, the lane takes the next
-    /// motion.
+    /// Advances a motion alone and returns it to its lane; if it has ended, the lane takes the
+    /// next motion.
     #[inline(always)]
     fn hand_over<S: Simd>(&mut self, simd: S, lane: usize, touched: Option<f64>) {
         let Some(motion) = &mut self.motions[lane] else { return };
@@ -179,8 +178,8 @@ impl Rounds<'_> {
         }
     }
 
-    /// Loads a lane with the next motion of the queue that lanes can advance; the motions before it
-    /// are advanced alone to their ends. The lane stays empty if there is none.
+    /// Loads a lane with the next motion of the queue that lanes can advance; the motions before
+    /// it are advanced alone to their ends. The lane stays empty if there is none.
     #[inline(never)]
     fn take_next(&mut self, lane: usize, mut ended: Option<Result<()>>) {
         let bit: LaneSet = 1 << lane;
@@ -295,9 +294,9 @@ fn keep_in(events: &mut [Option<Event>; 2]) -> impl FnMut(&Event) {
 }
 
 impl LaneMotion {
-    /// Begins a motion and applies the law of an event that is due. `None` if the motion is over: a
-    /// motion whose end is the present, and one that lanes cannot advance and that needs no reports
-    /// on the way, is advanced to its end at once.
+    /// Begins a motion and applies the law of an event that is due. `None` if the motion is over:
+    /// a motion whose end is the present, and one that lanes cannot advance and that needs no
+    /// reports on the way, is advanced to its end at once.
     fn begin(
         simulator: &mut Simulator,
         plan: &Plan,
@@ -326,8 +325,8 @@ impl LaneMotion {
     }
 
     /// Advances this motion by the code for a single motion until its next sub-step suits the
-    /// lanes. Returns the result of the motion if it has ended. If the lanes have brought the block
-    /// to the stop `touched`, the law of that impact is applied first.
+    /// lanes. Returns the result of the motion if it has ended. If the lanes have brought the
+    /// block to the stop `touched`, the law of that impact is applied first.
     #[inline(always)]
     fn advance_alone<S: Simd, const LOADS: usize>(
         &mut self,

@@ -63,8 +63,8 @@ impl<S: Simd> Wide<S> {
         all
     }
 
-    /// Transposes four numbers of each of as many motions as a vector has lanes into four vectors.
-    /// The lane of a motion is the same in all four and depends on the instruction set.
+    /// Transposes four numbers of each motion into four vectors, for one motion per lane. The lane
+    /// of a motion is the same in all four and depends on the instruction set.
     #[inline(always)]
     pub(crate) fn transposed(simd: S, motions: &[[f64; 4]]) -> [Self; 4] {
         let mut vectors = [simd.splat_f64s(0.0); 4];
@@ -74,7 +74,7 @@ impl<S: Simd> Wide<S> {
         [Self { simd, x: a }, Self { simd, x: b }, Self { simd, x: c }, Self { simd, x: d }]
     }
 
-    /// Σ_j rows[j] x_j from vector `v` of each row, by fused multiply-adds after the first product.
+    /// Σ_j rows[j] x_j from vector `v` of each row; fused multiply-adds after the first product.
     #[inline(always)]
     pub(crate) fn dot<const N: usize>(simd: S, rows: &[LaneRow; N], v: usize, x: &[Self; N]) -> Self {
         let mut sum = Self::load(simd, &rows[0], v) * x[0];

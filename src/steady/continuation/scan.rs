@@ -184,7 +184,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(runs)
     }
 
-    /// Appends a point to the last run, after the special points between it and the run's last one.
+    /// Appends a point to the last run, after the special points between them.
     fn extend(&self, runs: &mut [SheetRun<F::Solution>], next: BranchPoint<F::Solution>) -> Result<()> {
         let Some(run) = runs.last_mut() else { return Ok(()) };
         let Some(&last) = run.last() else {
@@ -260,7 +260,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
     }
 
     /// Joins runs end to end at their folds. The runs of the upper sheet must have increasing
-    /// parameter, those of the lower sheet decreasing parameter.
+    /// parameter, the runs of the lower sheet decreasing parameter.
     pub fn join(&self, mut runs: Vec<SheetRun<F::Solution>>) -> Result<Vec<Curve<F::Solution>>> {
         let fold = |point: Option<&BranchPoint<F::Solution>>| {
             point.filter(|p| p.special == Some(Special::Fold)).map(|p| p.value)
@@ -288,8 +288,8 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(runs.into_iter().map(curve).collect())
     }
 
-    /// Sets the stability of each special point to that of the piece that follows, and for the last
-    /// point to that of the piece before it.
+    /// Gives each special point the stability of the piece that follows, and the last point the
+    /// stability of the piece before it.
     fn mark_stability(&self, run: &mut SheetRun<F::Solution>) -> Result<()> {
         for i in 0..run.len() {
             if run[i].special.is_none() {

@@ -1,14 +1,14 @@
 //! The impact law in the units of the closed forms, for states and for their variations.
 //!
-//! `model.rs` has the law of the simulator. The law is written twice on purpose: the exact orbit is
-//! an oracle for the simulator and therefore shares only the parameters with it (docs/design.md,
-//! "What stands once").
+//! `model.rs` has the law of the simulator. The law is written twice on purpose: the exact orbit
+//! is an oracle for the simulator and therefore shares only the parameters with it
+//! (docs/design.md, "What stands once").
 
 use super::flight::{Flight, Vector6};
 
 impl Flight {
-    /// State after an impulse p on the block away from the upper stop, in units of m2 ω1 L: -p g of
-    /// docs/theory.md (77).
+    /// State after an impulse p on the block away from the upper stop, in units of m2 ω1 L: -p g
+    /// of docs/theory.md (77).
     pub(super) fn pushed(&self, z: &Vector6, p: f64) -> Vector6 {
         let mut after = *z;
         after[3] += p * self.epsilon;
@@ -17,7 +17,7 @@ impl Flight {
     }
 
     /// State after the impact law J of docs/theory.md (27). The rate w' before the impact is the
-    /// rate of `z` plus `forced`. The sign of w' is that of the stop, so that one law holds for
+    /// rate of `z` plus `forced`. The sign of w' is the stop's sign, so that one law holds for
     /// both stops.
     pub fn strike(&self, z: &Vector6, forced: f64) -> Vector6 {
         self.kicked(*z, z[4] - z[3] + forced)
@@ -37,8 +37,8 @@ impl Flight {
     }
 
     /// Variation of the state after an impact, by S of docs/theory.md (78). `delay` is
-    /// [`delay`](Self::delay) divided by w' before the impact, as the neighbouring motion meets the
-    /// stop later by -δw/w'.
+    /// [`delay`](Self::delay) divided by w' before the impact, as the neighbouring motion meets
+    /// the stop later by -δw/w'.
     pub fn saltate(&self, variation: &Vector6, delay: &Vector6) -> Vector6 {
         let w = variation[1] - variation[0];
         self.kicked(variation - delay * w, variation[4] - variation[3])
@@ -51,7 +51,7 @@ mod tests {
     use crate::model::{Augmented, BOX_RATE, Model, RELATIVE_RATE};
     use crate::parameters::Parameters;
 
-    /// Impact law of the closed forms against that of the simulator, at both stops.
+    /// The impact law of the closed forms agrees with the simulator's, at both stops.
     #[test]
     fn second_method_the_two_laws_agree() {
         const ROUNDING: f64 = 1e-15;

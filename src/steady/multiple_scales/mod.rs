@@ -66,8 +66,8 @@ pub struct FixedPoint {
     pub branch: Branch,
     /// The three tests.
     pub admissibility: Admissibility,
-    /// Eigenvalues of the slow flow's Jacobian: those of (B, ψ), then those of (A3, ψ3),
-    /// docs/theory.md (51).
+    /// Eigenvalues of the slow flow's Jacobian: first of (B, ψ), then of (A3, ψ3), docs/theory.md
+    /// (51).
     pub eigenvalues: [Complex<f64>; 4],
     /// Half-cycle multipliers of the periodic motion: the eigenvalues of D, docs/theory.md (53).
     pub multipliers: [Complex<f64>; 2],
@@ -80,7 +80,7 @@ pub struct FixedPoint {
 pub struct ForceRange {
     /// Smallest amplitude with real roots: the fold.
     pub real_from: f64,
-    /// Smallest amplitude with a root C > 0. There is no largest amplitude.
+    /// Smallest amplitude with a root C > 0. A largest amplitude does not exist.
     pub positive_from: f64,
     /// Largest amplitude with two roots C > 0; equal to `positive_from` if there is never more
     /// than one.

@@ -15,15 +15,15 @@ const LAST_SLOPE: f64 = 0.05;
 
 /// Small ε, at which only the leading term of a multiplier's error remains.
 const TINY_EPSILON: f64 = 1e-4;
-/// Factor of ε in the error of a fast multiplier and of ε² in that of a slow one: bounds on the
-/// groups' sizes here.
+/// Bounds, for the groups' sizes here, on error / ε of a fast multiplier and on error / ε² of a
+/// slow multiplier.
 const ERROR_FACTOR: f64 = 30.0;
 
 fn exact(g: &Groups) -> ExactOrbit {
     exact_orbit::solve(&g.to_parameters(Scales::default()).unwrap()).unwrap().upper.unwrap()
 }
 
-/// Least-squares slope of log error over log ε, and that of the last two points.
+/// Least-squares slope of log error over log ε, and the slope of the last two points.
 fn slopes(errors: &[f64; 5]) -> (f64, f64) {
     let points: Vec<_> = EPSILONS.iter().zip(errors).map(|(e, d)| (e.ln(), d.ln())).collect();
     let n = points.len() as f64;
@@ -71,9 +71,9 @@ fn second_method_strong_coupling_is_off_by_order_epsilon() {
     });
 }
 
-/// As ε → 0 two multipliers of the exact half map tend to those of the periodic motion, and four to
-/// 1 + επλ/Ω1 with λ the slow flow's eigenvalues: the exact orbit is the oracle of both stability
-/// tests.
+/// As ε → 0, two multipliers of the exact half map tend to the multipliers of the periodic motion,
+/// and four to 1 + επλ/Ω1 with λ the slow flow's eigenvalues. The exact orbit is the oracle of
+/// both stability tests.
 fn check_multipliers(orbit: &ExactOrbit, epsilon: f64, fast: [Complex<f64>; 2], slow: [Complex<f64>; 4]) {
     let expected = fast.into_iter().chain(slow.map(|e| Complex::new(1.0, 0.0) + epsilon * PI * e));
     let mut left = orbit.multipliers().to_vec();
@@ -81,7 +81,7 @@ fn check_multipliers(orbit: &ExactOrbit, epsilon: f64, fast: [Complex<f64>; 2], 
         let distance = |m: &Complex<f64>| (m - e).norm();
         let nearest =
             (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b]))).unwrap();
-        // The error of fast multipliers is O(ε), that of slow ones O(ε²).
+        // The error of fast multipliers is O(ε), the error of slow ones O(ε²).
         let allowed = if i < 2 { ERROR_FACTOR * epsilon } else { ERROR_FACTOR * epsilon * epsilon };
         assert!(distance(&left[nearest]) < allowed, "{i}: {e} of {left:?}");
         left.remove(nearest);

@@ -23,8 +23,8 @@ const GOLDEN_RADIUS: f64 = 6e-9;
 const ROUNDING: f64 = 1e-13;
 /// Error of the classical Runge-Kutta method with 2000 steps per half period: h⁴ ≈ 6e-12.
 const RUNGE_KUTTA: f64 = 1e-10;
-/// Error of products of multipliers. The multipliers of nearly double pairs lose half their digits,
-/// their products do not.
+/// Error of products of multipliers. The multipliers of nearly double pairs lose half their
+/// digits, their products do not.
 const PRODUCT: f64 = 1e-11;
 
 /// Error of a sampled amplitude, which misses the maximum by the square of the spacing.
@@ -276,7 +276,7 @@ fn closed_form_of_the_determinant_of_the_half_map() {
 
 #[test]
 fn closed_form_of_the_determinant_at_the_fold() {
-    // docs/theory.md (80): the slope of the quadratic tells on which side of one the real
+    // docs/theory.md (80): the slope of the quadratic shows on which side of one the real
     // multipliers are.
     let mut lower = 0;
     for orbit in orbits() {

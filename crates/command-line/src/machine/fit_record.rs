@@ -1,4 +1,4 @@
-//! Records of a fit: tables of values over time, and of times of contacts.
+//! Records of a fit: tables of values over time, and of contact times.
 
 use crate::table::read_text;
 use crate::{Error, Result};
@@ -9,12 +9,11 @@ use vibro_machine::table::Table;
 use vibro_studies::Machine;
 use vibro_studies::fit::{Free, Measured};
 
-/// Reads the record of a fit of a machine: a [`Table`] whose first line names `time` and columns
-/// such as `box.s`, and a table with the columns `element` and `time`.
+/// Reads the record of a fit: a [`Table`] whose first line names `time` and columns, for example
+/// `box.s`, and a table with the columns `element` and `time`.
 ///
 /// # Errors
-/// [`Error::Config`] for a file that is not such a table, with the line of a number that cannot be
-/// read.
+/// [`Error::Config`] for a file that is not such a table, with the line of an unreadable number.
 pub fn read_record(data: Option<&Path>, events: Option<&Path>, machine: &Description) -> Result<Measured> {
     let mut measured = Measured::default();
     let of = |path: &Path, found: vibro_studies::Result<()>| {
@@ -37,10 +36,11 @@ pub fn read_record(data: Option<&Path>, events: Option<&Path>, machine: &Descrip
     Ok(measured)
 }
 
-/// Refuses what is no record of a machine's motion from a start on, with numbers that are fitted.
+/// Error unless a record is valid for a machine's motion from a start, with the given free
+/// parameters.
 ///
 /// # Errors
-/// [`Error::Config`] for the file, with the column or stop, the row, and what is allowed.
+/// [`Error::Config`] for the file, with the column or stop, the row, and the valid values.
 pub fn check_record(
     measured: &Measured,
     (data, events): (Option<&Path>, Option<&Path>),

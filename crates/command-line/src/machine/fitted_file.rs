@@ -1,5 +1,4 @@
-//! The file of a fitted machine or of a design: the text of the file from which it came, with other
-//! numbers.
+//! File of a fitted machine or a design: the text of the original file with changed numbers.
 
 use crate::table::read_text;
 use crate::whole_file::write_whole;
@@ -10,13 +9,13 @@ use std::path::Path;
 use vibro_machine::description::Description;
 use vibro_machine::file::{records_beside, with_numbers};
 
-/// Begins of the first line, which has the verdict; an older one is replaced.
+/// Prefixes of a first line with a verdict, which a new verdict replaces.
 const FIRST: [&str; 2] = ["# vibro fit: ", "# vibro design: "];
 
-/// Writes the file of a machine with other numbers. The file has the comments, units and paths of
-/// records of the file at `path`, and the records are copied next to it. If the text cannot give the
-/// machine by numbers alone, or if the records would replace other files, the machine is written out
-/// in full. The first line has the command and its verdict, e.g. `vibro fit: fits`.
+/// Writes the file of a machine with changed numbers. The file keeps the comments, units and
+/// record paths of the file at `path`, and the records are copied next to it. If changed numbers
+/// alone cannot describe the machine, or if the records would replace other files, the machine is
+/// written out in full. The first line has the command and its verdict, e.g. `vibro fit: fits`.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -51,7 +50,7 @@ pub fn write_with_numbers(
     write_whole(&out.join(name), format!("# {verdict}\n{rest}").as_bytes())
 }
 
-/// Whether a record may be written to a path: nothing is there, or the same.
+/// Whether a record may be written to a path: no file exists there, or an identical one.
 fn is_free(path: &Path, text: &str) -> bool {
     match std::fs::read(path) {
         Ok(found) => found == text.as_bytes(),

@@ -82,7 +82,7 @@ fn parts_of_another_form_are_refused_and_kept_unless_discarded() {
     let store = open(&folder, 1).unwrap();
     Task { store: &store, ..Task::ALL }.complete(3, square).unwrap();
     drop(store);
-    // As left by a build that did not write the form.
+    // The manifest of a build that did not write the form.
     let path = folder.join(MANIFEST);
     let text = std::fs::read_to_string(&path).unwrap();
     let older = text.replace(&format!("format = {FORMAT}\n"), "");

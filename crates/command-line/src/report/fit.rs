@@ -1,4 +1,4 @@
-//! The report of a fit: verdict, numbers with errors, correlations, residuals, picture, versions.
+//! Report of a fit: verdict, parameters with errors, correlations, residuals, picture, versions.
 
 use super::document::{document, table};
 use crate::Result;
@@ -12,14 +12,14 @@ use vibro_numerics::digest::fnv1a;
 use vibro_studies::fit::{FitRequest, Fitted, Misfit, Verdict};
 use vibro_studies::{QuantityName, significant};
 
-/// Significant digits of an error, which says how many of its number are known.
+/// Significant digits of a standard error; they determine the decimals of its value.
 const DIGITS: f64 = 2.0;
-/// Largest number of decimals; with more of them a number is shown with an exponent.
+/// Largest number of decimals; beyond it, values are shown with an exponent.
 const MOST_DECIMALS: f64 = 9.0;
 
-/// Digits of a number that its error leaves, and those of the error: `0.0050012` and `0.0000023`.
+/// Value and error, rounded to the digits of the error: `0.0050012` and `0.0000023`.
 fn with_error(value: f64, error: f64) -> (String, String) {
-    // Very small numbers have an exponent.
+    // Very small values have an exponent.
     let decimals = DIGITS - 1.0 - error.abs().log10().floor();
     if !decimals.is_finite() || decimals > MOST_DECIMALS || !value.is_finite() {
         return (significant(value), significant(error));
@@ -29,12 +29,12 @@ fn with_error(value: f64, error: f64) -> (String, String) {
     (shown(value), shown(error))
 }
 
-/// A number to three digits.
+/// A value rounded to three digits.
 fn rounded(x: f64) -> String {
     significant(format!("{x:.2e}").parse().unwrap_or(x))
 }
 
-/// The page of a finished fit. `files` are the machine's file and the record's.
+/// Page of a finished fit. `files` are the files of the machine and the record.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output) if the picture cannot be drawn, and
@@ -78,8 +78,7 @@ fn verdict(verdict: &Verdict) -> String {
     format!("<p class=\"verdict {class}\"><b>{}</b>.{remark}</p>\n", escape(&verdict.to_string()))
 }
 
-/// Fitted numbers in the units of the machine's file, with errors and with the values from which
-/// the fit began.
+/// Fitted parameters in the units of the machine's file, with errors and initial values.
 fn numbers(request: &FitRequest, fitted: &Fitted) -> String {
     let own = &fitted.uncertainty;
     let errors = own.errors.iter().zip(&own.white);
@@ -117,7 +116,7 @@ fn numbers(request: &FitRequest, fitted: &Fitted) -> String {
     format!("<h2>Numbers</h2>\n{}{notes}", table(&header.map(String::from), rows))
 }
 
-/// Correlations of the numbers, stronger ones on a darker ground.
+/// Correlations of the parameters, with a darker background for stronger ones.
 fn correlations(fitted: &Fitted) -> String {
     let own = &fitted.uncertainty;
     if own.names.len() < 2 {
@@ -137,7 +136,7 @@ fn correlations(fitted: &Fitted) -> String {
     format!("<h2>Correlations</h2>\n{}", table(&header.collect::<Vec<_>>(), rows))
 }
 
-/// Root mean squares of the residuals, in SI, and how they follow each other.
+/// Root mean square residuals, in SI, and the correlation of successive residuals.
 fn residuals(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> String {
     let unit = |name: &str| {
         let name = name.parse::<QuantityName>().ok();
@@ -165,7 +164,7 @@ fn residuals(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> String {
     let suspects = misfit.suspects.iter().map(|own| suspected(&request.machine, own));
     let notes: String = places.chain(suspects).map(|own| format!("<li>{}</li>", escape(&own))).collect();
     let notes = if notes.is_empty() { notes } else { format!("<ul>{notes}</ul>\n") };
-    // Without given deviations the weights are those of the residuals themselves.
+    // Without given standard deviations, the weights are from the residuals themselves.
     let free = measured.samples().saturating_sub(fitted.values.len());
     let cost = request.sigma.as_ref().map_or(String::new(), |_| {
         format!(
@@ -182,7 +181,7 @@ fn residuals(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> String {
     )
 }
 
-/// Program, command and files from which the fit was made.
+/// Version, command and files of the fit.
 fn origin(command_line: &str, files: &[&Path]) -> Result<String> {
     let mut rows = Vec::new();
     for path in files {

@@ -1,4 +1,4 @@
-//! A fit of a machine to a record: values with their errors, residuals, a picture.
+//! Fit of a machine to a record: values with their errors, residuals, a picture.
 
 use super::Study;
 use super::orbits::shown_axis;
@@ -11,14 +11,14 @@ use vibro_machine::quantity::NamedQuantity;
 use vibro_studies::fit::{FitRequest, Fitted, Misfit, Suspect, Verdict};
 use vibro_studies::{Machine, significant};
 
-/// What is said of a number at an end of its range.
+/// Remark on a parameter at an end of its range.
 pub const AT_BOUND: &str = "is at an end of its range: its error is of one side";
-/// Most points of a curve.
+/// Largest number of points in a curve.
 const POINTS: usize = 2000;
-/// Most columns that are drawn.
+/// Largest number of columns in the picture.
 const DRAWN: usize = 4;
 
-/// The study of a fit: `residuals.csv` of columns, `residuals-contacts.csv` of contacts, and a
+/// Study of a fit: `residuals.csv` for columns, `residuals-contacts.csv` for contacts, and a
 /// picture of record, motion and residual.
 ///
 /// # Errors
@@ -87,8 +87,8 @@ pub fn fit(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> Result<Stu
     Ok(Study { tables, figure, ..Study::without_figure("fit", what).with_remarks(remarks) })
 }
 
-/// The numbers of several records that were fitted together: a table `numbers.csv` with a row for
-/// each record and number. Shared numbers have the same value in each record.
+/// Parameters of several records that were fitted together: a table `numbers.csv` with a row for
+/// each record and parameter. Shared parameters have the same value in each record.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).
@@ -110,7 +110,7 @@ pub fn fit_numbers(names: &[&str], requests: &[FitRequest], all: &[Fitted]) -> R
     Ok(Study { tables: vec![("numbers".into(), table.text()?)], ..Study::without_figure("numbers", what) })
 }
 
-/// What a number that is not free would do to the residuals, in words.
+/// Describes how a parameter that is not free would change the residuals.
 pub fn suspected(machine: &Machine, own: &Suspect) -> String {
     let is_of_file = machine.description.get(&own.name).is_ok();
     let shown = |x: f64| match is_of_file {
@@ -122,13 +122,13 @@ pub fn suspected(machine: &Machine, own: &Suspect) -> String {
     format!("{what}: with {better} the residuals would be {:.1} % of what they are", 100.0 * own.left)
 }
 
-/// Whether a number takes part in what the record does not determine.
+/// Whether a parameter is part of an undetermined combination.
 fn is_undetermined(fitted: &Fitted, name: &str) -> bool {
     let all = fitted.uncertainty.undetermined.iter().flat_map(|own| &own.combination);
     all.into_iter().any(|(own, _)| own == name)
 }
 
-/// The text of `fit.json`.
+/// Text of `fit.json`.
 pub fn fit_json(fitted: &Fitted, misfit: &Misfit) -> String {
     let number = |x: f64| if x.is_finite() { format!("{x:?}") } else { "null".into() };
     let quoted = |text: &str| format!("{text:?}");
@@ -169,7 +169,7 @@ pub fn fit_json(fitted: &Fitted, misfit: &Misfit) -> String {
         format!("{{\"name\": {name}, \"value\": {value}, \"better\": {better}, \"left\": {left}}}")
     });
     let mut text = String::new();
-    // Writing to a text does not fail.
+    // Writing to a string does not fail.
     let _ = writeln!(
         text,
         "{{\n  \"verdict\": {},\n  \"parameters\": {{{}}},\n  \"correlation\": {{\"names\": [{}], \"matrix\": [{}]}},\n  \"undetermined\": [{}],\n  \"rms\": {{{}}},\n  \"simulations\": {},\n  \"near_until\": {},\n  \"at_bounds\": {{{}}},\n  \"persistence\": {},\n  \"segments\": [{}],\n  \"places\": [{}],\n  \"suspects\": [{}]\n}}",
@@ -205,8 +205,8 @@ fn residual_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// For each contact of the record its stop, its time, that of the motion and their difference;
-/// empty cells where the motion has none.
+/// Stop, time of the record, time of the motion and their difference for each contact of the
+/// record; empty cells if the motion lacks the contact.
 fn contact_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     let mut table = CsvRows::new(["element", "time", "time.fit", "time.residual"])?;
     for ((name, times), (_, off)) in request.measured.contacts.iter().zip(&fitted.contacts) {
@@ -218,7 +218,7 @@ fn contact_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// The contacts of the fitted motion, as ticks below a record; `None` where it has none.
+/// Contacts of the fitted motion as ticks below a record; `None` if there are none.
 fn contacts(request: &FitRequest, fitted: &Fitted, values: &[f64]) -> Option<Layer> {
     let times = &request.measured.times;
     let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
@@ -232,7 +232,7 @@ fn contacts(request: &FitRequest, fitted: &Fitted, values: &[f64]) -> Option<Lay
     (!ticks.is_empty()).then(|| Layer::lines("contacts of the fitted motion", GREY, Dash::Solid, ticks))
 }
 
-/// For each column the record with the fitted motion, and the residual.
+/// For each column, the record with the fitted motion, and the residual.
 fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
     let measured = &request.measured;
     let mut panels = Vec::new();

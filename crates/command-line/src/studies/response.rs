@@ -8,9 +8,9 @@ use vibro_orbits::{Branch, Family, OrbitPoint, check_measure};
 use vibro_studies::{Error, significant};
 use vibro_studies::{Machine, Measure};
 
-/// Largest number of branches that are described on the screen.
+/// Largest number of branches described on the screen.
 const SHOWN: usize = 12;
-/// Largest number of events that are spelled out there.
+/// Largest number of events spelled out there.
 const SPELLED: usize = 4;
 
 /// The study of a machine's response: the tables of its curve and of special points, and a picture

@@ -1,10 +1,10 @@
-//! The gallery's record of a shaken box, from guesses that are a quarter off.
+//! The gallery's record of a shaken box, from initial values that are off by a quarter.
 
 use super::{FAR, command::folder, number_after};
 use std::path::Path;
 use std::process::Command;
 
-/// The numbers by which `examples/assembly/shaken_box.csv` was made, SI.
+/// Parameters that made `examples/assembly/shaken_box.csv`, SI.
 const TRUTHS: [(&str, f64); 5] = [
     ("stop.steel.gap", 5e-3),
     ("stop.steel.restitution", 0.65),

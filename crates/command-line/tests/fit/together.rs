@@ -2,7 +2,7 @@
 
 use super::{COSINE, ROUNDED, said};
 
-/// Rows of 10 mm cos(w t) with a start of `place` m, rounded to 0.1 µm.
+/// Rows of 10 mm cos(w t) for a start at `place` m, rounded to 0.1 µm.
 fn cosine(place: f64, frequency: f64) -> String {
     let row = |k: i32| {
         let t = 0.05 * f64::from(k);
@@ -12,7 +12,7 @@ fn cosine(place: f64, frequency: f64) -> String {
 }
 
 /// Two masses on one spring, from two places: 1 kg from 10 mm, 4 kg from 6 mm. The stiffness is
-/// shared, the places are not known, and the second mass is set.
+/// shared, the places are unknown, and the second mass is set.
 #[test]
 fn closed_form_of_a_stiffness_that_two_records_share() {
     let tables = [("one.csv", cosine(0.01, 10.0)), ("two.csv", cosine(0.006, 5.0))];

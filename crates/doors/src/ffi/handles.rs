@@ -40,8 +40,8 @@ impl<T> Handles<T> {
         Ok(handle)
     }
 
-    /// As [`keep`](Self::keep), but a handle that is not in use counts as zero: a host's variable
-    /// that is only written may hold any value.
+    /// Like [`keep`](Self::keep), but an unknown handle counts as zero: before it is written, a
+    /// host's variable may hold any value.
     ///
     /// # Errors
     /// None.

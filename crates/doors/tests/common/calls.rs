@@ -161,7 +161,7 @@ unsafe fn further_fmi2(c: FmiComponent, random: &mut Random<'_>, references: u64
     }
 }
 
-/// As [`further_fmi2`].
+/// Like [`further_fmi2`].
 unsafe fn further_fmi3(c: FmiInstance, random: &mut Random<'_>, references: u64) -> c_int {
     let mut call = Call::new(random, references);
     let absent = random.below(8);

@@ -27,7 +27,7 @@ pub fn sources(package: &str, under: &str) -> Vec<(String, String)> {
     found
 }
 
-/// Words of which unsafe code needs at least one.
+/// Unsafe code contains at least one of these words.
 const UNSAFE: [&str; 5] = ["unsafe ", "unsafe(", "unsafe{", "unsafe_code", "extern \"C\""];
 
 /// The source files of a package that have unsafe code.

@@ -287,8 +287,8 @@ impl ClosedForm {
         (self.data.time, self.data.limit) = (self.data.time.plus(by), Limit::Any);
     }
 
-    /// Advances to an impact at most `late` (s) from now, which is then due. Does nothing if there
-    /// is no such impact.
+    /// Advances to an impact at most `late` (s) from now, which is then due. Does nothing without
+    /// such an impact.
     pub(crate) fn meet(&mut self, late: f64) -> bool {
         let next = self.halves(self.data.time).0 + 1.0;
         let due = self.halves(self.data.time.plus(late)).0 >= next;

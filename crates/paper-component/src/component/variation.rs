@@ -98,7 +98,7 @@ pub(crate) fn variation(
         * (d.box_stiffness * x[0] * x[0]
             + d.secondary_stiffness * x[2] * x[2]
             + d.coupling_stiffness * stretch * stretch);
-    // The indicators are linear; those unused in this contact do not vary.
+    // The indicators are linear; indicators unused in this contact do not vary.
     let indicators = match contact {
         Contact::Flight => [-z[RELATIVE] / model.gap, z[RELATIVE] / model.gap, 0.0],
         contact => {

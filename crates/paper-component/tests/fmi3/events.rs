@@ -327,7 +327,7 @@ fn invariant_the_announced_event_happens() {
     }
 }
 
-/// As containers do it: steps end at the announced time, with Event Mode after every step.
+/// Like a container: steps end at the announced time, with Event Mode after every step.
 #[test]
 fn steps_that_end_on_the_announced_time_meet_the_event() {
     let (fmu, plain) = (Fmu::started(TF, START), Fmu::started(FF, START));

@@ -9,7 +9,7 @@
 //! repeat: a chaotic motion below the largest may exceed it in a longer window.
 //!
 //! The choice ends when none of these designs can be measured more accurately, or when a given
-//! number of periods is spent. The rows of the choice then replace those of the sweep everywhere.
+//! number of periods is spent. The rows of the choice then replace the sweep's rows everywhere.
 
 use super::between::{BandMotions, MOST, search_between};
 use super::row::{BARS, upper};

@@ -43,7 +43,7 @@ pub(super) fn upper((value, spread): (f64, f64)) -> f64 {
 /// Second measurement of a design that may be the best.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Again {
-    /// Periods over which motions were measured, except those that repeat.
+    /// Periods over which motions were measured, except motions that repeat.
     pub periods: u32,
     /// Further combinations of values of [`SweepRequest::over`], between its values.
     pub between: Vec<Vec<f64>>,

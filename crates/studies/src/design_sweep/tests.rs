@@ -112,7 +112,7 @@ fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
         assert!(found.reason.as_ref().is_some_and(|r| r.contains(word)), "{found:?}");
         assert!(found.outputs[0].is_none() && found.classes.is_empty());
     }
-    // There is no motion outside the stops, but the amplitude of the box without block is defined.
+    // Motions outside the stops do not exist; the box's amplitude without the block is defined.
     let starts = vec!["x2=0.5".parse().unwrap(), "x2=1.5".parse().unwrap()];
     let outside = row(&set, &SweepRequest { starts, ..all.clone() }, 0);
     let reason = outside.reason.unwrap();
@@ -270,7 +270,7 @@ fn invariant_the_best_is_the_best_when_all_are_measured_as_long_and_depends_on_n
     let least = (0..8).min_by(|a, b| all[*a].largest.total_cmp(&all[*b].largest)).unwrap();
     assert!(found.possible.contains(&least), "{found:?} {all:?}");
     assert_eq!(found.left, 0);
-    // The final rows are those of the choice.
+    // The final rows are the rows of the choice.
     let mut rows = Vec::new();
     each_final_row(&set, &request, (&Task::ALL, Some(&found)), |row| -> Result<()> {
         rows.push(row);

@@ -1,4 +1,4 @@
-//! The motion of a machine beside a record, segment by segment.
+//! Motion of a machine compared with a record, segment by segment.
 
 use super::evaluated::{Point, Reach, Rows, Segment, Varied};
 use super::filter::{Carried, Sensor, sensors};
@@ -15,14 +15,14 @@ use vibro_machine::description::Description;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Differentiated, Quantity, What};
 
-/// Part of a number by which it is moved for a difference; of 0 so many SI units.
+/// Step of a finite difference, relative to the value; for a value of 0, in SI units.
 const MOVED: f64 = 1e-6;
 
-/// What a record is compared with: quantities of the motion, and contacts of stops.
+/// Quantities of the motion and contacts of stops that correspond to a record.
 pub(super) struct Compared<'a> {
     pub measured: &'a Measured,
     quantities: Vec<Quantity>,
-    /// The rate of each column's quantity, where a quantity has it.
+    /// Rate of each column's quantity, if the machine has it.
     pub rates: Vec<Option<Quantity>>,
     /// Filters of columns.
     pub sensors: Arc<[Sensor]>,
@@ -31,35 +31,35 @@ pub(super) struct Compared<'a> {
     simulations: AtomicU32,
 }
 
-/// A segment of the motion.
+/// Simulated segment of the motion.
 #[derive(Clone, Default)]
 pub(super) struct Followed {
     /// Index of the first sample.
     first: usize,
-    /// For each time and column the motion's value less the record's.
+    /// Motion minus record, for each time and column.
     pub samples: Vec<Vec<Varied>>,
-    /// For each list of contacts the first index among the record's, and times of the motion's.
+    /// For each list of contacts: the indices in the record, and the times of the motion.
     contacts: Vec<(Range<usize>, Vec<Varied>)>,
-    /// The state where the next segment begins; empty for the last one.
+    /// State at which the next segment begins; empty for the last segment.
     pub end: Vec<Varied>,
-    /// Time of the record where it ends, s.
+    /// Record time at which the segment ends, s.
     until: f64,
-    /// Times of the record at which stops are hit or touched, with their indices.
+    /// Record times of impacts and first touches, with the indices of the stops.
     pub events: Vec<(f64, usize)>,
-    /// Why there is no derivative by a number any more, in words.
+    /// Reasons for derivatives that do not exist.
     lost: Vec<String>,
 }
 
-/// The motion beside the record.
+/// Motion with its residuals.
 pub(super) struct Beside(pub Vec<Followed>);
 
 impl Beside {
-    /// For each time the residuals of all columns.
+    /// Residuals of all columns, for each time.
     pub fn samples(&self) -> impl Iterator<Item = &[Varied]> {
         self.0.iter().flat_map(|own| own.samples.iter().map(Vec::as_slice))
     }
 
-    /// Times of the record at which stops are hit or touched, with their indices.
+    /// Record times of impacts and first touches, with the indices of the stops.
     pub fn events(&self) -> impl Iterator<Item = &(f64, usize)> {
         self.0.iter().flat_map(|own| &own.events)
     }
@@ -69,13 +69,13 @@ impl Beside {
         self.0.iter().map(|own| own.events.len()).sum()
     }
 
-    /// The residuals of a column.
+    /// Residuals of a column.
     pub fn residuals(&self, column: usize) -> impl Iterator<Item = f64> {
         self.samples().map(move |sample| sample[column].0)
     }
 
-    /// The times of the motion's contacts of a list by the indices of the record's, where there is
-    /// one.
+    /// Times of the motion's contacts, paired with the indices of the record's contacts; `None` if
+    /// the motion lacks one.
     pub fn contacts(&self, list: usize) -> impl Iterator<Item = (usize, Option<f64>)> {
         self.0.iter().flat_map(move |own| {
             let (range, times) = &own.contacts[list];
@@ -83,8 +83,8 @@ impl Beside {
         })
     }
 
-    /// The length of what two motions of one record differ by, in units of deviations of columns,
-    /// then of lists of contacts; infinite where one has contacts that the other lacks.
+    /// Norm of the difference between two motions of a record, in units of the standard deviations
+    /// of columns, then of lists of contacts; infinite if the numbers of contacts differ.
     pub fn apart(&self, other: &Self, sigma: &[f64]) -> f64 {
         let one = |(a, b): (&Varied, &Varied), sigma: &f64| ((a.0 - b.0) / sigma).powi(2);
         let mut sum = 0.0;
@@ -104,13 +104,13 @@ impl Beside {
         sum.sqrt()
     }
 
-    /// Why derivatives are lost, in words.
+    /// Reasons for derivatives that do not exist.
     pub fn lost(&self) -> Vec<String> {
         self.0.iter().flat_map(|own| own.lost.iter().cloned()).collect()
     }
 }
 
-/// The quantity that is the rate of another, where there is one.
+/// Rate of a quantity, if the machine has it.
 fn rate_of(name: &QuantityName, d: &Description) -> Option<Quantity> {
     let what = match name.what {
         What::S => What::V,
@@ -121,7 +121,7 @@ fn rate_of(name: &QuantityName, d: &Description) -> Option<Quantity> {
     QuantityName { of: name.of.clone(), what }.find(d).ok().map(|named| named.quantity)
 }
 
-/// The indices of the stops whose contacts a record has.
+/// Indices of the stops of a record's contacts.
 pub(super) fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize>> {
     let of = |(element, _): &(String, Vec<f64>)| {
         let plain = element.strip_prefix("stop.").unwrap_or(element);
@@ -157,23 +157,23 @@ impl<'a> Compared<'a> {
         })
     }
 
-    /// The longest mean interval between contacts of a list, s; 0 without contacts.
+    /// Longest mean interval between contacts of one list, s; 0 without contacts.
     pub fn longest_interval(&self) -> f64 {
         let lists = self.measured.contacts.iter().map(|(_, times)| times);
         lists.filter(|times| !times.is_empty()).fold(0.0, |most: f64, times| most.max(interval(times)))
     }
 
-    /// The quantity of a column, and its rate where a quantity has it.
+    /// Quantity of a column, and its rate if available.
     pub fn quantities_of(&self, column: usize) -> (Quantity, Option<Quantity>) {
         (self.quantities[column], self.rates[column])
     }
 
-    /// Number of motions that were followed.
+    /// Number of simulations so far.
     pub fn simulations(&self) -> u32 {
         self.simulations.load(Ordering::Relaxed)
     }
 
-    /// Follows all segments, with derivatives on request.
+    /// Simulates all segments, with derivatives on request.
     pub fn beside(&self, unknowns: &Unknowns, point: &Point, reach: &Reach, varied: bool) -> Result<Beside> {
         self.simulations.fetch_add(1, Ordering::Relaxed);
         let made = unknowns.with(&point.values)?;
@@ -184,7 +184,7 @@ impl<'a> Compared<'a> {
         (0..=reach.nodes.len()).into_par_iter().map(one).collect::<Result<_>>().map(Beside)
     }
 
-    /// The motion of a segment, at its begin.
+    /// Motion at the begin of a segment.
     fn begin(
         &self,
         made: &Made,
@@ -201,7 +201,7 @@ impl<'a> Compared<'a> {
         Ok(Differentiated::from_state_observed(assembly, time, state, &columns.by, note)?)
     }
 
-    /// Follows a segment.
+    /// Simulates a segment.
     fn follow(
         &self,
         (unknowns, made): (&Unknowns, &Made),
@@ -239,7 +239,7 @@ impl<'a> Compared<'a> {
         let data = &self.measured.columns;
         let range = if data.is_empty() { 0..0 } else { inside(&self.measured.times) };
         for row in range.clone() {
-            // Before its start there is no motion.
+            // The motion does not exist before its start.
             motion.advance_observed((self.measured.times[row] + made.shift).max(begin), &mut note)?;
             let sample = |k: usize| {
                 let value = motion.motion().value(self.quantities[k]) + made.offsets[k] - data[k].1[row];
@@ -257,15 +257,15 @@ impl<'a> Compared<'a> {
             (0..columns.by.len()).filter_map(|p| Some(format!("{}: {}", columns.by[p], motion.lost(p)?)));
         let lost = lost.collect();
         if next.is_none() && !self.stops.is_empty() {
-            // The motion's own contact may come later than the record's last one. A motion that
-            // cannot go on has covered the record.
+            // The motion's contact may come later than the record's last one. A motion that cannot
+            // continue has covered the record.
             let _ = motion.advance_observed(until + made.shift + self.longest_interval(), &mut note);
             events.retain(|(time, _)| *time <= until);
         }
         Ok(Followed { first: range.start, samples, contacts, end, until, events, lost })
     }
 
-    /// A segment with derivatives by differences where it has none.
+    /// Segment with finite differences in place of missing derivatives.
     fn filled(
         &self,
         unknowns: &Unknowns,
@@ -289,7 +289,7 @@ impl<'a> Compared<'a> {
                 let made = unknowns.with(&other.values).ok()?;
                 Some((by, self.follow((unknowns, &made), &other, reach, k, false).ok()?))
             };
-            // At a limit both sides count; where there is but one, that one.
+            // A central difference; beyond a limit of the range, a one-sided difference.
             let same = || Some((0.0, found.clone()));
             let (Some((high, after)), Some((low, before))) =
                 (moved(1.0).or_else(same), moved(-1.0).or_else(same))
@@ -305,20 +305,20 @@ impl<'a> Compared<'a> {
 }
 
 impl Followed {
-    /// All its numbers; of contacts those that the others have too.
+    /// All values, with the first `counts` entries of each contact list.
     fn numbers<'f>(&'f mut self, counts: &'f [usize]) -> impl Iterator<Item = &'f mut Varied> {
         let contacts = self.contacts.iter_mut().zip(counts).flat_map(|((_, own), n)| own.iter_mut().take(*n));
         self.samples.iter_mut().flatten().chain(contacts).chain(&mut self.end)
     }
 
-    /// Whether a number has no derivative by a column.
+    /// Whether a value lacks a derivative in a column.
     fn lacks(&self, column: usize) -> bool {
         let contacts = self.contacts.iter().flat_map(|(_, own)| own.iter());
         let mut all = self.samples.iter().flatten().chain(contacts).chain(&self.end);
         all.any(|(_, by)| by[column].is_none())
     }
 
-    /// Fills what a column lacks from two motions that differ by a width in its number.
+    /// Fills missing derivatives of a column from two motions whose parameter differs by `width`.
     fn fill(&mut self, column: usize, after: &Self, before: &Self, width: f64) {
         let lists = self.contacts.iter().zip(&after.contacts).zip(&before.contacts);
         let counts: Vec<usize> = lists.map(|((a, b), c)| a.1.len().min(b.1.len()).min(c.1.len())).collect();
@@ -329,7 +329,7 @@ impl Followed {
         }
     }
 
-    /// Residuals with derivatives, in units of the standard deviations, sorted by time.
+    /// Residuals and derivatives in units of the standard deviations, sorted by time.
     pub fn segment(
         &self,
         measured: &Measured,
@@ -345,7 +345,7 @@ impl Followed {
         }
         for (k, ((_, times), (range, own))) in measured.contacts.iter().zip(&self.contacts).enumerate() {
             for (i, time) in times[range.clone()].iter().enumerate() {
-                // A contact that the motion does not have counts as one at the end.
+                // A missing contact counts as one at the segment's end.
                 let none = || (self.until, vec![None; shape.0 + shape.1]);
                 let (at, by) = own.get(i).cloned().unwrap_or_else(none);
                 rows.push(((*time, columns + k), ((at - time, by), sigma[columns + k])));
@@ -365,7 +365,7 @@ impl Followed {
     }
 }
 
-/// The state of a motion with its derivatives.
+/// State of a motion with its derivatives.
 pub(super) fn end_of(motion: &Differentiated, columns: &Columns, carried: &Carried) -> Vec<Varied> {
     let own = motion.motion();
     let by: Vec<_> = (0..columns.by.len()).map(|p| motion.state_derivative(p)).collect();

@@ -1,10 +1,9 @@
-//! Estimation block by block, as an iterated extended Kalman filter (A. Gelb, Applied Optimal
-//! Estimation, 1974, section 6.1): the way to motions with many impacts from numbers that are far
-//! off. Each block of samples updates the numbers and the state together, so that a wrong number
-//! never moves the motion far from the record.
+//! Iterated extended Kalman filter over blocks of samples (A. Gelb, Applied Optimal Estimation,
+//! 1974, section 6.1), for motions with many impacts and parameters far off. Each block updates
+//! parameters and state together, so that the motion never moves far from the record.
 //!
-//! The filter's errors are those of its linearization. The search therefore takes the numbers alone
-//! from it, and fits them over the whole record.
+//! The filter's errors are only linearized. The search therefore uses its parameters alone, and
+//! fits them over the whole record.
 
 use super::beside::end_of;
 use super::bounds::Bounds;
@@ -18,35 +17,35 @@ use std::ops::Range;
 use vibro_machine::motion::Event;
 use vibro_machine::{Differentiated, Motion};
 
-/// Standard deviations of the numbers before each pass over the record, in parts of their values.
+/// Relative standard deviation of the parameters before each pass over the record.
 const PASSES: [f64; 2] = [0.3, 0.05];
-/// Standard deviation of the state at the record's start, in parts of the states' sizes.
+/// Standard deviation of the initial state, relative to the sizes of the states.
 const START: f64 = 1e-3;
-/// Standard deviation that each block adds to the state, in parts of the states' sizes: what the
-/// linearization and a number that is still wrong leave out.
+/// Standard deviation that each block adds to the state, relative to its size. It covers the
+/// linearization and the error of parameters that are still wrong.
 const ADDED: f64 = 2e-3;
-/// Residuals of a block for each number and state.
+/// Number of residuals in a block per parameter and state.
 const RESIDUALS: usize = 2;
-/// Blocks of a segment at least, and the part of a block around a segment's start in which nothing
-/// happens to a contact.
+/// Smallest number of blocks in a segment, and the fraction of a block around the segment's start
+/// without contact events.
 const SEGMENT: usize = 5;
 const QUIET: f64 = 0.25;
-/// Most steps of a block, its first damping, and the damping at which the block ends.
+/// Largest number of steps in a block, initial damping, and damping that ends the block.
 const STEPS: u32 = 8;
 const DAMPING: (f64, f64) = (1e-3, 1e6);
-/// Large residuals are of an impact too many, and count less.
+/// A spurious impact gives large residuals, which count less.
 const LOSS: Loss = Loss::Huber;
-/// Part of the cost below which a step's reduction ends a block.
+/// Relative reduction of the cost below which a block ends.
 const REDUCTION: f64 = 1e-3;
 
-/// The numbers with the state at one instant, and their covariance.
+/// Parameters and state at one time, with their covariance.
 struct Estimate {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
 }
 
 impl Estimate {
-    /// The estimate at the start of the motion, of numbers that are known to a part of themselves.
+    /// Estimate at the start of the motion, with a relative standard deviation of the parameters.
     fn at_start(made: &Made, values: &[f64], (part, sizes): (f64, &[f64])) -> Result<Self> {
         let state = made.start.motion(made.assembly.clone())?.states();
         let (count, all) = (values.len(), values.len() + state.len());
@@ -61,24 +60,23 @@ impl Estimate {
     }
 }
 
-/// A block of samples beside the motion.
+/// Block of samples with its residuals.
 struct Block {
     residuals: DVector<f64>,
-    /// Derivatives of the residuals by the numbers and the state at the block's begin.
+    /// Derivatives of the residuals by the parameters and the state at the block's begin.
     by: DMatrix<f64>,
     end: Vec<Varied>,
-    /// Times of the motion at which stops are hit or touched, or anything else happens to a contact.
+    /// Times of the motion at which a stop is hit or touched, or a contact changes.
     events: Vec<f64>,
 }
 
-/// The part of the record that a block has, and the time at which it begins.
+/// Rows of a block, and the time at which it begins.
 struct Place {
     time: f64,
     rows: Range<usize>,
 }
 
-/// The point reached from a start by passes over the record, with starts of segments in the states
-/// of the last pass.
+/// Result of the passes over the record from a start. Segments begin in states of the last pass.
 pub(super) fn over_blocks(
     model: &Model,
     bounds: &Bounds,
@@ -93,8 +91,8 @@ pub(super) fn over_blocks(
     Ok(found)
 }
 
-/// The times at which segments begin after one pass over the record, from numbers that are known to
-/// a part of themselves, and the point that the pass reaches.
+/// One pass over the record, with a relative standard deviation of the parameters: the times at
+/// which segments begin, and the point reached.
 fn pass(
     model: &Model,
     bounds: &Bounds,
@@ -129,7 +127,7 @@ fn pass(
         (now, time) = (next, end);
     }
     let values: Vec<f64> = now.mean.iter().take(count).copied().collect();
-    // A state that was reached with other numbers may be behind a stop.
+    // A state found with other parameters may be behind a stop.
     let made = model.unknowns.with(&values)?;
     let begins = |(node, state): &(f64, Vec<f64>)| {
         Motion::from_state(made.assembly.clone(), node + made.shift, state).is_ok()
@@ -138,16 +136,16 @@ fn pass(
     Ok((nodes, Point { values, states }))
 }
 
-/// The least squares of one block, in units of the prior standard deviations.
+/// Least squares of one block, in units of the prior standard deviations.
 struct Problem<'a> {
     model: &'a Model<'a>,
     bounds: &'a Bounds,
     prior: &'a Estimate,
     place: &'a Place,
-    /// Number of free numbers; the state's follow them.
+    /// Number of parameters; the state follows them.
     count: usize,
     units: DVector<f64>,
-    /// The inverse of the prior covariance.
+    /// Inverse of the prior covariance.
     information: DMatrix<f64>,
 }
 
@@ -173,7 +171,7 @@ impl<'a> Problem<'a> {
         block(self.model, mean, self.count, self.place)
     }
 
-    /// A mean less the prior one.
+    /// Deviation of a mean from the prior mean.
     fn off(&self, mean: &DVector<f64>) -> DVector<f64> {
         (mean - &self.prior.mean).component_div(&self.units)
     }
@@ -183,7 +181,7 @@ impl<'a> Problem<'a> {
         LOSS.sum(own.residuals.iter().copied()) + off.dot(&(&self.information * &off))
     }
 
-    /// The matrix of the normal equations, and the residuals' part of their right side.
+    /// Matrix of the normal equations, and the right side from the residuals.
     fn normal(&self, at: &Block) -> (DMatrix<f64>, DVector<f64>) {
         let weights = at.residuals.map(|r| LOSS.weight(r));
         let row = |i, j| at.by[(i, j)] * weights[i] * self.units[j];
@@ -192,7 +190,7 @@ impl<'a> Problem<'a> {
         (&self.information + rows.tr_mul(&rows), right)
     }
 
-    /// A mean after one damped step, within the bounds.
+    /// Mean after one damped step, within the bounds.
     fn stepped(&self, mean: &DVector<f64>, at: &Block, damping: f64) -> Result<DVector<f64>> {
         let (mut matrix, right) = self.normal(at);
         let gradient = right + &self.information * self.off(mean);
@@ -205,14 +203,14 @@ impl<'a> Problem<'a> {
         Ok(next)
     }
 
-    /// The mean with the least cost, and its block.
+    /// Mean of least cost, and its block.
     fn solved(&self) -> Result<(DVector<f64>, Block)> {
         let mut mean = self.prior.mean.clone();
         let mut at = self.block(&mean)?;
         let (mut least, mut damping) = (self.cost(&at, &mean), DAMPING.0);
         for _ in 0..STEPS {
             let next = self.stepped(&mean, &at, damping)?;
-            // A motion cannot begin in a state that is behind a stop.
+            // A motion cannot begin in a state behind a stop.
             let tried = self.block(&next).ok().map(|own| (self.cost(&own, &next), own));
             let Some((cost, own)) = tried.filter(|(cost, _)| *cost < least) else {
                 damping *= 10.0;
@@ -231,7 +229,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The estimate at the end of a block, and the times of its contacts' events.
+/// Estimate at the end of a block, and the times of its contact events.
 fn updated(
     (model, bounds): (&Model, &Bounds),
     prior: &Estimate,
@@ -249,7 +247,7 @@ fn updated(
         Some(k) => at.end[k].1[j].unwrap_or(0.0),
     });
     let own = &carried * posterior * carried.transpose();
-    // Products leave it symmetric but for rounding.
+    // Rounding makes the product slightly asymmetric.
     let mut covariance = 0.5 * (&own + own.transpose());
     for (k, size) in sizes.iter().enumerate() {
         mean[count + k] = at.end[k].0;
@@ -258,7 +256,7 @@ fn updated(
     Ok((Estimate { mean, covariance }, at.events))
 }
 
-/// A block of samples beside the motion that begins with a mean.
+/// Block of samples for a motion that begins at a mean.
 fn block(model: &Model, mean: &DVector<f64>, count: usize, place: &Place) -> Result<Block> {
     let (values, state) = mean.as_slice().split_at(count);
     let made: Made = model.unknowns.with(values)?;
@@ -268,7 +266,7 @@ fn block(model: &Model, mean: &DVector<f64>, count: usize, place: &Place) -> Res
     let data = &model.measured.columns;
     let all = count + state.len();
     let rows = place.rows.len() * data.len();
-    // What is held at the begin is as an event there.
+    // A contact closed at the begin counts as an event there.
     let is_held = motion.motion().mode().contacts().next().is_some();
     let mut events: Vec<f64> = is_held.then_some(place.time).into_iter().collect();
     let (mut residuals, mut by) = (Vec::with_capacity(rows), Vec::with_capacity(rows * all));

@@ -1,4 +1,4 @@
-//! Ranges of the free numbers of a fit.
+//! Ranges of the free parameters of a fit.
 
 use super::evaluated::{Change, Point};
 use super::model::Model;
@@ -6,9 +6,9 @@ use super::{FitRequest, MOST_FREE};
 use crate::error::{Error, Result};
 use crate::{significant, sobol};
 
-/// Part of a number from which it does not come nearer to 0 while segments are apart.
+/// Lower bound while segments are apart, as a fraction of a positive initial value.
 const INSIDE: f64 = 0.02;
-/// Ranges of the free numbers, and where they begin.
+/// Ranges and initial values of the free parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Bounds {
     pub begin: Vec<f64>,
@@ -52,8 +52,8 @@ impl Bounds {
         Ok(Self { begin, low, high, names, given })
     }
 
-    /// The bounds of joint numbers from those of each record, whose numbers have given places among
-    /// a count of joint numbers; `rows` is the number of residuals of all records.
+    /// Bounds of `count` joint parameters. `places` has the joint indices of each record's
+    /// parameters; `rows` is the number of residuals of all records.
     pub fn joint(all: &[Self], (places, count): (&[Vec<usize>], usize), rows: usize) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         if count > MOST_FREE {
@@ -64,7 +64,7 @@ impl Bounds {
                 "the record has {rows} samples for {count} free numbers; expected at least as many samples"
             ));
         }
-        // For each joint number the records that have it, each with the place there.
+        // Records that have a joint parameter, each with the parameter's index there.
         let of = |joint: usize| -> Vec<(usize, usize)> {
             let place = |own: &Vec<usize>| own.iter().position(|place| *place == joint);
             places.iter().enumerate().filter_map(|(k, own)| Some((k, place(own)?))).collect()
@@ -96,7 +96,7 @@ impl Bounds {
         Ok(found)
     }
 
-    /// The bounds of one record's numbers at places among joint numbers, with a begin of their own.
+    /// Bounds of one record's parameters, by joint indices, with their own initial values.
     pub fn local(&self, places: &[usize], begin: &[f64]) -> Self {
         let of = |all: &[f64]| places.iter().map(|&place| all[place]).collect();
         Self {
@@ -108,7 +108,7 @@ impl Bounds {
         }
     }
 
-    /// The numbers that lie at an end of their range, with that end.
+    /// Parameters at an end of their range, with that end.
     pub fn reached(&self, values: &[f64]) -> Vec<(String, f64)> {
         let ends = self.low.iter().zip(&self.high);
         let all = self.names.iter().zip(values).zip(ends);
@@ -131,7 +131,7 @@ impl Bounds {
         (0..self.begin.len()).map(at).collect()
     }
 
-    /// Point `k` of the Sobol sequence around a start, within a part of its values and the bounds.
+    /// Point `k` of the Sobol sequence around a start: within a relative distance and the bounds.
     pub fn beside(&self, start: &[f64], k: u32, part: f64) -> Vec<f64> {
         let at = |i: usize| {
             let moved = start[i] * (1.0 + part * (2.0 * sobol::coordinate(k, i) - 1.0));
@@ -140,13 +140,13 @@ impl Bounds {
         (0..start.len()).map(at).collect()
     }
 
-    /// Values cut at the bounds.
+    /// Values clamped to the bounds.
     pub fn cut(&self, values: Vec<f64>) -> Vec<f64> {
         let ends = self.low.iter().zip(&self.high);
         values.into_iter().zip(ends).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
     }
 
-    /// The bounds without 0, where a start is above it: a number of 0 has no derivative.
+    /// Bounds that exclude 0 if the start is positive: at 0 a parameter has no derivative.
     pub fn inside(&self, start: &[f64]) -> Self {
         let mut bounds = self.clone();
         for (low, x) in bounds.low.iter_mut().zip(start) {
@@ -157,20 +157,20 @@ impl Bounds {
         bounds
     }
 
-    /// The bounds with a number held at a value.
+    /// Bounds that hold a parameter at a value.
     pub fn held(&self, number: usize, value: f64) -> Self {
         let mut bounds = self.clone();
         (bounds.low[number], bounds.high[number]) = (value, value);
         bounds
     }
 
-    /// Values with their names, in words.
+    /// Values with their names, as text.
     pub fn told(&self, values: &[f64]) -> String {
         let all = self.names.iter().zip(values).map(|(name, x)| format!("{name} = {}", significant(*x)));
         all.collect::<Vec<_>>().join(", ")
     }
 
-    /// A point after a change, which is cut at the bounds.
+    /// Point after a change, with the change clamped to the bounds.
     pub fn moved(&self, point: &Point, change: &mut Change) -> Point {
         let mut next = point.clone();
         for (j, value) in next.values.iter_mut().enumerate() {
@@ -184,13 +184,13 @@ impl Bounds {
         next
     }
 
-    /// Whether a number lies at a bound beyond which a step would lead.
+    /// Whether a parameter is at a bound that the step would cross.
     pub fn holds(&self, i: usize, value: f64, step: f64) -> bool {
         (value <= self.low[i] && step < 0.0) || (value >= self.high[i] && step > 0.0)
     }
 }
 
-/// Name of a number that a record has for itself.
+/// Name of a parameter that belongs to one record.
 pub(super) fn in_record(name: &str, record: usize) -> String {
     format!("{name} of record {}", record + 1)
 }

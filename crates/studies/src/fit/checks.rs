@@ -1,4 +1,4 @@
-//! What a record may be: numbers of sensible sizes at rising times within the machine's motion.
+//! Checks of a record: finite values of sensible size at increasing times within the motion.
 
 use super::beside::stops_of;
 use super::{FitRequest, Free, Measured, Segments};
@@ -6,21 +6,21 @@ use crate::error::{Error, Result};
 use vibro_machine::Start;
 use vibro_machine::description::Description;
 
-/// Least and largest size of what is fitted, SI: its squares, and products of these with squares of
-/// derivatives, are numbers in double precision.
+/// Smallest and largest magnitude of fitted values, SI: squares of values and of derivatives, and
+/// their products, stay within double precision.
 const SIZES: (f64, f64) = (1e-60, 1e60);
-/// The record's own durations after the motion's start at which it begins at most, and seconds: a
-/// motion is followed from its start on, and would take as long.
+/// Latest begin of a record after the motion's start: in multiples of the record's duration, and
+/// in seconds. The motion is simulated from its start, which takes that long.
 const LATE: f64 = 1000.0;
 const LATE_SECONDS: f64 = 1e8;
-/// Part of the record's duration by which it may begin before the motion: rounding of its times.
+/// How far a record may begin before the motion, relative to its duration: rounding of times.
 pub(super) const EARLY: f64 = 1e-9;
 
 fn refused<T>(problem: String) -> Result<T> {
     Err(Error::Described { problem })
 }
 
-/// Refuses times that do not rise; `row` is the word for one of them.
+/// Error if times do not increase; `row` is the word for one entry.
 fn rising(name: &str, row: &str, times: &[f64]) -> Result<()> {
     match times.windows(2).position(|pair| pair[1] <= pair[0]) {
         Some(at) => refused(format!(
@@ -33,7 +33,7 @@ fn rising(name: &str, row: &str, times: &[f64]) -> Result<()> {
     }
 }
 
-/// Refuses numbers that are not finite, too large, or all too small.
+/// Error if values are not finite, too large, or all too small.
 fn sizes(name: &str, row: &str, values: &[f64]) -> Result<()> {
     let (least, most) = SIZES;
     if let Some(at) = values.iter().position(|x| !x.is_finite()) {
@@ -53,8 +53,8 @@ fn sizes(name: &str, row: &str, values: &[f64]) -> Result<()> {
     }
 }
 
-/// Refuses a first time before the motion's start, unless a shift of the record or a start's time
-/// that is free may move it inside, and one that is long after it.
+/// Error if the first time is before the motion's start and no free record shift or start time can
+/// move it inside; also if it is long after the start.
 fn begin(name: &str, row: &str, times: &[f64], start: &Start, free: &[Free]) -> Result<()> {
     let (Some(first), Some(last)) = (times.first(), times.last()) else { return Ok(()) };
     let (from, duration) = (start.time, last - first);
@@ -63,7 +63,7 @@ fn begin(name: &str, row: &str, times: &[f64], start: &Start, free: &[Free]) -> 
         ("start.time", within) => within.is_none_or(|(low, _)| low <= *first),
         _ => false,
     };
-    // Of a record that is wholly before it nothing says where to.
+    // A record that lies wholly before the start gives no information on its shift.
     let is_moved = *last > from && free.iter().any(moves);
     if *first < from - EARLY * duration && !is_moved {
         return refused(format!(
@@ -71,7 +71,7 @@ fn begin(name: &str, row: &str, times: &[f64], start: &Start, free: &[Free]) -> 
              on, or record.shift among the free numbers"
         ));
     }
-    // A single sample, or a burst of contacts, may come late.
+    // A single sample or a short series of contacts may come late.
     let is_late = row == ROW && duration > 0.0 && first - from > LATE * duration;
     if is_late || first - from > LATE_SECONDS {
         return refused(format!(
@@ -83,16 +83,16 @@ fn begin(name: &str, row: &str, times: &[f64], start: &Start, free: &[Free]) -> 
     Ok(())
 }
 
-/// The words for one number of a column and of a list of contacts.
+/// Words for one entry of a column and of a list of contacts.
 const ROW: &str = "row";
 const CONTACT: &str = "contact";
 
 impl Measured {
-    /// Refuses columns that a machine does not have, that stand twice, or whose numbers or times
-    /// are not allowed.
+    /// Checks that the machine has each column's quantity, that no quantity has two columns, and
+    /// that times and values are valid.
     ///
     /// # Errors
-    /// [`Error::Described`] with the column, the row and what is allowed; [`Error::Refusal`] for a
+    /// [`Error::Described`] with the column, the row and the valid range; [`Error::Refusal`] for a
     /// name that the machine does not have.
     pub fn check_columns(&self, d: &Description, start: &Start, free: &[Free]) -> Result<()> {
         sizes("time", ROW, &self.times)?;
@@ -112,11 +112,11 @@ impl Measured {
         if self.columns.is_empty() { Ok(()) } else { begin("time", ROW, &self.times, start, free) }
     }
 
-    /// Refuses contacts of stops that a machine does not have, that stand twice, or whose times are
-    /// not allowed.
+    /// Checks that the machine has each stop, that no stop has two lists, and that the contact
+    /// times are valid.
     ///
     /// # Errors
-    /// As of [`check_columns`](Self::check_columns).
+    /// The same errors as [`check_columns`](Self::check_columns).
     pub fn check_contacts(&self, d: &Description, start: &Start, free: &[Free]) -> Result<()> {
         let stops = stops_of(self, d)?;
         for (k, (name, times)) in self.contacts.iter().enumerate() {
@@ -132,14 +132,14 @@ impl Measured {
         Ok(())
     }
 
-    /// Number of values and of times of contacts.
+    /// Number of values and of contact times.
     pub fn samples(&self) -> usize {
         let contacts = self.contacts.iter().map(|(_, times)| times.len()).sum::<usize>();
         self.columns.len() * self.times.len() + contacts
     }
 }
 
-/// Refuses a record that is empty or not allowed, and segments that are too short.
+/// Error if the record is empty or invalid, or if segments are too short.
 pub(super) fn check(request: &FitRequest) -> Result<()> {
     let FitRequest { machine, start, measured, free, .. } = request;
     if measured.samples() == 0 {
@@ -152,7 +152,7 @@ pub(super) fn check(request: &FitRequest) -> Result<()> {
     let all = measured.times.iter().chain(measured.contacts.iter().flat_map(|(_, times)| times));
     let (low, high) =
         all.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
-    // A shorter one has fewer samples than numbers.
+    // A shorter segment has fewer samples than free parameters.
     let least = free.len() as f64 * (high - low) / all.count().max(2).saturating_sub(1) as f64;
     if length < least {
         return refused(format!(
@@ -164,7 +164,7 @@ pub(super) fn check(request: &FitRequest) -> Result<()> {
     Ok(())
 }
 
-/// Refuses standard deviations whose squares are no numbers.
+/// Error if the square of a standard deviation overflows or underflows.
 fn check_sigma(request: &FitRequest) -> Result<()> {
     let (least, most) = SIZES;
     let names = request.measured.columns.iter().map(|(name, _)| name.to_string());

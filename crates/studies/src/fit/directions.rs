@@ -1,4 +1,4 @@
-//! Combinations of free numbers by how much they move the residuals at a point.
+//! Combinations of free parameters by their effect on the residuals at a point.
 
 use super::elimination::Triangle;
 use super::errors::scale;
@@ -6,20 +6,20 @@ use super::evaluated::{Evaluated, Point};
 use super::problem::Problem;
 use nalgebra::{DMatrix, DVector};
 
-/// The singular value decomposition of the derivatives of all residuals, by free numbers in units
-/// of their scales.
+/// Singular value decomposition of the Jacobian of all residuals, with parameters in units of
+/// their scales.
 pub(super) struct Directions {
     pub triangle: Triangle,
-    /// Derivatives by the free numbers. The states of segments follow the numbers.
+    /// Jacobian by free parameters, where segment states follow by least squares.
     pub jacobian: DMatrix<f64>,
     pub scales: Vec<f64>,
     pub singular: DVector<f64>,
-    /// Combinations of scaled numbers, one in each row.
+    /// Combinations of scaled parameters, one in each row.
     pub right: DMatrix<f64>,
 }
 
 impl Directions {
-    /// The directions at values; `None` if a derivative is not finite.
+    /// Directions at a point; `None` if a derivative is not finite.
     pub fn of(model: &dyn Problem, values: &[f64], at: &Evaluated) -> Option<Self> {
         let p = values.len();
         let triangle = Triangle::of(at, model.loss(), &Point::default(), 0.0, &vec![false; p]);

@@ -1,53 +1,52 @@
-//! The linear least squares of a step: blocks of a segment each, of which two neighbours share a
-//! state and all share the free numbers. The states are eliminated one after another by QR, so that
-//! work and memory grow with the number of segments (G. Bierman, Factorization Methods for Discrete
-//! Sequential Estimation, 1977, chapter 5).
+//! Linear least squares of a step. Each segment is a block: neighbours share a state, and all
+//! share the free parameters. QR eliminates the states one after another, so time and memory grow
+//! linearly with the number of segments (G. Bierman, Factorization Methods for Discrete Sequential
+//! Estimation, 1977, chapter 5).
 
 use super::evaluated::{Change, Evaluated, Point, Rows};
 use super::loss::Loss;
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
-/// The rows that are left of a state once it is eliminated: R x + S y + T p = r with the next state
-/// y.
+/// Rows left of a state after its elimination: R x + S y + T p = r with the next state y.
 struct Left {
     own: DMatrix<f64>,
     next: DMatrix<f64>,
     numbers: DMatrix<f64>,
 }
 
-/// The triangle of the states of all segments, and what is left of the free numbers alone.
+/// Triangular factor of all segment states, and the remaining rows of the parameters alone.
 pub(super) struct Triangle {
     states: Vec<Left>,
-    /// Over the numbers that are not held; the last column is the right side.
+    /// Remaining rows of the parameters that are not held; the last column is the right side.
     numbers: DMatrix<f64>,
-    /// The places of these numbers.
+    /// Indices of these parameters.
     free: Vec<usize>,
 }
 
-/// The rows of a matrix as columns `x`, `y`, `p`, right side.
+/// Rows of a matrix with the columns `x`, `y`, `p` and the right side.
 struct Builder {
     matrix: DMatrix<f64>,
     filled: usize,
 }
 
 impl Builder {
-    /// Puts a block at a column, from the row that comes next on.
+    /// Copies a block to a column, starting at the next free row.
     fn put(&mut self, column: usize, block: DMatrixView<f64>) {
         self.matrix.view_mut((self.filled, column), block.shape()).copy_from(&block);
     }
 }
 
-/// Number of a segment's rows, and of the state in which it begins.
+/// Number of a segment's rows, and size of its initial state.
 fn shape(rows: &Rows) -> (usize, usize) {
     rows.by_state.shape()
 }
 
 impl Triangle {
-    /// Eliminates the states. Each number is kept near 0 by a row of its size times √damping.
+    /// Eliminates the states. A row of its scale times √damping draws each unknown towards 0.
     pub fn of(at: &Evaluated, loss: Loss, sizes: &Change, damping: f64, held: &[bool]) -> Self {
         let free: Vec<usize> = (0..held.len()).filter(|&j| !held[j]).collect();
         let (p, root) = (free.len(), damping.sqrt());
-        // What the segments so far say of the present state and of the numbers.
+        // Information from the segments so far on the present state and the parameters.
         let mut so_far = DMatrix::zeros(0, shape(&at.0[0].rows).1 + p + 1);
         let mut states = Vec::new();
         for (k, own) in at.0.iter().enumerate() {
@@ -57,7 +56,7 @@ impl Triangle {
             let width = n + joint + p + 1;
             let mut all =
                 Builder { matrix: DMatrix::zeros(joint + so_far.nrows() + m + extra, width), filled: 0 };
-            // Heavy rows first: Householder's reflections then lose none of the light ones.
+            // Heavy rows first: Householder reflections then preserve the light ones.
             if let Some(rows) = &own.defect {
                 put_rows(&mut all, rows, (n, joint), &free, |_| 1.0);
                 (0..joint).for_each(|i| all.matrix[(i, n + i)] = -own.weights[i]);
@@ -91,14 +90,14 @@ impl Triangle {
         Self { states, numbers: numbers.qr().r(), free }
     }
 
-    /// What is left of the numbers that are not held: RᵀR is their information once the states
-    /// follow them by least squares, what these then miss of the next starts counted.
+    /// Remaining triangle R of the parameters that are not held. RᵀR is their information with the
+    /// states eliminated by least squares, including the defects.
     pub fn of_numbers(&self) -> DMatrix<f64> {
         let p = self.free.len();
         self.numbers.view((0, 0), (self.numbers.nrows().min(p), p)).into_owned()
     }
 
-    /// The step: minus the solution; `None` where the numbers are not determined.
+    /// Step: the negative solution; `None` if the parameters are undetermined.
     pub fn step(&self, count: usize) -> Option<Change> {
         let p = self.free.len();
         if self.numbers.nrows() < p {
@@ -114,8 +113,7 @@ impl Triangle {
         finite.then_some(step)
     }
 
-    /// The states with the least squares beside changes of the numbers; `share` is that of the
-    /// right sides.
+    /// Least squares states for given parameter changes; `share` multiplies the right sides.
     pub fn states_of(&self, numbers: &DVector<f64>, share: f64) -> Option<Vec<Vec<f64>>> {
         let p = numbers.len();
         let mut found: Vec<Vec<f64>> = Vec::new();
@@ -135,8 +133,8 @@ impl Triangle {
         Some(found)
     }
 
-    /// Derivatives of all residuals by the free numbers where the states follow them by least
-    /// squares.
+    /// Jacobian of all residuals with respect to the free parameters, where the states follow by
+    /// least squares.
     pub fn reduced(&self, at: &Evaluated, count: usize) -> Option<DMatrix<f64>> {
         let p = self.free.len();
         let rows: usize = at.0.iter().map(|own| own.places.len()).sum();
@@ -160,7 +158,7 @@ impl Triangle {
     }
 }
 
-/// Puts weighted rows: by the state, by the free numbers, right side.
+/// Appends weighted rows: by state, by free parameters, right side.
 fn put_rows(
     all: &mut Builder,
     rows: &Rows,

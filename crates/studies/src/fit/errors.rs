@@ -1,68 +1,67 @@
-//! Standard errors of a fit, their correlations, and what the record does not determine.
+//! Standard errors of a fit, their correlations, and undetermined combinations.
 //!
 //! With white residuals the covariance is s² (JᵀJ)⁻¹. Real residuals are correlated: their
-//! covariance is (JᵀJ)⁻¹ S (JᵀJ)⁻¹ with the sum S of products of J's rows with their residuals over
-//! lags (W. Newey and K. West, Econometrica 55, 1987), as many as the residuals' own correlation
-//! asks for (D. Andrews, Econometrica 59, 1991).
+//! covariance is (JᵀJ)⁻¹ S (JᵀJ)⁻¹, where S sums products of J's rows and residuals over lags (W.
+//! Newey and K. West, Econometrica 55, 1987). The residuals' correlation sets the number of lags
+//! (D. Andrews, Econometrica 59, 1991).
 //!
-//! Where large residuals count less, s² is the mean square of the scores over the square of their
-//! mean slope (P. Huber, Robust Statistics, 1981, chapter 7): neither grows with the size of
-//! outliers.
+//! With a robust loss, s² is the mean square of the scores over the square of their mean slope (P.
+//! Huber, Robust Statistics, 1981, chapter 7): neither grows with the size of outliers.
 
 use super::elimination::Triangle;
 use super::evaluated::{Evaluated, Point};
 use super::loss::Loss;
 use nalgebra::{DMatrix, DVector};
 
-/// Singular values, relative to the largest, below which a combination of numbers is not
-/// determined, by the accuracy of columns of unit length: derivatives are exact to rounding, some
-/// 1e-15, and what they grow by over segments ends where these may miss a next start, a billionth
-/// of its size; differences over a millionth of a number are good to some 1e-6.
+/// Singular values of the Jacobian with columns of unit length, relative to the largest, below
+/// which a combination is undetermined. Exact derivatives are accurate to some 1e-15. Their growth
+/// over segments ends where a segment may miss the next one's start, by a billionth of its size.
+/// Differences over a millionth of a parameter are accurate to some 1e-6.
 const SINGULAR: f64 = 1e-12;
 const SINGULAR_BY_DIFFERENCES: f64 = 1e-5;
-/// Part of a number in an undetermined combination, in columns of unit length, above which it is
-/// not determined: well above the error of the combination, of the order of the derivatives'
-/// accuracy over the other singular values.
+/// Component of a parameter in an undetermined combination, with columns of unit length, above
+/// which the parameter is undetermined. It is well above the combination's error, which is about
+/// the derivatives' accuracy divided by the other singular values.
 const TAKES_PART: f64 = 1e-4;
-/// Coefficient below which a number is not named in a combination.
+/// Coefficient below which a combination does not name the parameter.
 const COUNTS: f64 = 1e-3;
 
-/// Part of the motion's size that a value moves up to which it counts as 0 in a combination.
+/// Fraction of the change that moves the motion by its size; a smaller value counts as 0.
 const HARDLY: f64 = 1e-3;
 
-/// A combination of relative changes that leaves the motion at the record as it is.
+/// Combination of relative parameter changes that leaves the motion at the samples unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Undetermined {
-    /// By free number its part: the number changes by so many of its own values (of a number that
-    /// is 0, of the change that moves the motion by the record's own size).
+    /// Component of each free parameter, in multiples of its value (if the value is 0, of the
+    /// change that moves the motion by the record's size).
     pub combination: Vec<(String, f64)>,
-    /// Change of the residuals by such a change, relative to that of the best determined one, where
-    /// each number counts by what it does alone.
+    /// Change of the residuals by this combination relative to the best determined one, with each
+    /// parameter scaled by its own effect.
     pub singular_value: f64,
 }
 
 impl std::fmt::Display for Undetermined {
-    /// The parts with their names: `+0.577 body.a.mass -0.577 spring.k.stiffness`.
+    /// Components with their names: `+0.577 body.a.mass -0.577 spring.k.stiffness`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let parts = self.combination.iter().map(|(name, part)| format!("{part:+.3} {name}"));
         f.write_str(&parts.collect::<Vec<_>>().join(" "))
     }
 }
 
-/// Standard errors of the free numbers.
+/// Standard errors of the free parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
-    /// The names of the free numbers.
+    /// Names of the free parameters.
     pub names: Vec<String>,
-    /// Standard error of each, SI; `None` where the record does not determine it.
+    /// Standard error of each, SI; `None` if the record does not determine it.
     pub errors: Vec<Option<f64>>,
-    /// Standard error of each if its residuals were white noise, by the curvature of the cost, SI.
+    /// Standard error of each for white residuals, from the curvature of the cost, SI.
     pub white: Vec<Option<f64>>,
-    /// Correlations; 0 beside a number that is not determined.
+    /// Correlations; 0 for an undetermined parameter.
     pub correlation: DMatrix<f64>,
-    /// What the record does not determine.
+    /// Combinations that the record does not determine.
     pub undetermined: Vec<Undetermined>,
-    /// Correlation of a residual with the next one.
+    /// Correlation of successive residuals.
     pub persistence: f64,
 }
 
@@ -74,7 +73,7 @@ impl Uncertainty {
         (loss, has_sigma): (Loss, bool),
     ) -> Self {
         let p = values.len();
-        // States of segments follow the numbers: errors are of all that is free.
+        // Segment states follow the parameters: the errors include their freedom.
         let sizes = Point::default();
         let triangle = Triangle::of(at, Loss::Linear, &sizes, 0.0, &vec![false; p]);
         let Some(mut matrix) = triangle.reduced(at, p) else { return Self::none(names) };
@@ -106,8 +105,8 @@ impl Uncertainty {
         }
     }
 
-    /// Multiplies the errors by factors of 1 at least, as the profile of the cost says. The errors
-    /// of white noise stay those of the curvature.
+    /// Multiplies the errors by factors of at least 1, from the profile of the cost. The errors
+    /// for white noise are unchanged.
     pub(super) fn widen(&mut self, factors: &[f64]) {
         for (error, factor) in self.errors.iter_mut().zip(factors) {
             if let Some(error) = error {
@@ -116,7 +115,7 @@ impl Uncertainty {
         }
     }
 
-    /// The errors of a record's numbers, at places among the joint numbers.
+    /// Errors of one record's parameters, given their indices among the joint parameters.
     pub(super) fn of_record(&self, places: &[usize], names: Vec<String>) -> Self {
         let of = |all: &[Option<f64>]| places.iter().map(|&place| all[place]).collect();
         Self {
@@ -142,17 +141,18 @@ impl Uncertainty {
     }
 }
 
-/// What the residuals say.
+/// Statistics of the residuals.
 struct Scores {
-    /// Of each residual; itself where it counts by its square.
+    /// Score of each residual; the residual itself under the quadratic loss.
     all: Vec<f64>,
-    /// Their mean slope, over the correction for few residuals by number.
+    /// Mean slope of the scores, divided by the correction for few residuals per parameter.
     slope: f64,
     variance: f64,
 }
 
 impl Scores {
-    /// `None` where nothing tells their variance: as many numbers as residuals, or outliers alone.
+    /// `None` if the variance cannot be estimated: no more residuals than parameters, or only
+    /// outliers.
     fn of(at: &Evaluated, loss: Loss, (has_sigma, p): (bool, usize)) -> Option<Self> {
         let all: Vec<f64> = at.residuals().map(|r| loss.score(r)).collect();
         let is_told = all.len() > p;
@@ -169,22 +169,21 @@ impl Scores {
     }
 }
 
-/// Combinations of numbers by how much they move the residuals, where each number counts by the
-/// length of its column of derivatives: no number's unit or size then has a part in what is
-/// determined.
+/// Combinations of parameters, ordered by their effect on the residuals. Columns of the Jacobian
+/// have unit length, so the units of parameters do not matter.
 struct Basis {
-    /// Lengths of the columns; 0 of a number that moves nothing.
+    /// Lengths of the columns; 0 for a parameter without effect.
     lengths: Vec<f64>,
-    /// Combinations in rows, and what they move.
+    /// Combinations in rows, with their singular values.
     rows: DMatrix<f64>,
     singular: Vec<f64>,
-    /// Part of the largest of these below which one is not told from 0.
+    /// Threshold relative to the largest singular value; smaller ones count as 0.
     cut: f64,
 }
 
 impl Basis {
-    /// The combinations of a matrix of derivatives; `None` where it has no finite ones. An idle
-    /// number is a combination of its own.
+    /// Combinations of a Jacobian; `None` if it is not finite. An idle parameter is a combination
+    /// of its own.
     fn of(mut matrix: DMatrix<f64>, idle: &[bool], cut: f64) -> Option<Self> {
         let p = idle.len();
         let mut lengths = vec![0.0; p];
@@ -201,7 +200,7 @@ impl Basis {
         let moves: Vec<usize> = (0..p).filter(|&j| lengths[j] > 0.0).collect();
         let (mut rows, mut singular) = (DMatrix::zeros(p, p), vec![0.0; p]);
         if !moves.is_empty() {
-            // Rows of zeros: fewer samples than numbers leave a combination for each number, too.
+            // Padding with zero rows: each parameter then has a combination even with few samples.
             let own = matrix.select_columns(&moves);
             let height = own.nrows().max(moves.len());
             let svd = own.resize_vertically(height, 0.0).qr().r().svd(false, true);
@@ -220,7 +219,7 @@ impl Basis {
         self.singular.iter().fold(f64::MIN_POSITIVE, |most, x| most.max(*x))
     }
 
-    /// Whether a combination is told from the error of its derivatives.
+    /// Whether a combination's singular value exceeds the error of the derivatives.
     fn is_known(&self, k: usize) -> bool {
         self.singular[k] > self.cut * self.largest()
     }
@@ -229,7 +228,7 @@ impl Basis {
         (0..self.singular.len()).filter(|&k| !self.is_known(k))
     }
 
-    /// The inverse of JᵀJ over what is determined.
+    /// Inverse of JᵀJ over the determined combinations.
     fn inverse(&self) -> DMatrix<f64> {
         let p = self.lengths.len();
         let mut inverse = DMatrix::zeros(p, p);
@@ -240,15 +239,14 @@ impl Basis {
         inverse
     }
 
-    /// The standard errors of a covariance; `None` of numbers that take part in what is not
-    /// determined.
+    /// Standard errors from a covariance; `None` for parameters in undetermined combinations.
     fn errors(&self, covariance: &DMatrix<f64>) -> Vec<Option<f64>> {
         let takes_part = |j: usize| self.unknown().any(|k| self.rows[(k, j)].abs() > TAKES_PART);
         let error = |j: usize| covariance[(j, j)].max(0.0).sqrt() / self.lengths[j];
         (0..self.lengths.len()).map(|j| (!takes_part(j)).then(|| error(j))).collect()
     }
 
-    /// What is not determined, in parts of the numbers' scales.
+    /// Undetermined combinations, in units of the parameters' scales.
     fn undetermined(&self, names: &[String], scales: &[f64]) -> Vec<Undetermined> {
         let of = |k: usize| {
             let part = |j: usize, _| match (self.rows[(k, j)], self.lengths[j] * scales[j]) {
@@ -266,7 +264,7 @@ impl Basis {
     }
 }
 
-/// The correlations of a covariance; 0 beside a number without an error.
+/// Correlations of a covariance; 0 for a parameter without a standard error.
 fn correlation(covariance: &DMatrix<f64>, errors: &[Option<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(errors.len(), errors.len(), |i, j| {
         let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
@@ -278,8 +276,8 @@ fn correlation(covariance: &DMatrix<f64>, errors: &[Option<f64>]) -> DMatrix<f64
     })
 }
 
-/// The change of a number that counts as one: its own value, or that which moves the motion by one
-/// standard deviation of a column throughout.
+/// Unit change of a parameter: its own value. For a value of 0, it is the change that moves each
+/// sample by one standard deviation (root mean square).
 pub(super) fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
     if value != 0.0 {
         return value.abs();
@@ -288,14 +286,14 @@ pub(super) fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
     if norm > 0.0 { (jacobian.nrows() as f64).sqrt() / norm } else { 1.0 }
 }
 
-/// The change of a number by which its part in a combination counts: as [`scale`], where a value is
-/// 0 that hardly moves the motion, as that of a shift which is fitted to be 0.
+/// Unit change of a parameter in a combination. As [`scale`], but a value that hardly moves the
+/// motion counts as 0, for example a shift that is fitted to be 0.
 fn size_of_part(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
     let of_zero = scale(jacobian, 0.0, j);
     if value.abs() > HARDLY * of_zero { value.abs() } else { of_zero }
 }
 
-/// Correlation of a residual with the next one of its column, over all columns.
+/// Correlation of successive residuals within a column, over all columns.
 fn persistence(at: &Evaluated, residuals: &[f64]) -> f64 {
     let columns = at.places().map(|place| place.1).max().unwrap_or(0) + 1;
     let mut last: Vec<Option<f64>> = vec![None; columns];
@@ -310,7 +308,7 @@ fn persistence(at: &Evaluated, residuals: &[f64]) -> f64 {
     (products / squares).clamp(-0.999, 0.999)
 }
 
-/// The sum S over lags with falling weights; rows of one time count together.
+/// Sum S over lags with decreasing weights; rows at one time count together.
 fn lagged(at: &Evaluated, matrix: &DMatrix<f64>, residuals: &[f64], persistence: f64) -> DMatrix<f64> {
     let p = matrix.ncols();
     let mut scores: Vec<(usize, DVector<f64>)> = Vec::new();
@@ -334,7 +332,7 @@ fn lagged(at: &Evaluated, matrix: &DMatrix<f64>, residuals: &[f64], persistence:
         let weight = 1.0 - lag as f64 / (lags as f64 + 1.0);
         for t in lag..scores.len() {
             let ((record, a), (before, b)) = (&scores[t], &scores[t - lag]);
-            // Residuals of two records are independent.
+            // Residuals of different records are independent.
             if record != before {
                 continue;
             }

@@ -1,17 +1,17 @@
-//! Residuals of a motion beside a record, and their derivatives by what is fitted.
+//! Residuals of a motion against a record, and their derivatives.
 
 use nalgebra::DMatrix;
 
-/// Change of all residuals by the whole of a number (of 0, by one SI unit) up to which it moves
-/// nothing: a derivative that is rounding would ask for a change without bound.
+/// A parameter is idle if changing it by its own value (by one SI unit if it is 0) changes no
+/// residual by more: such a derivative is rounding and would lead to unbounded steps.
 const IDLE: f64 = 1e-12;
-/// Size of a number, SI, up to which it counts as 0: one that is fitted to be 0 is its rounding.
+/// Magnitude, SI, up to which a parameter counts as 0: rounding of one that is fitted to be 0.
 const NEARLY_0: f64 = 1e-12;
 
-/// Node at which the next of several records begins, whose motion has a start of its own.
+/// Node that marks the next of several records, whose motion has a start of its own.
 pub(super) const NEXT_RECORD: f64 = f64::NEG_INFINITY;
 
-/// Where a fit stands: the free numbers, and the states in which segments after the first begin.
+/// Point of a fit: the free parameters, and the initial states of all segments but the first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Point {
     pub values: Vec<f64>,
@@ -24,11 +24,11 @@ impl From<Vec<f64>> for Point {
     }
 }
 
-/// A change of a [`Point`], or a size for each of its numbers.
+/// Change of a [`Point`], or a scale for each of its components.
 pub(super) type Change = Point;
 
 impl Point {
-    /// Shortens a change to a part of each value at most; values of 0 set no bound.
+    /// Shortens a change to at most a fraction of each value; values of 0 set no limit.
     pub fn limit(&mut self, values: &[f64], part: f64) {
         let pairs = self.values.iter().zip(values).filter(|(_, x)| **x != 0.0);
         let most = pairs.fold(0.0, |most: f64, (change, x)| most.max((change / x).abs()));
@@ -38,7 +38,7 @@ impl Point {
         }
     }
 
-    /// The length of a change whose numbers count by sizes.
+    /// Norm of a change with the given scales.
     pub fn length(&self, sizes: &Change) -> f64 {
         let pair =
             |(a, b): (&Vec<f64>, &Vec<f64>)| -> f64 { a.iter().zip(b).map(|(x, s)| (x * s).powi(2)).sum() };
@@ -47,44 +47,43 @@ impl Point {
     }
 }
 
-/// How far a record counts, and where segments of the motion begin anew.
+/// End of the record's used part, and nodes at which new segments begin.
 #[derive(Clone, Debug)]
 pub(super) struct Reach {
-    /// Time of the record up to which it counts, s.
+    /// Time of the record up to which it is fitted, s.
     pub end: f64,
     /// Times of the record at which segments after the first begin, s.
     pub nodes: Vec<f64>,
-    /// How much a segment's end that is not the next one's start counts, by number of the state, as
-    /// a residual.
+    /// Weight of a segment's miss of the next one's start, for each state component.
     pub weights: Vec<f64>,
 }
 
 impl Reach {
-    /// One motion up to a time.
+    /// A single motion up to a time.
     pub fn whole(end: f64) -> Self {
         Self { end, nodes: Vec::new(), weights: Vec::new() }
     }
 
-    /// Whether each record has one motion.
+    /// Whether each record has a single motion.
     pub fn is_whole(&self) -> bool {
         self.nodes.iter().all(|node| *node == NEXT_RECORD)
     }
 }
 
-/// A number of a motion with its derivatives by the free numbers, then by the segment's first
-/// state; `None` where it has none.
+/// Value with its derivatives with respect to the free parameters, then the segment's initial
+/// state; `None` for a derivative that does not exist.
 pub(super) type Varied = (f64, Vec<Option<f64>>);
 
-/// Residuals in units of the standard deviations, with their derivatives.
+/// Residuals in units of the standard deviation, with their derivatives.
 pub(super) struct Rows {
     pub residuals: Vec<f64>,
-    /// By the state in which the segment begins; without columns in the first one.
+    /// Derivatives with respect to the segment's initial state; no columns in the first segment.
     pub by_state: DMatrix<f64>,
     pub by_numbers: DMatrix<f64>,
 }
 
 impl Rows {
-    /// Rows of values with derivatives, each value over its unit.
+    /// Rows from values with derivatives, each divided by its unit.
     pub fn of(rows: &[(Varied, f64)], (unknowns, states): (usize, usize)) -> Self {
         let entry = |i: usize, j: usize| rows[i].0.1[j].unwrap_or(0.0) / rows[i].1;
         Self {
@@ -94,7 +93,7 @@ impl Rows {
         }
     }
 
-    /// Gives the free numbers other places among a larger count of numbers.
+    /// Moves the free parameters to other columns among a larger number of parameters.
     fn place(&mut self, places: &[usize], count: usize) {
         let mut all = DMatrix::zeros(self.by_numbers.nrows(), count);
         for (own, &place) in self.by_numbers.column_iter().zip(places) {
@@ -109,25 +108,25 @@ impl Rows {
     }
 }
 
-/// A segment of a motion beside its part of the record.
+/// Segment of a motion and its part of the record.
 pub(super) struct Segment {
     pub rows: Rows,
-    /// Time and column of each row; the columns of contacts follow those of quantities. Rows of one
-    /// time stand together.
+    /// Time and column of each row; contact columns follow the columns of quantities. Rows of one
+    /// time are adjacent.
     pub places: Vec<(f64, usize)>,
-    /// The segment's end less the start of the next one, over its weight; `None` of the last.
+    /// The segment's end minus the next one's start, weighted; `None` for the last segment.
     pub defect: Option<Rows>,
-    /// Derivative of a row of `defect` by its number of the next segment's state, negative.
+    /// Negative derivative of each row of `defect` with respect to the next segment's state.
     pub weights: Vec<f64>,
-    /// Whether differences stand in for some of its derivatives.
+    /// Whether some derivatives are finite differences.
     pub has_differences: bool,
-    /// Index of its record among several.
+    /// Index of the record.
     pub record: usize,
 }
 
 impl Segment {
-    /// Makes the segment one of a record among several: with the free numbers at other places among
-    /// a larger count, and columns after the columns of the records before.
+    /// Assigns the segment to one of several records: moves its parameters to other columns among
+    /// a larger number, and numbers its columns after the columns of earlier records.
     pub fn place(&mut self, record: usize, (places, count): (&[usize], usize), columns: usize) {
         self.record = record;
         self.rows.place(places, count);
@@ -136,31 +135,31 @@ impl Segment {
     }
 }
 
-/// Residuals over all segments.
+/// Residuals of all segments.
 pub(super) struct Evaluated(pub Vec<Segment>);
 
 impl Evaluated {
-    /// Whether all its numbers are finite.
+    /// Whether all residuals and derivatives are finite.
     pub fn is_finite(&self) -> bool {
         self.0.iter().all(|own| own.rows.is_finite() && own.defect.as_ref().is_none_or(Rows::is_finite))
     }
 
-    /// The residuals of all segments.
+    /// Residuals of all segments.
     pub fn residuals(&self) -> impl Iterator<Item = f64> {
         self.0.iter().flat_map(|own| own.rows.residuals.iter().copied())
     }
 
-    /// Time and column of each of them.
+    /// Time and column of each residual.
     pub fn places(&self) -> impl Iterator<Item = (f64, usize)> {
         self.0.iter().flat_map(|own| own.places.iter().copied())
     }
 
-    /// Whether differences stand in for some of the derivatives.
+    /// Whether some derivatives are finite differences.
     pub fn has_differences(&self) -> bool {
         self.0.iter().any(|own| own.has_differences)
     }
 
-    /// What the defects count.
+    /// Sum of squares of the defects.
     pub fn defects(&self) -> f64 {
         let all = self.0.iter().filter_map(|own| own.defect.as_ref());
         all.flat_map(|own| own.residuals.iter()).map(|r| r * r).sum()
@@ -168,21 +167,21 @@ impl Evaluated {
 }
 
 impl Evaluated {
-    /// Whether the motion stays as it is whatever a free number of some value does.
+    /// Whether a free parameter of this value has no effect on the motion.
     pub(super) fn is_idle(&self, j: usize, value: f64) -> bool {
         let size = if value.abs() <= NEARLY_0 { 1.0 } else { value.abs() };
         self.0.iter().all(|own| own.rows.by_numbers.column(j).amax() * size <= IDLE)
     }
 }
 
-/// A point reached.
+/// Result of a search.
 #[derive(Clone, Debug)]
 pub(super) struct Solved {
     pub point: Point,
     pub reach: Reach,
-    /// The sum of losses, without that of defects.
+    /// Sum of losses, without the defects.
     pub cost: f64,
-    /// Whether no segment misses the next one's start.
+    /// Whether each segment ends at the next one's start.
     pub is_continuous: bool,
 }
 

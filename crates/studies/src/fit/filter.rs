@@ -1,11 +1,11 @@
-//! Columns that a sensor shows through its low-pass filter, such as the acceleration that an
-//! accelerometer gives.
+//! Columns that a sensor records through its low-pass filter, for example the acceleration of an
+//! accelerometer.
 //!
-//! A filter is a linear block that the machine carries and that moves nothing. Its states are the
-//! low-pass filtered quantity u and its derivatives over powers of the corner frequency ω:
-//! x_k' = ω x_(k+1), and the last one x_(n-1)' = ω (u - Σ a_k x_k), with Butterworth's a_k. A
-//! filtered acceleration is the rate ω x_1 of the filtered velocity: an impact is a jump of u, by
-//! which the filter sees the momentum and no impulse.
+//! A filter is a linear block of the machine without effect on its motion. Its states are the
+//! low-pass filtered quantity u and its derivatives over powers of the corner frequency ω: x_k' =
+//! ω x_(k+1), and for the last one x_(n-1)' = ω (u - Σ a_k x_k) with Butterworth's a_k. A filtered
+//! acceleration is the rate ω x_1 of the filtered velocity. An impact is a jump of u: the filter
+//! responds to the momentum without an impulse.
 
 use super::{FitRequest, Fitted};
 use crate::error::{Error, Result};
@@ -16,33 +16,33 @@ use vibro_machine::derivative::By;
 use vibro_machine::description::{Block, BlockInput, Description};
 use vibro_machine::{Assembly, Differentiated, Quantity, Start, What};
 
-/// Largest order; sensors have 1 to 8, and higher ones lose digits in their coefficients.
+/// Largest order: sensors have 1 to 8, and coefficients of higher orders lose digits.
 const MOST: u32 = 8;
 
-/// Low-pass filter of a column: Butterworth's, of any order.
+/// Butterworth low-pass filter of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filter {
     /// The column: `a`, `v` or `s` of a body, `e` or `rate` of an element.
     pub column: QuantityName,
     /// Order, 1 to 8.
     pub order: u32,
-    /// Corner frequency, Hz, at which a half of the power passes.
+    /// Corner frequency, Hz, at which half of the power passes.
     pub frequency: f64,
 }
 
-/// The filter of a column in the machine that carries it.
+/// Filter of a column as a block of the machine.
 pub(super) struct Sensor {
     block: usize,
-    /// The unfiltered quantity that the filter reads.
+    /// Unfiltered quantity, the input of the filter.
     input: Quantity,
-    /// Index of the first state among the numbers of a start.
+    /// Index of the first state among the start parameters.
     place: usize,
-    /// What the column shows, and its rate if the filter has one.
+    /// Quantity of the column, and its rate if the filter provides one.
     pub output: Quantity,
     pub rate: Option<Quantity>,
 }
 
-/// Coefficients of Butterworth's polynomial of an order, from that of s⁰ on.
+/// Coefficients of the Butterworth polynomial, beginning with s⁰.
 fn butterworth(order: u32) -> Vec<f64> {
     let times = |own: Vec<f64>, factor: &[f64]| {
         let mut product = vec![0.0; own.len() + factor.len() - 1];
@@ -80,7 +80,7 @@ impl Filter {
         Ok(())
     }
 
-    /// What the filter reads: of an acceleration the velocity.
+    /// Input of the filter; for an acceleration it is the velocity.
     fn input(&self, d: &Description) -> Result<(BlockInput, QuantityName)> {
         let QuantityName { of, what } = &self.column;
         let body = d.bodies.iter().position(|own| own.name == *of);
@@ -101,7 +101,7 @@ impl Filter {
         Ok((input, QuantityName { of: of.clone(), what }))
     }
 
-    /// The filter as a block with outputs `y`, what the column shows, and `rate`, the rate of `y`.
+    /// The filter as a block with outputs `y`, the column's quantity, and `rate`, the rate of `y`.
     fn block(&self, d: &Description) -> Result<Block> {
         let (n, corner) = (self.order as usize, TAU * self.frequency);
         let polynomial = butterworth(self.order);
@@ -121,7 +121,7 @@ impl Filter {
             }
         };
         let first = usize::from(self.column.what == What::A);
-        // A derivative beyond the order would need that of what the filter reads.
+        // A derivative beyond the order would need the derivative of the input.
         let outputs = (first..=n.min(first + 1)).map(derivative);
         let (c, d_rows): (Vec<_>, Vec<_>) = outputs.unzip();
         let is_taken = |name: &String| {
@@ -146,10 +146,10 @@ impl Filter {
     }
 }
 
-/// A request whose machine carries the filters; `None` without filters.
+/// Request whose machine contains the filters; `None` without filters.
 ///
 /// # Errors
-/// [`Error::Described`] for a filter that is not possible, and for an acceleration without one.
+/// [`Error::Described`] for an invalid filter, and for an acceleration without one.
 pub(super) fn carrying(request: &FitRequest) -> Result<Option<FitRequest>> {
     request.filters.iter().try_for_each(|filter| filter.check(request))?;
     let is_filtered = |name: &QuantityName| request.filters.iter().any(|own| own.column == *name);
@@ -172,7 +172,7 @@ pub(super) fn carrying(request: &FitRequest) -> Result<Option<FitRequest>> {
     Ok(Some(carrying))
 }
 
-/// A fitted machine without the filters that it carried.
+/// Fitted machine with its filters removed.
 pub(super) fn without(fitted: Fitted, filters: usize) -> Fitted {
     let mut fitted = fitted;
     let blocks = &mut fitted.machine.description.blocks;
@@ -180,7 +180,7 @@ pub(super) fn without(fitted: Fitted, filters: usize) -> Fitted {
     fitted
 }
 
-/// The filters that a request's machine carries.
+/// Filters in a request's machine.
 pub(super) fn sensors(request: &FitRequest) -> Result<Vec<Sensor>> {
     let d = &request.machine.description;
     if request.filters.is_empty() {
@@ -206,8 +206,8 @@ pub(super) fn sensors(request: &FitRequest) -> Result<Vec<Sensor>> {
     request.filters.iter().enumerate().map(sensor).collect()
 }
 
-/// Starts the filters as if what they read had stayed as it is at the start: a body had moved at
-/// its speed, without acceleration.
+/// Starts the filters in the steady state of their input at the start. For an accelerometer, the
+/// body has moved at constant velocity.
 pub(super) fn begin(sensors: &[Sensor], machine: &mut Machine, start: &Start) -> Result<()> {
     if sensors.is_empty() {
         return Ok(());
@@ -219,15 +219,15 @@ pub(super) fn begin(sensors: &[Sensor], machine: &mut Machine, start: &Start) ->
     Ok(())
 }
 
-/// How the starts of the filters depend on what is fitted: what they read at the start does.
+/// Dependency of the filters' initial states on the fitted parameters, through their inputs.
 #[derive(Default)]
 pub(super) struct Carried {
-    /// By filter its column of derivatives, and by each other column the derivative of its start.
+    /// For each filter its column of derivatives, and the derivatives of its initial state.
     of: Vec<(usize, Vec<Option<f64>>)>,
 }
 
 impl Carried {
-    /// The dependencies at the start of a motion, whose columns get one more for each filter.
+    /// Dependencies at the start of a motion; adds a column for each filter.
     pub fn of(
         sensors: &[Sensor],
         (assembly, start): (&Arc<Assembly>, &Start),
@@ -237,7 +237,7 @@ impl Carried {
             return Ok(Self::default());
         }
         let motion: Differentiated = start.differentiated_by(assembly.clone(), columns, &mut |_, _| ())?;
-        // Another time of the start leaves its values as they are.
+        // Another start time does not change the initial values.
         let by = |own: &Sensor, p: usize| match columns[p] {
             By::Time => Some(0.0),
             _ => motion.derivative(own.input, p),
@@ -249,7 +249,7 @@ impl Carried {
         Ok(Self { of })
     }
 
-    /// The derivative of a quantity by a column, with what the start of the filters adds.
+    /// Derivative of a quantity by a column, including the filters' initial states.
     pub fn with(&self, p: usize, by: &dyn Fn(usize) -> Option<f64>) -> Option<f64> {
         let add = |sum: f64, (column, starts): &(usize, Vec<Option<f64>>)| match starts[p]? {
             0.0 => Some(sum),

@@ -1,4 +1,4 @@
-//! The fitted machine with its errors, residuals and verdict.
+//! Result of a fit: machine, errors, residuals and verdict.
 
 use super::beside::{Beside, Followed};
 use super::bounds::Bounds;
@@ -16,13 +16,13 @@ use crate::QuantityName;
 use crate::error::Result;
 use vibro_machine::{Assembly, Start};
 
-/// What all records of a fit have in common.
+/// Results that all records share.
 pub(super) struct Shared<'s> {
-    /// Errors of the record's numbers.
+    /// Errors of the record's parameters.
     pub uncertainty: Uncertainty,
-    /// Numbers of the record at an end of their range, with that end.
+    /// Parameters of the record at an end of their range, with that end.
     pub at_bounds: Vec<(String, f64)>,
-    /// Why the point is not certain, in words.
+    /// Reason why the point is not certain.
     pub doubt: Option<&'s str>,
     pub cost: f64,
     /// Variance of residuals in units of the squared standard deviations.
@@ -31,7 +31,7 @@ pub(super) struct Shared<'s> {
 }
 
 impl Joint<'_> {
-    /// The results of all records at the best point.
+    /// Results of all records at the best point.
     pub fn finish(
         &self,
         requests: &[FitRequest],
@@ -59,7 +59,7 @@ impl Joint<'_> {
             self.models[k].finish(request, &point, &reach, shared)
         };
         let mut all = requests.iter().enumerate().map(one).collect::<Result<Vec<_>>>()?;
-        // Shared numbers that fit one record alone are not the machine's.
+        // Shared parameters that fit only one record are not the machine's.
         let misses = |(k, own): (usize, &Fitted)| match &own.verdict {
             Verdict::Fits => None,
             verdict => Some(format!("record {} {verdict}", k + 1)),
@@ -73,7 +73,7 @@ impl Joint<'_> {
 }
 
 impl Model<'_> {
-    /// The result of a record at a point.
+    /// Result of one record at a point.
     fn finish(&self, request: &FitRequest, point: &Point, reach: &Reach, shared: Shared) -> Result<Fitted> {
         let beside = self.compared.beside(&self.unknowns, point, reach, true)?;
         let Made { machine, assembly, start, .. } = self.unknowns.with(&point.values)?;
@@ -95,8 +95,7 @@ impl Model<'_> {
             |(time, stop): &(f64, usize)| Some((*time, machine.description.stops.get(*stop)?.name.clone()));
         let rounding = self.rounding(request, (point, reach), &beside, shared.variance)?;
         let doubt = self.begins_early(&point.values)?.or(shared.doubt.map(str::to_owned));
-        // Steps that derivatives do not see may have kept the fit from a motion that is the
-        // record's.
+        // Derivatives ignore rounding steps, which may have kept the fit from the record's motion.
         let verdict = match (self.verdict(&beside), rounding, doubt) {
             (Verdict::Fits, None, Some(doubt)) => Verdict::Undecided(doubt),
             (Verdict::Fits, Some(rounding), _) => Verdict::Undecided(rounding),
@@ -116,7 +115,7 @@ impl Model<'_> {
             rms: sizes,
             residuals: residuals.collect(),
             contacts,
-            // Outliers that count little do not end it.
+            // Outliers, which count little, do not end it.
             near_until: match self.loss {
                 Loss::Linear => self.near(&beside, f64::NEG_INFINITY, super::WAYS[0]),
                 Loss::SoftL1 | Loss::Huber => reach.end,
@@ -128,7 +127,7 @@ impl Model<'_> {
         })
     }
 
-    /// Where segments begin anew, and by how much the ones before miss it.
+    /// Segments after the first, with their defects.
     fn segments(&self, beside: &Beside, assembly: &Assembly, point: &Point, reach: &Reach) -> Vec<Fresh> {
         let names = Start::names(assembly);
         let fresh = |((time, state), before): ((&f64, &Vec<f64>), &Followed)| Fresh {

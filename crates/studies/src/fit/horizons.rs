@@ -1,4 +1,4 @@
-//! Fits over horizons that grow as the fitted motion keeps near the record.
+//! Fits over growing horizons: the horizon grows while the fitted motion is near the record.
 
 use super::bounds::Bounds;
 use super::evaluated::{Point, Reach, Solved};
@@ -8,14 +8,14 @@ use super::solver::{Convergence, solve};
 use super::{CLOSE, Way};
 use crate::error::Result;
 
-/// Most horizons of a fit.
+/// Largest number of horizons of a fit.
 const HORIZONS: u32 = 200;
-/// Contacts by which a horizon of contacts alone grows at most.
+/// Largest number of contacts by which a horizon grows if the record has only contacts.
 const MOST_CONTACTS: usize = 10;
-/// Rows by free number with which the first horizon begins at least.
+/// Smallest number of rows per free parameter in the first horizon.
 pub(super) const LEAST_ROWS: usize = 3;
 
-/// The point reached from values over growing horizons.
+/// Result of growing horizons from an initial point.
 pub(super) fn over_horizons(
     model: &Model,
     bounds: &Bounds,
@@ -25,9 +25,9 @@ pub(super) fn over_horizons(
 ) -> Result<Solved> {
     let mut point = Point::from(start.to_vec());
     let (first, end) = (model.first(), model.end());
-    // Horizons are as long as the record lasts, whenever it begins.
+    // The length of a horizon counts from the record's first time.
     let longer = |horizon: f64, factor: f64| first + factor * (horizon - first).max(0.0);
-    // Contacts that are matched in their order are near only as long as none comes or goes.
+    // Contacts matched in order are near only while none appears or disappears.
     let is_of_contacts = model.is_of_contacts();
     let rows = if is_of_contacts { start.len() + 1 } else { LEAST_ROWS * start.len() };
     let least = model.least_horizon(rows);
@@ -51,7 +51,7 @@ pub(super) fn over_horizons(
         if is_of_contacts && near + model.slack() < horizon {
             return Ok(Solved { point, reach: Reach::whole(end), cost: f64::INFINITY, is_continuous: true });
         }
-        // Close to all of the record nothing is to be followed step by step, but for contacts.
+        // Without stops, a motion close to the whole record needs no growing horizons.
         if near >= end && !model.has_stops() && model.is_near(&point.values, CLOSE) {
             horizon = end;
             continue;

@@ -1,9 +1,8 @@
-//! Several records of one machine, fitted together: free numbers that all records share, and free
-//! numbers that each record has for itself.
+//! Several records of one machine fitted together. Some free parameters are shared, others belong
+//! to one record.
 //!
-//! The segments of all records stand one after another, each record behind the one before. The
-//! first segment of a record begins with the start of its own motion, so no state ties it to the
-//! record before.
+//! The segments of all records are in sequence, record after record. The first segment of a record
+//! begins with the start of its own motion and has no tie to the previous record.
 
 use super::FitRequest;
 use super::beside::Compared;
@@ -17,22 +16,22 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Singular value, relative to the largest, below which a merged combination of numbers stays at
-/// the first record's values.
+/// Singular value, relative to the largest, below which a merged combination keeps the first
+/// record's values.
 const SINGULAR: f64 = 1e-9;
 
 /// The records of a fit.
 pub(super) struct Joint<'a> {
     pub models: Vec<Model<'a>>,
-    /// For each record the index of each of its free numbers among the joint numbers.
+    /// Joint indices of each record's free parameters.
     pub places: Vec<Vec<usize>>,
-    /// Number of joint numbers.
+    /// Number of joint parameters.
     count: usize,
     /// Number of states of each record's machine.
     states: Vec<usize>,
 }
 
-/// Refuses records whose fits differ in what all records share.
+/// Error if records differ in a setting that all of them share.
 fn check(requests: &[FitRequest]) -> Result<()> {
     let refused = |problem: String| Err(Error::Described { problem });
     let Some(first) = requests.first() else {
@@ -58,11 +57,11 @@ fn check(requests: &[FitRequest]) -> Result<()> {
 }
 
 impl<'a> Joint<'a> {
-    /// The records of requests.
+    /// Joint problem of several requests.
     ///
     /// # Errors
-    /// [`Error::Described`] for requests that differ in what all records share, and for what a
-    /// single record does not allow.
+    /// [`Error::Described`] for requests that differ in shared settings, and the errors of a
+    /// single record.
     pub fn new(requests: &'a [FitRequest]) -> Result<Self> {
         check(requests)?;
         let mut models = requests.iter().map(Model::new).collect::<Result<Vec<_>>>()?;
@@ -84,18 +83,18 @@ impl<'a> Joint<'a> {
         Ok(Self { models, places, count, states })
     }
 
-    /// Ranges of the joint numbers, and where they begin.
+    /// Ranges and initial values of the joint parameters.
     ///
     /// # Errors
-    /// [`Error::Described`] for ranges that are not allowed, and for a shared number that begins at
-    /// different values.
+    /// [`Error::Described`] for invalid ranges, and for a shared parameter with different initial
+    /// values.
     pub fn bounds(&self, requests: &[FitRequest]) -> Result<Bounds> {
         let all = requests.iter().zip(&self.models);
         let all = all.map(|(request, model)| Bounds::of(request, model)).collect::<Result<Vec<_>>>()?;
         Bounds::joint(&all, (&self.places, self.count), self.rows())
     }
 
-    /// Begin of each record's segments among all segments.
+    /// Index of each record's first segment among all segments.
     fn begins(&self, reach: &Reach) -> Vec<usize> {
         let next = reach.nodes.iter().enumerate().filter(|(_, node)| **node == NEXT_RECORD);
         std::iter::once(0).chain(next.map(|(k, _)| k + 1)).collect()
@@ -115,20 +114,20 @@ impl<'a> Joint<'a> {
         (own, Reach { end, nodes: reach.nodes[nodes].to_vec(), weights: weights.to_vec() })
     }
 
-    /// The reach of whole records, each with one motion.
+    /// Reach of whole records, each with a single motion.
     fn whole(&self) -> Reach {
         let nodes = vec![NEXT_RECORD; self.models.len() - 1];
         let end = self.models.iter().map(Model::end).fold(f64::NEG_INFINITY, f64::max);
         Reach { nodes, ..Reach::whole(end) }
     }
 
-    /// One motion of each record with joint values.
+    /// A single motion of each record with joint values.
     pub fn single(&self, values: Vec<f64>) -> Solved {
         let point = Point { values, states: vec![Vec::new(); self.models.len() - 1] };
         Solved { point, reach: self.whole(), cost: f64::INFINITY, is_continuous: true }
     }
 
-    /// The fits of single records as one point of joint values, which `values` gives.
+    /// Fits of single records combined into one point with the given joint values.
     pub fn together(&self, found: &[Solved], values: Vec<f64>) -> Solved {
         let (mut point, mut reach) = (Point { values, states: Vec::new() }, self.whole());
         reach.nodes.clear();
@@ -146,7 +145,7 @@ impl<'a> Joint<'a> {
         Solved { point, reach, cost: f64::INFINITY, is_continuous }
     }
 
-    /// Joint values from the fits of single records: what all share as record `of` has it.
+    /// Joint values from the fits of single records; shared parameters are from record `of`.
     pub fn values_as(&self, of: usize, found: &[Solved]) -> Vec<f64> {
         let mut values = vec![0.0; self.count];
         let others = (0..found.len()).filter(|k| *k != of).chain(std::iter::once(of));
@@ -156,9 +155,8 @@ impl<'a> Joint<'a> {
         values
     }
 
-    /// Joint values with the least sum of the costs, each taken as the parabola at the fit of its
-    /// record: each record counts for a number as much as it determines it. `None` if a derivative
-    /// is not finite.
+    /// Joint values that minimise the sum of the records' quadratic costs: a record weighs on a
+    /// parameter by how well it determines it. `None` if a derivative is not finite.
     pub fn merged(&self, found: &[Solved]) -> Option<Vec<f64>> {
         let begin = self.values_as(0, found);
         let mut information = DMatrix::<f64>::zeros(self.count, self.count);
@@ -178,7 +176,7 @@ impl<'a> Joint<'a> {
                 }
             }
         }
-        // Numbers count by what they do, whatever their units are.
+        // Scaling by effect makes parameters independent of their units.
         let unit = |j: usize| match information[(j, j)] {
             own if own > 0.0 => own.sqrt().recip(),
             _ => 0.0,
@@ -192,7 +190,7 @@ impl<'a> Joint<'a> {
         values.iter().all(|x| x.is_finite()).then_some(values)
     }
 
-    /// Whether the motion of each record is the record's, or so near that restarts lead to it.
+    /// Whether the motion of each record fits, or is so near that restarts can reach it.
     pub fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
         let one = |k: usize| {
             let (point, reach) = self.local(k, point, reach);
@@ -201,7 +199,7 @@ impl<'a> Joint<'a> {
         (0..self.models.len()).try_fold(true, |all, k| Ok(all && one(k)?))
     }
 
-    /// Takes the residuals at a point for the standard deviations of columns and contacts.
+    /// Sets the standard deviations of columns and contacts from the residuals at a point.
     pub fn reweigh(&mut self, point: &Point, reach: &Reach) -> Result<()> {
         let all: Vec<_> = (0..self.models.len()).map(|k| self.local(k, point, reach)).collect();
         for (model, (point, reach)) in self.models.iter_mut().zip(&all) {
@@ -210,7 +208,7 @@ impl<'a> Joint<'a> {
         Ok(())
     }
 
-    /// Why nothing tells the noise, in words: as many numbers as samples meet all.
+    /// Message if no residual is left to estimate the noise.
     pub fn lacks_noise(&self) -> Option<String> {
         let (rows, free) = (self.rows(), self.count);
         let why =
@@ -218,12 +216,12 @@ impl<'a> Joint<'a> {
         (!self.has_sigma() && rows <= free).then(why)
     }
 
-    /// What each record is compared with.
+    /// Comparison of each record with the machine.
     pub fn compared(&self) -> Vec<Arc<Compared<'a>>> {
         self.models.iter().map(|model| model.compared.clone()).collect()
     }
 
-    /// Number of motions that were followed.
+    /// Number of simulations so far.
     pub fn simulations(&self) -> u32 {
         self.models.iter().map(|model| model.compared.simulations()).sum()
     }

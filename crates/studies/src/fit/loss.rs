@@ -1,6 +1,6 @@
-//! How residuals count in a fit.
+//! Loss functions of residuals.
 
-/// How a residual counts, by its square z in units of the standard deviation's square.
+/// Loss of a residual, as a function of its square z in units of the variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Loss {
     /// z.
@@ -13,7 +13,7 @@ pub enum Loss {
 }
 
 impl Loss {
-    /// The loss of a residual and its derivative by z.
+    /// Loss of a residual and its derivative with respect to z.
     fn of(self, residual: f64) -> (f64, f64) {
         let z = residual * residual;
         match self {
@@ -24,22 +24,22 @@ impl Loss {
         }
     }
 
-    /// The sum over residuals.
+    /// Sum of losses over residuals.
     pub fn sum(self, residuals: impl Iterator<Item = f64>) -> f64 {
         residuals.map(|r| self.of(r).0).sum()
     }
 
-    /// The factor of a residual and its row of derivatives in a step.
+    /// Factor of a residual and its row of the Jacobian in a step.
     pub fn weight(self, residual: f64) -> f64 {
         self.of(residual).1.sqrt()
     }
 
-    /// Half the derivative of the loss by the residual: what a residual says.
+    /// Score: half the derivative of the loss with respect to the residual.
     pub fn score(self, residual: f64) -> f64 {
         residual * self.of(residual).1
     }
 
-    /// The derivative of the score by the residual.
+    /// Derivative of the score with respect to the residual.
     pub fn slope(self, residual: f64) -> f64 {
         let z = residual * residual;
         match self {

@@ -1,5 +1,5 @@
-//! What is wrong with a fit that is not accepted: where its residuals are, and which number would
-//! take them up.
+//! Diagnosis of a fit that is not accepted: where its residuals are, and which further parameter
+//! would reduce them.
 
 use super::evaluated::{Point, Reach};
 use super::model::Model;
@@ -9,21 +9,21 @@ use super::suspects::Suspect;
 use super::{FitRequest, Fitted, Verdict, filter};
 use crate::error::Result;
 
-/// What is wrong with a fit that is not accepted.
+/// Diagnosis of a fit that is not accepted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Misfit {
-    /// Where residuals are concentrated.
+    /// Concentrations of residuals.
     pub places: Vec<Concentration>,
-    /// Numbers that are not free and would take up residuals, the best first.
+    /// Parameters that are not free and would reduce the residuals, the best first.
     pub suspects: Vec<Suspect>,
 }
 
-/// Where the residuals of a fit are, and which numbers would take them up. Empty for a fit that is
-/// accepted. `go_on` ends the search early by returning false. The search takes some ten fits'
-/// steps.
+/// Diagnoses a fit: concentrations of residuals, and parameters that would reduce them. Empty for
+/// an accepted fit. `go_on` ends the search early by returning false. The search takes about as
+/// many steps as ten fits.
 ///
 /// # Errors
-/// As [`fit`](super::fit()).
+/// The same errors as [`fit`](super::fit()).
 pub fn misfit(request: &FitRequest, fitted: &Fitted, go_on: &(dyn Fn() -> bool + Sync)) -> Result<Misfit> {
     if fitted.verdict == Verdict::Fits {
         return Ok(Misfit::default());

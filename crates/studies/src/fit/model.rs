@@ -1,4 +1,4 @@
-//! A machine beside a record: how far its motion keeps near it, and what is fitted in the end.
+//! A machine compared with a record: residuals, weights, and how long the motion stays near.
 
 use super::beside::{Beside, Compared, Followed};
 use super::checks::EARLY;
@@ -12,35 +12,35 @@ use crate::QuantityName;
 use crate::error::{Error, Result};
 use std::sync::Arc;
 
-/// Samples of which more than half may be outliers by chance.
+/// Number of samples below which more than half may be outliers by chance.
 const FEW: usize = 8;
-/// Noise of a column above which it shows the motion, and up to which residuals are noise.
+/// Multiples of a column's noise above which it shows the motion, and up to which it is near.
 const SHOWN: f64 = 5.0;
 const NOISY: f64 = 3.0;
-/// Residual of a column, in parts of its standard deviation, that is rounding.
+/// Residual at the rounding level, relative to the column's standard deviation.
 const EXACT: f64 = 1e-12;
 
-/// A machine beside a record.
+/// A machine compared with a record.
 #[derive(Clone)]
 pub(super) struct Model<'a> {
     pub measured: &'a Measured,
-    /// The times of all rows, sorted.
+    /// Sorted times of all rows.
     times: Vec<f64>,
     pub loss: Loss,
     pub unknowns: Arc<Unknowns<'a>>,
     pub compared: Arc<Compared<'a>>,
     pub watch: Arc<Watch>,
-    /// Whether the record is one of several that are fitted together.
+    /// Whether several records are fitted together.
     pub is_part: bool,
-    /// Standard deviation of each column, then of the contacts' times.
+    /// Standard deviation of each column, then of each list of contact times.
     sigma: Vec<f64>,
-    /// Whether these are given.
+    /// Whether the standard deviations are given.
     pub has_sigma: bool,
-    /// Noise of each column, by its differences.
+    /// Noise of each column, estimated from differences.
     noise: Vec<f64>,
 }
 
-/// The times of all rows, sorted.
+/// Sorted times of all rows.
 fn times_of(measured: &Measured) -> Vec<f64> {
     let columns = measured.columns.len();
     let samples = measured.times.iter().flat_map(|time| std::iter::repeat_n(*time, columns));
@@ -50,7 +50,7 @@ fn times_of(measured: &Measured) -> Vec<f64> {
     times
 }
 
-/// The standard deviations that are given, for each list of contacts too.
+/// Given standard deviations, with one for each list of contacts.
 fn given(sigma: &[f64], measured: &Measured) -> Result<Vec<f64>> {
     let wanted = measured.columns.len() + usize::from(!measured.contacts.is_empty());
     if sigma.len() != wanted || sigma.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
@@ -71,7 +71,7 @@ impl<'a> Model<'a> {
         let compared = Compared::new(request)?;
         let noise = |(_, values): &(QuantityName, Vec<f64>)| noise(values).max(rounding(values));
         let noise: Vec<f64> = columns.iter().map(noise).collect();
-        // Beside outliers a column's own deviation is theirs.
+        // Outliers dominate a column's own standard deviation.
         let is_robust = *loss != Loss::Linear;
         let of_column = |(noise, (_, values)): (&f64, &(QuantityName, Vec<f64>))| match *noise {
             noise if is_robust && noise > 0.0 && noise.is_finite() => noise,
@@ -93,12 +93,12 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// Standard deviation of residuals, in which outliers count little where they do in the fit.
+    /// Standard deviation of residuals; under a robust loss, outliers count little.
     pub fn spread(&self, residuals: impl Iterator<Item = f64>) -> f64 {
         if self.loss == Loss::Linear { rms(residuals) } else { typical(residuals) }
     }
 
-    /// Takes the residuals at a point for the standard deviations of columns and contacts.
+    /// Sets the standard deviations of columns and contacts from the residuals at a point.
     pub fn reweigh(&mut self, point: &Point, reach: &Reach) -> Result<()> {
         self.watch.reweigh();
         let beside = self.beside(point, reach)?;
@@ -117,7 +117,7 @@ impl<'a> Model<'a> {
         Self { sigma, watch, is_part: true, has_sigma: other.has_sigma, ..self }
     }
 
-    /// The model with columns weighed by their noise, or by a part of their own size that is more.
+    /// The model with columns weighted by their noise, at least a fraction of their size.
     pub fn by_noise(&self, least: f64) -> Self {
         let of_column = |(noise, (_, values)): (&f64, &(QuantityName, Vec<f64>))| {
             let own = if noise.is_finite() { *noise } else { 0.0 };
@@ -129,13 +129,13 @@ impl<'a> Model<'a> {
         Self { sigma, ..self.clone() }
     }
 
-    /// The times of the motion's contacts less those of the record, of a list of them.
+    /// Motion minus record of one list of contact times.
     pub fn contacts_off(&self, beside: &Beside, list: usize) -> Vec<f64> {
         let times = &self.measured.contacts[list].1;
         beside.contacts(list).filter_map(|(i, time)| Some(time? - times[i])).collect()
     }
 
-    /// Why rows of the record are not those of the motion, in words: it begins before the start.
+    /// Message if the record begins before the motion's start.
     pub fn begins_early(&self, values: &[f64]) -> Result<Option<String>> {
         let made = self.unknowns.with(values)?;
         let first = self.first() + made.shift;
@@ -143,7 +143,7 @@ impl<'a> Model<'a> {
         Ok((first < made.start.time - EARLY * (self.end() - self.first())).then(why))
     }
 
-    /// The times of all rows, sorted.
+    /// Sorted times of all rows.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
@@ -151,7 +151,7 @@ impl<'a> Model<'a> {
     /// Number of states of the machine.
     ///
     /// # Errors
-    /// [`Error::Refusal`] for values that are not allowed.
+    /// [`Error::Refusal`] for values outside their range.
     pub fn states(&self) -> Result<usize> {
         Ok(self.unknowns.with(&self.unknowns.begin)?.assembly.system().states())
     }
@@ -161,33 +161,33 @@ impl<'a> Model<'a> {
         self.times.len()
     }
 
-    /// The record's first time.
+    /// First time of the record.
     pub fn first(&self) -> f64 {
         self.times.first().copied().unwrap_or(0.0)
     }
 
-    /// The record's last time.
+    /// Last time of the record.
     pub fn end(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }
 
-    /// Whether the record has times of contacts only.
+    /// Whether the record has only contact times.
     pub fn is_of_contacts(&self) -> bool {
         self.measured.columns.is_empty()
     }
 
-    /// Twice the longest mean interval between contacts: a contact before a time is as near.
+    /// Twice the longest mean interval between contacts: the last contact may be this early.
     pub fn slack(&self) -> f64 {
         2.0 * self.compared.longest_interval()
     }
 
-    /// The time of the row some rows after a time.
+    /// Time of the row that is `count` rows after a time.
     pub fn next_row(&self, time: f64, count: usize) -> f64 {
         let place = self.times.partition_point(|own| *own <= time) + count - 1;
         self.times.get(place).copied().unwrap_or_else(|| self.end())
     }
 
-    /// The shortest horizon with a number of rows over which each column shows more than its noise.
+    /// Shortest horizon with `rows` rows over which each column shows more than its noise.
     pub fn least_horizon(&self, rows: usize) -> f64 {
         let enough = self.times.get(rows.saturating_sub(1)).copied().unwrap_or_else(|| self.end());
         let shown = self.measured.columns.iter().zip(&self.noise).map(|((_, values), noise)| {
@@ -197,7 +197,7 @@ impl<'a> Model<'a> {
         shown.fold(enough, f64::max)
     }
 
-    /// Follows the motion of a point.
+    /// Simulates the motion of a point.
     pub fn beside(&self, point: &Point, reach: &Reach) -> Result<Beside> {
         self.compared.beside(&self.unknowns, point, reach, false)
     }
@@ -218,9 +218,9 @@ impl<'a> Model<'a> {
         Evaluated(beside.0.iter().enumerate().map(of).collect())
     }
 
-    /// The time up to which the motion of a point keeps near the record: the root mean square of
-    /// the residuals so far, from a time on, is at most a part of the record's own deviation, or
-    /// little more than its noise. A motion that breaks off is near nowhere.
+    /// Time up to which the motion of a point is near the record. The root mean square residual
+    /// from the last node on is at most a fraction of the record's standard deviation, or a few
+    /// times its noise. A motion that cannot be simulated is near nowhere.
     pub fn near_until(&self, point: &Point, nodes: &[f64], way: Way) -> f64 {
         let from = nodes.last().copied().unwrap_or(f64::NEG_INFINITY);
         let beside = self.beside(point, &Reach { nodes: nodes.to_vec(), ..Reach::whole(self.end()) });
@@ -238,7 +238,7 @@ impl<'a> Model<'a> {
                 far += usize::from(residual.abs() > limit);
                 match self.loss {
                     Loss::Linear => (sum / (i + 1) as f64).sqrt() > limit,
-                    // Outliers are few: half of all samples are not.
+                    // Outliers are few: never half of all samples.
                     Loss::SoftL1 | Loss::Huber => i >= FEW && 2 * far > i,
                 }
             };
@@ -257,24 +257,24 @@ impl<'a> Model<'a> {
         until
     }
 
-    /// The sum of losses at a point that was reached.
+    /// Sum of losses at a point.
     pub fn cost(&self, solved: &Solved) -> Result<f64> {
         let beside = self.beside(&solved.point, &solved.reach)?;
         let of = |own: &Followed| own.segment(self.measured, &self.sigma, (0, 0), None);
         Ok(self.loss.sum(Evaluated(beside.0.iter().map(of).collect()).residuals()))
     }
 
-    /// Noise of a column: what is given, else what its differences say.
+    /// Noise of a column: the given one, or the estimate from differences.
     pub fn noise_of(&self, k: usize) -> f64 {
         if self.has_sigma { self.sigma[k] } else { self.noise[k] }
     }
 
-    /// Standard deviation of the times of contacts of a list, where it is given.
+    /// Given standard deviation of one list of contact times.
     pub fn deviation_of_contacts(&self, list: usize) -> Option<f64> {
         self.has_sigma.then(|| self.sigma[self.noise.len() + list])
     }
 
-    /// Standard deviations of columns, then of lists of contacts, by which residuals are weighed.
+    /// Standard deviations of columns, then of lists of contacts: the weights of residuals.
     pub fn deviations(&self) -> &[f64] {
         &self.sigma
     }
@@ -284,7 +284,7 @@ impl<'a> Model<'a> {
         !self.unknowns.machine.description.stops.is_empty()
     }
 
-    /// Whether one motion keeps near the record from values on: there is but one way to it.
+    /// Whether a single motion from these values stays near the whole record.
     pub fn is_near(&self, values: &[f64], way: Way) -> bool {
         self.near_until(&values.to_vec().into(), &[], way) >= self.end()
     }

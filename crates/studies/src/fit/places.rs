@@ -1,4 +1,4 @@
-//! Where the residuals of a fit are: over time, over the phase of the period, and after contacts.
+//! Concentrations of residuals: in time, in the phase of the period, and after contacts.
 
 use super::beside::Beside;
 use super::model::Model;
@@ -9,33 +9,33 @@ use vibro_machine::description::Description;
 /// Number of equal windows over the record, and over the period.
 const WINDOWS: usize = 20;
 const PHASES: usize = 12;
-/// Part of the mean interval between contacts of a stop in which samples are after a contact.
+/// Length of the window after a contact, relative to the mean interval between contacts.
 const AFTER: f64 = 0.2;
-/// Share of the squares over share of the samples from which on residuals are concentrated. White
-/// residuals of a hundred samples a window reach 1.5.
+/// Ratio of the share of squared residuals to the share of samples that counts as a concentration.
+/// White residuals with a hundred samples per window reach 1.5.
 const CONCENTRATED: f64 = 2.0;
-/// Smallest number of samples in a window that says something.
+/// Smallest number of samples in a window.
 const SAMPLES: usize = 5;
 
-/// Where residuals of a column are concentrated.
+/// Part of the record with a concentration of residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Place {
     /// From a time of the record to another, s.
     Time(f64, f64),
-    /// From a phase to another, in periods of the given length, s, from time 0 on.
+    /// From one phase to another, in periods of the given length, s, counted from time 0.
     Phase(f64, f64, f64),
     /// Within a time, s, after contacts of the named stop.
     After(String, f64),
 }
 
-/// A part of a record in which residuals are concentrated.
+/// Concentration of a column's residuals in a part of the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Concentration {
-    /// The column.
+    /// Column.
     pub column: String,
-    /// The part of the record.
+    /// Part of the record.
     pub place: Place,
-    /// Share of the column's sum of squares in this part, and share of its samples.
+    /// Share of the column's squared residuals in this part, and share of its samples.
     pub shares: (f64, f64),
 }
 
@@ -56,8 +56,8 @@ impl fmt::Display for Concentration {
     }
 }
 
-/// The window with the largest share of the squares, with this share and the share of samples;
-/// `None` if residuals are not concentrated in a window.
+/// Window with the largest share of squared residuals, with this share and the share of samples;
+/// `None` if residuals are not concentrated.
 fn largest(all: impl Iterator<Item = (usize, f64)>, windows: usize) -> Option<(usize, (f64, f64))> {
     let (mut squares, mut samples) = (vec![0.0; windows], vec![0usize; windows]);
     for (window, residual) in all {
@@ -71,7 +71,7 @@ fn largest(all: impl Iterator<Item = (usize, f64)>, windows: usize) -> Option<(u
 }
 
 impl Model<'_> {
-    /// Where the residuals of each column are concentrated.
+    /// Concentrations of each column's residuals.
     pub(super) fn places_of(&self, beside: &Beside, d: &Description, shift: f64) -> Vec<Concentration> {
         let (times, mut found) = (&self.measured.times, Vec::new());
         let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));

@@ -1,5 +1,5 @@
-//! What the solver, the profile of the cost and the restarts require of a least-squares problem: the
-//! residuals of one record, or of several records together.
+//! Least-squares problem of one record or of several records together, as the solver, the profile
+//! of the cost and the restarts require it.
 
 use super::evaluated::{Evaluated, Point, Reach, Solved};
 use super::loss::Loss;
@@ -9,7 +9,7 @@ use crate::error::Result;
 
 /// A least-squares problem.
 pub(super) trait Problem: Sync {
-    /// How residuals count.
+    /// Loss function of the residuals.
     fn loss(&self) -> Loss;
     /// Whether the standard deviations of the noise are given.
     fn has_sigma(&self) -> bool;
@@ -17,23 +17,23 @@ pub(super) trait Problem: Sync {
     fn rows(&self) -> usize;
     /// Whether the machine has stops.
     fn has_stops(&self) -> bool;
-    /// Whether the problem has times of contacts only.
+    /// Whether the problem has only contact times.
     fn is_of_contacts(&self) -> bool;
     /// Residuals and derivatives at a point.
     fn evaluate(&self, point: &Point, reach: &Reach) -> Result<Evaluated>;
     /// Sum of losses at a point.
     fn cost(&self, solved: &Solved) -> Result<f64>;
-    /// Whether residuals are larger than chance leaves of white noise.
+    /// Whether residuals exceed what chance permits for white noise.
     fn misses(&self, point: &Point, reach: &Reach) -> Result<bool>;
-    /// Half the range of the quantity whose initial value is the free number `j`; `None` if the
-    /// number is not an initial value.
+    /// Half the range of the quantity whose initial value is the free parameter `j`; `None` if the
+    /// parameter is not an initial value.
     fn size_of_start(&self, j: usize, values: &[f64]) -> Option<f64>;
     /// Reports the cost of a step.
     fn tell(&self, cost: f64, reach: &Reach);
 
-    /// Variance of residuals in units of the squared standard deviations, from the least cost. With
-    /// a robust loss the standard deviations are those of the residuals, and outliers dominate the
-    /// cost.
+    /// Variance of residuals in units of the squared standard deviations, from the least cost.
+    /// With a robust loss, outliers dominate the cost, and the standard deviations are from
+    /// residuals.
     fn variance(&self, cost: f64, free: usize) -> f64 {
         if self.has_sigma() || self.loss() != Loss::Linear {
             1.0

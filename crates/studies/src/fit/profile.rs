@@ -1,6 +1,6 @@
-//! Errors by the profile of the cost: how far a number goes until the least cost of all others has
-//! risen by a standard error's square. Impacts that come and go make kinks, at which the curvature
-//! at the minimum says too small an error.
+//! Standard errors from the profile of the cost: the change of a parameter at which the cost,
+//! minimised over all others, has risen by one variance. Appearing and disappearing impacts create
+//! kinks, at which the curvature gives too small an error.
 
 use super::bounds::Bounds;
 use super::directions::Directions;
@@ -12,27 +12,27 @@ use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Standard errors by which a number is moved.
+/// Distance by which a parameter is moved, in standard errors.
 const AWAY: f64 = 2.0;
-/// Rise of the cost there, in units of the variance, between which the curvature says the error.
+/// Rise of the cost there, in variances, that needs no fit of the other parameters.
 const EXPECTED: (f64, f64) = (2.8, 5.6);
-/// Rise that is enough to tell the error, and how often a number is moved twice as far for it.
+/// Rise, in variances, that suffices for an error; largest number of doublings to reach it.
 const TOLD: f64 = 0.5;
 const FARTHER: u32 = 3;
-/// Fall of the cost, in units of the variance, by which another point is better.
+/// Decrease in cost, in units of the variance, that counts as an improvement.
 const BETTER: f64 = 0.5;
-/// Singular value, relative to the largest, below which a combination of numbers is not determined.
+/// Singular value, relative to the largest, below which a combination is undetermined.
 const SINGULAR: f64 = 1e-9;
 
-/// What the profile of the cost says.
+/// Result of the profile.
 pub(super) enum Profile {
-    /// Each error over that of the curvature; 1 at least.
+    /// Ratio of each error to the one from the curvature; at least 1.
     Factors(Vec<f64>),
     /// A better point.
     Better(Solved),
 }
 
-/// A number that is moved: the rise of the cost, at how many errors, and the point there.
+/// Moved parameter: the rise of the cost, the distance in standard errors, and the point.
 struct Moved {
     number: usize,
     away: f64,
@@ -40,8 +40,8 @@ struct Moved {
     found: Option<Solved>,
 }
 
-/// Changes of the numbers that move each by its standard error and leave the least cost of the
-/// others; `None` of a number that is not determined.
+/// Parameter changes that move one parameter by its standard error, with the others at least cost;
+/// `None` for an undetermined parameter.
 struct Errors {
     triangle: Triangle,
     changes: Vec<Option<DVector<f64>>>,
@@ -71,7 +71,7 @@ impl Errors {
         Ok(Some(Self { triangle, changes: (0..p).map(change).collect() }))
     }
 
-    /// The point at which a number is moved by some errors; `None` beyond its bounds.
+    /// Point with one parameter moved by `away` standard errors; `None` beyond its bounds.
     fn moved(&self, bounds: &Bounds, best: &Point, j: usize, away: f64) -> Option<Point> {
         let change = self.changes[j].as_ref()? * away;
         let mut next = best.clone();
@@ -87,7 +87,7 @@ impl Errors {
     }
 }
 
-/// Errors over those of the curvature, from both sides of each number.
+/// Ratios of the errors to the ones from the curvature, over both sides of each parameter.
 pub(super) fn profile(
     model: &dyn Problem,
     bounds: &Bounds,
@@ -112,7 +112,7 @@ pub(super) fn profile(
     Ok(Profile::Factors(factors))
 }
 
-/// A number moved to one side, as far as the rise of the cost tells its error.
+/// Moves a parameter to one side until the rise of the cost determines its error.
 fn side(
     model: &dyn Problem,
     bounds: &Bounds,
@@ -125,7 +125,7 @@ fn side(
     for _ in 0..=FARTHER {
         let Some(next) = errors.moved(bounds, &best.point, j, away) else { break };
         let at = Solved { point: next.clone(), cost: f64::INFINITY, ..best.clone() };
-        // A motion that breaks off costs more than any.
+        // A motion that cannot be simulated has infinite cost.
         let cost = model.cost(&at).unwrap_or(f64::INFINITY);
         let (mut rise, mut found) = ((cost - best.cost) / variance, None);
         let expected = (away / AWAY).powi(2);

@@ -1,4 +1,4 @@
-//! Progress of a fit, and its end by the caller.
+//! Progress of a fit, which its observer can end.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -22,7 +22,7 @@ pub struct Progress {
 /// Observer of a fit. It is called at each step and ends the fit by returning false.
 pub type Observer<'o> = &'o (dyn Fn(&Progress) -> bool + Sync);
 
-/// What the stages of a fit report, from several threads.
+/// Progress that the stages of a fit report, from several threads.
 #[derive(Default)]
 pub(super) struct Watch {
     state: Mutex<State>,
@@ -77,13 +77,13 @@ impl Watch {
         }
     }
 
-    /// Forgets the least cost, since residuals are weighed differently from now on.
+    /// Resets the least cost, since the weights of residuals change.
     pub fn reweigh(&self) {
         self.state().best = None;
     }
 
-    /// Reports the progress to an observer; returns whether the fit continues. An observer that has
-    /// ended the fit is not asked again.
+    /// Reports the progress to an observer; returns whether the fit continues. An observer that
+    /// has ended the fit is not called again.
     pub fn go_on(&self, observer: Observer, simulations: u32) -> bool {
         if self.is_ended() {
             return false;

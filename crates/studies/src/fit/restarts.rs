@@ -1,5 +1,5 @@
-//! Starts beside a fitted point: whether another minimum is as good. Impacts that come and go make
-//! many minima, and friction ridges on which a number at rest moves nothing.
+//! Restarts near a fitted point. Appearing and disappearing impacts create local minima; friction
+//! creates plateaus where a parameter has no effect.
 
 use super::bounds::Bounds;
 use super::directions::Directions;
@@ -11,44 +11,44 @@ use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Standard errors by which a start lies beside the point, of motions without contacts and with
-/// them. The cost jumps where an impact appears, and the valley behind such a jump often begins ten
-/// errors away. The next distance is tried where the one before leads to no better point.
+/// Distances of a restart from the fitted point, in standard errors: without and with contacts.
+/// The cost jumps where an impact appears, and the valley behind the jump often begins ten errors
+/// away. The next distance is tried if the previous one finds no better point.
 const AWAY: [&[f64]; 2] = [&[6.0], &[12.0, 6.0]];
-/// Standard errors along pairs of combinations, where residuals are more than noise.
+/// Distances along pairs of combinations if the residuals exceed noise, in standard errors.
 const MORE: [f64; 2] = [12.0, 20.0];
-/// Part of a number by which a start lies beside the point at most.
+/// Largest relative change of a parameter in a restart.
 const MOST: f64 = 0.3;
-/// Combinations along which starts lie, of motions without contacts and with them.
+/// Number of parameter combinations tried: without and with contacts.
 const DIRECTIONS: [usize; 2] = [1, 6];
-/// Part of its motion's size by which a number that moves nothing is moved.
+/// Change of a start parameter without effect, as a fraction of the motion's size.
 const NUDGE: f64 = 0.1;
-/// Singular value, relative to the largest, below which nothing leads back.
+/// Singular value, relative to the largest, below which a combination is not tried.
 const SINGULAR: f64 = 1e-6;
-/// Fall of the sum of squares, in units of the variance, by which a point is better: of one motion,
-/// and of segments, whose misses of the next start count beside it.
+/// Decrease in cost, in units of the residual variance, that counts as an improvement: for a
+/// single motion, and for segments, where the misses between segments count as well.
 const BETTER: [f64; 2] = [0.01, 1.0];
-/// Rise up to which another minimum is as good, and rise that the point's own valley has at least
-/// there.
+/// A minimum is as good if its cost is at most `AS_GOOD` variances higher. It is another one if
+/// the fitted point's own quadratic cost rises there by more than `ELSEWHERE` variances.
 const AS_GOOD: f64 = 4.0;
 const ELSEWHERE: f64 = 9.0;
-/// Standard errors within which minima are one: they say the same of the numbers. The rise alone
-/// would tell apart what differs by rounding, since a chaotic motion grows from it. Of a number
-/// without an error so many parts of its value.
+/// Two minima within this many standard errors in each parameter count as one. The rise in cost
+/// alone would separate minima that differ by rounding, which a chaotic motion amplifies. For a
+/// parameter without a standard error: this fraction of its value.
 const ONE: f64 = 3.0;
 const ONE_PART: f64 = 1e-3;
 
-/// What starts beside a point lead to.
+/// Result of restarts near a point.
 pub(super) enum Found {
-    /// Back to it, or to worse ones.
+    /// All lead back to the point or to worse ones.
     Same,
-    /// A better one.
+    /// A better point.
     Better(Solved),
-    /// Another one that is as good.
+    /// Another minimum that is as good.
     Other(Vec<f64>),
 }
 
-/// Starts beside a point at which some numbers move nothing: these are moved.
+/// Starting points that move each parameter without effect at `point`, in both directions.
 fn nudged(model: &dyn Problem, bounds: &Bounds, point: &Point, at: &Evaluated) -> Vec<Point> {
     let mut all = Vec::new();
     for j in (0..point.values.len()).filter(|&j| at.is_idle(j, point.values[j])) {
@@ -62,7 +62,7 @@ fn nudged(model: &dyn Problem, bounds: &Bounds, point: &Point, at: &Evaluated) -
     all
 }
 
-/// The best point to which numbers lead that moved nothing where a fit begins.
+/// Best point found after moving the parameters that have no effect at the initial point.
 pub(super) fn from_rest(
     model: &dyn Problem,
     bounds: &Bounds,
@@ -78,8 +78,8 @@ pub(super) fn from_rest(
     Ok(all.into_iter().fold(best, |best, own| if own.cost < best.cost { own } else { best }))
 }
 
-/// What starts some standard errors beside a point lead to. `factors` are the errors over those of
-/// the curvature.
+/// Restarts some standard errors away from a point. `factors` are the ratios of the standard
+/// errors to the ones from the curvature.
 pub(super) fn restarted(
     model: &dyn Problem,
     bounds: &Bounds,
@@ -89,7 +89,7 @@ pub(super) fn restarted(
 ) -> Result<Found> {
     let is_whole = best.reach.is_whole();
     let ways = AWAY[usize::from(model.has_stops() && is_whole)].iter().map(|away| (*away, false));
-    // Residuals that are more than noise say that there is a better point.
+    // Residuals above noise indicate that a better point exists.
     let is_better = model.has_stops() && is_whole && model.misses(&best.point, &best.reach)?;
     let more = MORE.iter().filter(|_| is_better).map(|away| (*away, true));
     for (away, is_paired) in ways.chain(more) {
@@ -101,7 +101,7 @@ pub(super) fn restarted(
     Ok(Found::Same)
 }
 
-/// What starts at one distance beside a point lead to.
+/// Restarts at one distance from a point.
 fn restarted_from(
     model: &dyn Problem,
     bounds: &Bounds,
@@ -127,7 +127,7 @@ fn restarted_from(
         }));
     }
     let variance = model.variance(best.cost, p);
-    // Without contacts there is one valley, whose floor need not be found again.
+    // Without contacts there is one valley: its minimum need not be found again.
     let enough = if model.has_stops() { f64::NEG_INFINITY } else { best.cost + variance };
     let by =
         |start: &Point| solve(model, bounds, start, (&best.reach, Convergence::Back(enough)), go_on).ok();
@@ -154,8 +154,8 @@ fn restarted_from(
     Ok(all.iter().find(is_other).map_or(Found::Same, |own| Found::Other(own.point.values.clone())))
 }
 
-/// The derivatives of all residuals by the free numbers, and changes of some standard errors along
-/// the combinations that are least determined, each with what states of segments then do.
+/// Jacobian of all residuals, and parameter changes of `away` standard errors along the least
+/// determined combinations, each with the resulting changes of segment states.
 fn along(
     model: &dyn Problem,
     best: &Solved,

@@ -1,4 +1,4 @@
-//! Blocks that round what they read: derivatives do not see the steps.
+//! Blocks that round their inputs: derivatives ignore the rounding steps.
 
 use super::FitRequest;
 use super::beside::Beside;
@@ -8,11 +8,11 @@ use super::unknowns::Unknowns;
 use crate::Machine;
 use crate::error::Result;
 
-/// Length of what rounding changes in all samples, in units of their noise, up to which it does not
-/// count: it moves no number by more of its standard errors, whatever the number is.
+/// Largest negligible change by rounding over all samples, in units of their noise. Up to it, no
+/// parameter moves by more than this fraction of its standard error.
 const NEGLIGIBLE: f64 = 0.5;
 
-/// A machine whose blocks read without rounding; `None` where it has no rounding.
+/// Machine whose blocks do not round; `None` if no block rounds.
 fn exact(machine: &Machine) -> Option<Machine> {
     let mut exact = machine.clone();
     let samplings = exact.description.blocks.iter_mut().filter_map(|block| block.sampling.as_mut());
@@ -24,8 +24,8 @@ fn exact(machine: &Machine) -> Option<Machine> {
 }
 
 impl Model<'_> {
-    /// Why the errors of a point may be wrong, in words, where its machine rounds what a block
-    /// reads and the motion shows it; `variance` is that of the residuals.
+    /// Message if errors may be wrong because a block rounds its input with a visible effect;
+    /// `variance` is the variance of the residuals.
     pub(super) fn rounding(
         &self,
         request: &FitRequest,
@@ -35,7 +35,7 @@ impl Model<'_> {
     ) -> Result<Option<String>> {
         let Some(machine) = exact(&request.machine) else { return Ok(None) };
         let request = FitRequest { machine, ..request.clone() };
-        // A quantum that is free has no place in the other machine.
+        // A free quantum does not exist in the other machine.
         let (rates, sensors) = (&self.compared.rates, self.compared.sensors.clone());
         let unknowns = Unknowns::new(&request, rates, sensors);
         let other = unknowns.and_then(|own| self.compared.beside(&own, point, reach, false));

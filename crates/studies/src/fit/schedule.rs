@@ -1,6 +1,5 @@
-//! The order in which the search tries its ways to a fit, the cheapest first. The search keeps the
-//! result of a way only if it has a lower cost over the whole record. The search ends at the first
-//! way whose residuals are noise.
+//! Order of the search strategies, the cheapest first. A result is kept only if it lowers the cost
+//! over the whole record. The search ends at the first result whose residuals are noise.
 
 use super::blocks::over_blocks;
 use super::bounds::Bounds;
@@ -15,33 +14,33 @@ use crate::error::Result;
 use crate::sobol;
 use rayon::prelude::*;
 
-/// Starts beside the given one, within a part of the values, that are tried where no way leaves
-/// noise alone.
+/// Number of starts near the given one, and their largest relative distance; tried if no other
+/// strategy reaches the noise.
 const BESIDE: (u32, f64) = (8, 0.3);
-/// Largest number of attempts from a start: plain descent, each of [`WAYS`], blocks, segments by
+/// Largest number of attempts from a start: plain descent, each of [`WAYS`], blocks, segments of
 /// the motion, and [`BESIDE`] other starts.
 pub(super) const MOST_ATTEMPTS: usize = 2 + WAYS.len() + 1 + BESIDE.0 as usize;
-/// Contacts of the motion at the start above which blocks come before horizons: horizons over 500
-/// contacts ended in wrong minima, over 100 contacts they were the cheaper way.
+/// Number of contacts of the initial motion above which blocks come before horizons. Horizons over
+/// 500 contacts ended in wrong minima; over 100 contacts they were cheaper.
 const MANY: usize = 200;
-/// Starts of which [`BESIDE`] are chosen where the record is of contacts alone.
+/// Number of candidates for [`BESIDE`] if the record has only contacts.
 const LOOKED_AT: u32 = 128;
-/// Starts that agree in the least sum of squares, by which the fit is done, and how nearly.
+/// Number of starts with the same least cost that ends the search, and relative tolerance.
 const AGREED: u32 = 3;
 const SAME: f64 = 1e-6;
 
-/// What ends a search early by returning false.
+/// Callback that ends a search early by returning false.
 type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// A way to a fit.
+/// A search strategy.
 enum Attempt {
-    /// Descent over the whole record at once: what regular motions need.
+    /// Descent over the whole record at once; suits regular motions.
     Plain,
     /// Growing horizons.
     Horizons(Vec<f64>, Way),
-    /// Estimation block by block, then segments that become one motion.
+    /// Block filter, then segments that are tied into one motion.
     Blocks(Vec<f64>),
-    /// Segments that begin as the fitted motion does.
+    /// Segments of the fitted motion.
     Divided,
 }
 
@@ -55,20 +54,20 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The attempts in the order in which they are tried.
+    /// Attempts in order.
     fn attempts(&self) -> impl Iterator<Item = Attempt> {
         let Self { model, start, .. } = *self;
-        // Without stops a motion that keeps near the record from the start on has one valley.
+        // Without stops, a motion near the record from the start on has a single valley.
         let is_regular = self.is_regular();
-        // Times of contacts say too little of the states in which segments begin.
+        // Contact times alone do not determine the states in which segments begin.
         let is_divided =
             self.segments != Segments::None && (!model.is_of_contacts() || self.length().is_some());
         let is_in_blocks = is_divided && !model.is_of_contacts() && !is_regular;
         let ways = WAYS.iter().take(if is_regular { 1 } else { WAYS.len() });
-        // Contacts alone are matched in their order, which only growing horizons keep.
+        // Contacts alone are matched in order, which only growing horizons preserve.
         let plain = (!model.is_of_contacts()).then_some(Attempt::Plain);
         let horizons = ways.map(|way| Attempt::Horizons(start.to_vec(), *way));
-        // Horizons over many impacts end in wrong minima, which each impact adds.
+        // Horizons over many impacts end in wrong minima: each impact adds some.
         let has_many = is_in_blocks && self.has_many_contacts();
         let blocks = || Attempt::Blocks(start.to_vec());
         let (first, later) = (has_many.then(blocks), (is_in_blocks && !has_many).then(blocks));
@@ -82,7 +81,7 @@ impl Search<'_> {
         plain.into_iter().chain(first).chain(horizons).chain(later).chain(divided).chain(besides)
     }
 
-    /// Whether the motion has one valley: without stops, and near the record from the start on.
+    /// Whether the motion has a single valley: no stops, and near the record from the start.
     fn is_regular(&self) -> bool {
         !self.model.has_stops() && self.model.is_near(self.start, WAYS[0])
     }
@@ -93,13 +92,13 @@ impl Search<'_> {
         self.model.beside(&point, &reach).is_ok_and(|beside| beside.contacts_of_motion() > MANY)
     }
 
-    /// The length of segments, s, where it is given.
+    /// Given length of segments, s.
     fn length(&self) -> Option<f64> {
         if let Segments::Length(length) = self.segments { Some(length) } else { None }
     }
 
-    /// Starts around the given one; of contacts alone those whose motions keep near the record
-    /// longest, since all that follow a contact which comes or goes are matched wrongly.
+    /// Starts around the given one. With contacts only, the ones whose motions keep near the
+    /// record longest: an extra or missing contact shifts all later matches.
     fn beside(&self) -> Vec<Vec<f64>> {
         let (model, (count, part)) = (self.model, BESIDE);
         let of = |count: u32| (1..=count).map(|k| self.bounds.beside(self.start, k, part));
@@ -123,12 +122,12 @@ impl Search<'_> {
         solve(model, bounds, &found.point, (&reach, Convergence::Whole), self.go_on)
     }
 
-    /// The best point from segments that were tied to one motion.
+    /// Best point after segments have been tied into one motion.
     fn continued(&self, found: Solved) -> Result<Solved> {
         let Self { model, go_on, .. } = *self;
         let values = found.point.values.clone();
         let mut best: Option<Solved> = None;
-        // One motion says more, where it is not chaotic.
+        // A single motion determines more, unless it is chaotic.
         let ways: [&dyn Fn() -> Result<Solved>; 3] =
             [&|| self.plain(values.clone()), &|| Ok(found.clone()), &|| self.divided(&values)];
         for way in ways {
@@ -166,7 +165,7 @@ impl Search<'_> {
     }
 }
 
-/// The point reached from a start by the first attempt that leaves noise alone, else the best one.
+/// Result of the first attempt from a start that reaches the noise, otherwise the best.
 pub(super) fn best_from(
     model: &Model,
     bounds: &Bounds,
@@ -181,14 +180,14 @@ pub(super) fn best_from(
     for (k, attempt) in search.attempts().enumerate() {
         model.watch.begin(format!("attempt {} of at most {MOST_ATTEMPTS}", k + 1));
         tried = k;
-        // Ways from one start may end in one wrong minimum.
+        // All strategies from one start may end in the same wrong minimum.
         let is_beside = k + BESIDE.0 as usize >= MOST_ATTEMPTS;
         let found = search.follow(attempt);
         model.watch.over(1);
         let Ok(mut found) = found else { continue };
-        // A fit that was ended may not have seen where its motion breaks off.
+        // A fit that was ended early may not have seen where its motion cannot continue.
         found.cost = model.cost(&found).or_else(|e| if go_on() { Err(e) } else { Ok(f64::INFINITY) })?;
-        // No one motion is near a chaotic record to its end.
+        // No single motion is near a chaotic record to its end.
         let is_whole =
             found.is_continuous || !found.reach.nodes.is_empty() && model.is_chaotic(&found.point.values);
         let is_done = is_whole && model.fits(&found.point, &found.reach)?
@@ -211,7 +210,7 @@ pub(super) fn best_from(
         }
     }
     model.watch.over(MOST_ATTEMPTS - 1 - tried);
-    // The reason for none at all is that of the given start.
+    // If all attempts fail, the error is the given start's.
     let best = best.map_or_else(|| over_horizons(model, bounds, start, WAYS[0], go_on), Ok)?;
     match search.length() {
         Some(_) if best.reach.nodes.is_empty() => search.divided(&best.point.values),

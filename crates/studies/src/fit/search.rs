@@ -1,5 +1,5 @@
-//! The search for a fit: each record by its own schedule, all records together, weights of the
-//! columns, and restarts beside the best point.
+//! Search for a fit: schedule of each record, joint descent over all records, weights of the
+//! columns, and restarts near the best point.
 
 use super::bounds::Bounds;
 use super::checks::check;
@@ -19,38 +19,37 @@ use crate::error::{Error, Result};
 use crate::sobol;
 use rayon::prelude::*;
 
-/// Number of times that columns without a standard deviation are weighed by their residuals.
+/// Number of times that columns without a given standard deviation are reweighted.
 const REWEIGHTED: u32 = 2;
-/// The same number with a robust loss, where the deviation falls as outliers lose weight.
+/// The same number for a robust loss: the deviation decreases as outliers lose weight.
 const REWEIGHTED_ROBUST: u32 = 6;
-/// Number of times that the search moves to a better point beside a fitted one.
+/// Largest number of moves to a better point found by a restart.
 const BETTER: u32 = 20;
 
-/// What ends a search early by returning false.
+/// Callback that ends a search early by returning false.
 type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// Fits numbers of a machine to a record. `observer` sees the progress at each step and ends the
-/// fit by returning false. The result then has the best values so far, and is undecided.
+/// Fits parameters of a machine to a record. `observer` receives the progress at each step and
+/// ends the fit by returning false. The result then has the best values so far, and is undecided.
 ///
 /// # Errors
-/// [`Error::Described`] for a record, a name or a range that is not allowed, and where no motion of
-/// the machine covers the record; [`Error::Refusal`] for values that are not allowed.
+/// [`Error::Described`] for an invalid record, name or range, and if no motion of the machine
+/// covers the record; [`Error::Refusal`] for values outside their range.
 pub fn fit(request: &FitRequest, observer: Observer) -> Result<Fitted> {
     let mut all = fit_records(std::slice::from_ref(request), observer)?;
     all.pop().ok_or_else(|| Error::Described { problem: "no record; expected one".into() })
 }
 
-/// Fits numbers of a machine to several records together. Each request has a record, and the
-/// machine and the start of its motion. All requests have the same free numbers, which all records
-/// share except for the numbers that each record has for itself ([`Free::is_own`](super::Free)).
+/// Fits parameters of a machine to several records together. Each request has a record, the
+/// machine and the start of its motion. All requests have the same free parameters. All records
+/// share them, except the ones that each record has for itself ([`Free::is_own`](super::Free)).
 ///
-/// Returns a result for each record: its machine, start and residuals, with the free numbers of
-/// this record. Values, errors and correlations are from all records together, and so are `cost`
-/// and `simulations`.
+/// Returns a result for each record: its machine, start, residuals and free parameters. Values,
+/// errors, correlations, `cost` and `simulations` are from all records together.
 ///
 /// # Errors
-/// As [`fit`]; [`Error::Described`] for requests that differ in free numbers, loss, segments or
-/// starts, and for a shared number that begins at different values.
+/// The same errors as [`fit`]; [`Error::Described`] for requests that differ in free parameters,
+/// loss, segments or starts, and for a shared parameter with different initial values.
 pub fn fit_records(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitted>> {
     requests.iter().try_for_each(check)?;
     let carrying = |request| Ok(filter::carrying(request)?.unwrap_or_else(|| request.clone()));
@@ -59,7 +58,7 @@ pub fn fit_records(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fi
     Ok(all.into_iter().zip(requests).map(|(own, of)| filter::without(own, of.filters.len())).collect())
 }
 
-/// The fit of machines that carry the filters of their sensors.
+/// Fits machines that contain the filters of their sensors.
 fn fit_carrying(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitted>> {
     let mut joint = Joint::new(requests)?;
     let (watch, compared) = (joint.models[0].watch.clone(), joint.compared());
@@ -81,7 +80,7 @@ fn fit_carrying(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitte
     let mut best = Best::default();
     found.into_iter().for_each(|found| _ = best.take(found));
     if watch.is_ended() {
-        // The given start may be better than what an early end leaves.
+        // The given start may be better than the result of a fit that was ended early.
         let given = joint.single(bounds.begin.clone());
         best.take(joint.cost(&given).map(|cost| Solved { cost, ..given }));
     }
@@ -105,12 +104,12 @@ fn fit_carrying(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitte
     Ok(all)
 }
 
-/// Number of times that the columns are weighed by their residuals.
+/// Number of times that columns are reweighted.
 fn reweighted(joint: &Joint, requests: &[FitRequest]) -> u32 {
     let lists = requests.iter().map(|own| own.measured.columns.len() + own.measured.contacts.len());
     match (joint.has_sigma(), joint.loss()) {
         (true, _) => 0,
-        // One column weighs the same whatever its unit is.
+        // The weight of a single column does not matter.
         (false, Loss::Linear) if lists.sum::<usize>() == 1 => 0,
         (false, Loss::Linear) => REWEIGHTED,
         (false, Loss::SoftL1 | Loss::Huber) => REWEIGHTED_ROBUST,
@@ -126,8 +125,8 @@ struct Search<'s, 'a> {
 }
 
 impl Search<'_, '_> {
-    /// The best point from a start: of one record by its schedule; of several by a descent over all
-    /// records, or else from the best points of single records.
+    /// Best point from a start. A single record follows its schedule. Several records try a joint
+    /// descent first, then the best points of single records.
     fn from(&self, start: &[f64]) -> Result<Solved> {
         let joint = self.joint;
         if joint.models.len() == 1 {
@@ -139,7 +138,7 @@ impl Search<'_, '_> {
         }
         let all = (0..joint.models.len()).into_par_iter().map(|k| self.of_record(k, start));
         let all = all.collect::<Result<Vec<_>>>()?;
-        // A record that is fitted says more of the shared numbers than one that is not.
+        // Records that fit come first: their shared parameters are better.
         let mut order: Vec<usize> = (0..all.len()).collect();
         let misses = |k: &usize| !joint.models[*k].fits(&all[*k].point, &all[*k].reach).unwrap_or(false);
         order.sort_by_cached_key(misses);
@@ -159,7 +158,7 @@ impl Search<'_, '_> {
         best.found()
     }
 
-    /// The best point of one record by its schedule, from joint values.
+    /// Best point of one record by its schedule, from joint values.
     fn of_record(&self, k: usize, start: &[f64]) -> Result<Solved> {
         let places = &self.joint.places[k];
         let begin: Vec<f64> = places.iter().map(|&place| start[place]).collect();
@@ -182,7 +181,7 @@ impl Search<'_, '_> {
     }
 }
 
-/// The best of several points.
+/// Best of several points.
 #[derive(Default)]
 struct Best {
     found: Option<Solved>,
@@ -208,21 +207,21 @@ impl Best {
     }
 }
 
-/// A point that no start beside it improves.
+/// A point that no restart improves.
 struct Settled {
     best: Solved,
-    /// Errors over the errors by the curvature of the cost.
+    /// Ratios of the errors to the ones from the curvature.
     factors: Vec<f64>,
-    /// Why the point is not certain, in words.
+    /// Reason why the point is not certain.
     doubt: Option<String>,
 }
 
-/// Moves to better points beside the best one until there is none.
+/// Moves to better points found by restarts until there is none.
 fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Result<Settled> {
     let watch = &joint.models[0].watch;
     let (mut doubt, mut factors) = (None, vec![1.0; bounds.begin.len()]);
     for turn in 0..=BETTER {
-        // Restarts beside segments that stay apart do not lead to one motion.
+        // Restarts from segments that stay apart do not lead to a single motion.
         if !best.is_continuous {
             doubt = Some("segments do not make one motion".into());
             break;

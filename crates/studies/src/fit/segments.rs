@@ -1,9 +1,9 @@
-//! Fits by segments with starts of their own (H. G. Bock, Recent advances in parameter
-//! identification techniques for ODE, 1983): chaotic motions, which follow their numbers over a few
-//! periods only.
+//! Multiple shooting: fits over segments with their own initial states (H. G. Bock, Recent
+//! advances in parameter identification techniques for ODE, 1983). A chaotic motion depends
+//! smoothly on its parameters over a few periods only.
 //!
-//! A segment begins in mid-flight in the state that the fitted motion has there. How much its start
-//! may differ from the end of the segment before falls step by step, to rounding in the end.
+//! A segment begins in mid-flight, at the fitted motion's state. Its permitted distance from the
+//! end of the previous segment decreases step by step to rounding.
 
 use super::beside::Followed;
 use super::bounds::Bounds;
@@ -16,33 +16,32 @@ use crate::error::{Error, Result};
 use vibro_machine::derivative::By;
 use vibro_machine::{Differentiated, Motion};
 
-/// Growth of a small change, relative to the sizes of states, after which a segment ends.
+/// Growth of a small change, relative to the sizes of the states, at which a segment ends.
 const GROWTH: f64 = 20.0;
-/// Growth above which rounding, 1e-16, is more than a thousandth of the motion.
+/// Growth at which rounding, 1e-16, exceeds a thousandth of the motion.
 const CHAOTIC: f64 = 1e13;
-/// Part of a segment's length, before its end, in which the next one may begin.
+/// Last fraction of a segment's length in which the next segment may begin.
 const PLACE: f64 = 0.5;
-/// Contacts that a segment has at least, in the mean.
+/// Smallest mean number of contacts in a segment.
 const CONTACTS: f64 = 3.0;
-/// Instants at which growth is looked at, between two samples at most one.
+/// Number of times at which growth and range are sampled.
 const LOOKS: usize = 400;
-/// How near a horizon has to be to grow.
+/// Criterion for growing a horizon.
 const WAY: Way = WAYS[2];
-/// Least and largest growth of a horizon, in segments.
+/// Smallest and largest growth of a horizon, in segments.
 const LONGER: (f64, f64) = (0.1, 0.6);
-/// Part of a column's size that its noise is taken to be at least while horizons grow.
+/// Smallest noise of a column while horizons grow, relative to its size.
 const NOISE: f64 = 1e-3;
-/// How far segments may miss the next one's start, in parts of the states' sizes, one after
-/// another.
+/// Standard deviations of the defects in successive steps, relative to the sizes of the states.
 pub(super) const DEFECTS: [f64; 6] = [3e-2, 3e-3, 3e-4, 1e-5, 1e-7, 1e-9];
 
-/// Miss of a next start, in parts of the states' sizes, up to which segments are one motion.
+/// Defect, relative to the sizes of the states, up to which segments are a single motion.
 pub(super) const CONTINUOUS: f64 = 1e-6;
 
-/// Ends of segments: by the growth of changes, or by a length, s.
+/// Length of segments, s; `None` if they end where small changes have grown.
 pub(super) type Length = Option<f64>;
 
-/// The point reached from values by segments. `model` weighs residuals by their noise.
+/// Result of fitting segments from an initial point. `model` weights residuals by their noise.
 pub(super) fn over_segments(
     model: &Model,
     bounds: &Bounds,
@@ -86,8 +85,8 @@ pub(super) fn over_segments(
     Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
 }
 
-/// Where the last segment ends, and its state there: in the middle of the longest time without an
-/// event and without what is held; `None` where the horizon comes before.
+/// Next node and the state there: the middle of the longest interval without an event or a closed
+/// contact; `None` without one before the horizon.
 fn next_node(
     model: &Model,
     point: &Point,
@@ -105,7 +104,7 @@ fn next_node(
             None => return Ok(None),
         },
     };
-    // A last segment that is short says little of its start.
+    // A short last segment hardly determines its initial state.
     if end >= horizon {
         return Ok(None);
     }
@@ -134,7 +133,7 @@ fn next_node(
         last = if events { reached } else { end };
         motion.advance_to(last)?;
         if last <= before {
-            // Events at one instant: step over them.
+            // Several events at one time: step over them.
             last = before + 1e-3 * (end - begin);
             motion.advance_to(last)?;
         }
@@ -146,19 +145,18 @@ fn next_node(
     Ok(Some((own.time() - shift, own.states())))
 }
 
-/// By how much a change of number `p` of a motion's start has grown; `None` where there is no
-/// derivative.
+/// Growth of a change in component `p` of the initial state; `None` if there is no derivative.
 fn growth(motion: &Differentiated, sizes: &[f64], p: usize) -> Option<f64> {
     let by = motion.state_derivative(p)?;
     Some(by.iter().zip(sizes).map(|(x, size)| (x / size * sizes[p]).abs()).fold(0.0, f64::max))
 }
 
-/// The time at which changes of a motion's start have grown, up to a horizon.
+/// Time at which a change of the initial state has grown, up to a horizon.
 fn grown(motion: &mut Differentiated, horizon: f64, sizes: &[f64]) -> Result<Option<f64>> {
     let from = motion.motion().time();
     for i in 1..=LOOKS {
         motion.advance_to(from + (horizon - from) * i as f64 / LOOKS as f64)?;
-        // Where there is no derivative, a change makes another motion.
+        // Without a derivative, a change leads to another motion.
         if (0..sizes.len()).any(|p| growth(motion, sizes, p).is_none_or(|growth| growth > GROWTH)) {
             return Ok(Some(motion.motion().time()));
         }
@@ -167,22 +165,22 @@ fn grown(motion: &mut Differentiated, horizon: f64, sizes: &[f64]) -> Result<Opt
 }
 
 impl Model<'_> {
-    /// Whether rounding grows over the record until the motion leaves it: no one motion is the
-    /// record's then, whatever the numbers are.
+    /// Whether rounding grows until the motion leaves the record. No single motion is then the
+    /// record's, whatever the parameters.
     pub(super) fn is_chaotic(&self, values: &[f64]) -> bool {
         let most = || {
             let sizes = self.sizes_of_states(values)?;
             let (mut motion, shift) = self.last_segment(&Point::from(values.to_vec()), &[], true)?;
             motion.advance_to(self.end() + shift)?;
-            // Where derivatives are lost nothing says how changes grow.
+            // Lost derivatives give no growth.
             let all = (0..sizes.len()).filter_map(|p| growth(&motion, &sizes, p));
             Ok::<_, Error>(all.fold(0.0, f64::max))
         };
         most().is_ok_and(|most| most > CHAOTIC)
     }
 
-    /// The motion of the last segment at its begin, with its derivatives by the state there on
-    /// request, and the shift of the record's times.
+    /// Motion at the begin of the last segment, with derivatives by its state on request, and the
+    /// record's shift.
     fn last_segment(&self, point: &Point, nodes: &[f64], varied: bool) -> Result<(Differentiated, f64)> {
         let made = self.unknowns.with(&point.values)?;
         let assembly = made.assembly.clone();
@@ -197,8 +195,7 @@ impl Model<'_> {
         Ok((motion, made.shift))
     }
 
-    /// Half the range of each number of the state over the record's times, as far as the motion
-    /// goes.
+    /// Half the range of each state component over the record, as far as the motion continues.
     pub(super) fn sizes_of_states(&self, values: &[f64]) -> Result<Vec<f64>> {
         let (motion, shift) = self.last_segment(&Point::from(values.to_vec()), &[], false)?;
         let mut motion = motion.motion().clone();
@@ -217,13 +214,13 @@ impl Model<'_> {
         Ok(ranges.iter().map(|range| size(range).unwrap_or(1.0)).collect())
     }
 
-    /// The model with residuals weighed by their noise, as segments need.
+    /// The model with residuals weighted by noise, for fits over segments.
     pub(super) fn for_segments(&self) -> Self {
         self.by_noise(NOISE)
     }
 }
 
-/// How far segments miss each next start, in parts of the states' sizes.
+/// Defects at the nodes, relative to the sizes of the states.
 pub(super) fn misses(model: &Model, (point, reach): (&Point, &Reach), sizes: &[f64]) -> Result<Vec<f64>> {
     let beside = model.beside(point, reach)?;
     let one = |(before, state): (&Followed, &Vec<f64>)| {
@@ -241,7 +238,7 @@ mod tests {
     use vibro_machine::Start;
     use vibro_machine::file::no_records;
 
-    /// A mass on a spring whose curve falls by 1 N/m: changes grow as the exponential of time.
+    /// A mass on a spring with a stiffness of -1 N/m: changes grow exponentially in time.
     #[test]
     fn closed_form_a_motion_is_chaotic_where_changes_grow_beyond_a_thousandth_over_rounding() {
         let text = "name = \"Tilting\"\nbody.a = { mass = 1.0, start = { s = 1e-9 } }\n\

@@ -1,6 +1,6 @@
-//! Levenberg-Marquardt's method within bounds (K. Madsen, H. B. Nielsen and O. Tingleff, Methods
-//! for Non-Linear Least Squares Problems, 2004), with losses by reweighting. Written here since the
-//! published crates know neither bounds nor rows without a derivative.
+//! Levenberg-Marquardt method within bounds (K. Madsen, H. B. Nielsen and O. Tingleff, Methods for
+//! Non-Linear Least Squares Problems, 2004), with losses by reweighting. Published crates support
+//! neither bounds nor rows without a derivative.
 
 use super::bounds::Bounds;
 use super::elimination::Triangle;
@@ -10,19 +10,19 @@ use super::problem::Problem;
 use crate::error::Result;
 use nalgebra::DVector;
 
-/// How far a fit over one horizon goes.
+/// Convergence criterion over one horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Convergence {
     /// A few steps: a longer horizon follows.
     Rough,
-    /// Back from beside a point in whose valley residuals are nearly linear, down to a cost.
+    /// Restart near a fitted point, where residuals are nearly linear; ends at this cost.
     Back(f64),
     /// Until steps are rounding.
     Whole,
 }
 
 impl Convergence {
-    /// Most steps, and relative step and reduction of the cost at which it ends.
+    /// Largest number of steps, and the relative step and cost reduction at which it ends.
     fn limits(self) -> (u32, f64, f64) {
         match self {
             Self::Rough | Self::Back(_) => (20, 1e-5, 1e-5),
@@ -30,7 +30,7 @@ impl Convergence {
         }
     }
 
-    /// First damping.
+    /// Initial damping.
     fn damping(self) -> f64 {
         match self {
             Self::Rough | Self::Whole => 1e-3,
@@ -39,19 +39,19 @@ impl Convergence {
     }
 }
 
-/// Part of a number by which a step moves it at most where contacts alone are matched, which come
-/// and go.
+/// Largest relative change of a parameter in a step if only contacts are matched, since contacts
+/// appear and disappear.
 const STEP: f64 = 0.2;
-/// Largest damping, at which no step helps.
+/// Largest damping; no step improves the cost there.
 const MOST_DAMPING: f64 = 1e12;
 
-/// What is found of a number's sizes: the largest lengths of its columns of derivatives so far.
+/// Updates the scales: the largest lengths of the columns of derivatives so far.
 fn include(sizes: &mut Change, at: &Evaluated) {
     for (j, size) in sizes.values.iter_mut().enumerate() {
         let length = at.0.iter().map(|own| own.rows.by_numbers.column(j).norm_squared()).sum::<f64>().sqrt();
         *size = size.max(length).max(f64::MIN_POSITIVE);
     }
-    // Defects do not count: they would hold fast what they tie to its neighbours.
+    // Defects are left out: they would damp a state towards its neighbours.
     for (sizes, own) in sizes.states.iter_mut().zip(&at.0[1..]) {
         for (i, size) in sizes.iter_mut().enumerate() {
             *size = size.max(own.rows.by_state.column(i).norm()).max(f64::MIN_POSITIVE);
@@ -59,7 +59,7 @@ fn include(sizes: &mut Change, at: &Evaluated) {
     }
 }
 
-/// Half the downward gradient of the cost by the free numbers.
+/// Half the negative gradient of the cost with respect to the free parameters.
 fn down(at: &Evaluated, loss: Loss) -> DVector<f64> {
     let mut sum = DVector::zeros(at.0[0].rows.by_numbers.ncols());
     for own in &at.0 {
@@ -72,7 +72,7 @@ fn down(at: &Evaluated, loss: Loss) -> DVector<f64> {
     sum
 }
 
-/// By how much the cost falls by a change, if residuals are linear in it.
+/// Decrease in cost predicted for a change by the linear model.
 fn predicted(at: &Evaluated, loss: Loss, change: &Change) -> f64 {
     let numbers = DVector::from_column_slice(&change.values);
     let empty = Vec::new();
@@ -93,18 +93,18 @@ fn predicted(at: &Evaluated, loss: Loss, change: &Change) -> f64 {
     sum
 }
 
-/// What a point costs, with its defects.
+/// Cost of a point, including defects.
 fn cost_of(at: &Evaluated, loss: Loss) -> f64 {
     loss.sum(at.residuals()) + at.defects()
 }
 
-/// Factor of the damping after a step, from the fall of the cost over the fall that was predicted
+/// Factor for the damping after a step, from the ratio of actual to predicted decrease in cost
 /// (Madsen et al., algorithm 3.16).
 fn damped(ratio: f64) -> f64 {
     (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0)
 }
 
-/// The point with the least cost near a given one.
+/// Point of least cost near a given one.
 pub(super) fn solve(
     model: &dyn Problem,
     bounds: &Bounds,
@@ -128,7 +128,7 @@ pub(super) fn solve(
         }
         include(&mut sizes, &at);
         let down = down(&at, loss);
-        // A number that moves nothing so far is kept.
+        // A parameter without effect so far is held.
         let held = (0..point.values.len())
             .map(|j| at.is_idle(j, point.values[j]) || bounds.holds(j, point.values[j], down[j]));
         let held: Vec<bool> = held.collect();
@@ -145,7 +145,7 @@ pub(super) fn solve(
         if way.length(&sizes) <= least_step * point.length(&sizes) || expected <= least_reduction * cost {
             break;
         }
-        // A motion that breaks off costs more than any.
+        // A motion that cannot be simulated has infinite cost.
         let tried = model.evaluate(&next, reach).ok();
         let after = tried.as_ref().map_or(f64::INFINITY, |tried| cost_of(tried, loss));
         if after < cost {

@@ -1,14 +1,14 @@
-//! Sizes of records and residuals: deviations, noise.
+//! Statistics of records and residuals: standard deviations and noise.
 
-/// Factor of the least estimate of the noise up to which estimates say the same.
+/// Noise estimates within this factor of the smallest one are averaged.
 const SAME_NOISE: f64 = 1.2;
 
-/// Standard deviation of noise on a signal: the least that its differences of several orders say, in
-/// the mean of those that say nearly the same.
+/// Standard deviation of the noise on a signal, from its differences of several orders: the mean
+/// of all estimates near the smallest one.
 ///
-/// A quarter of normal numbers are below 0.3186 standard deviations, and differences of order m
-/// have √C(2m, m) of them. Coarse samples of a motion raise low orders, its contacts most of high
-/// ones.
+/// A quarter of normal samples are below 0.3186 standard deviations in size. Differences of order
+/// m multiply the standard deviation by √C(2m, m). Coarse sampling of a motion raises low orders;
+/// contacts mostly raise high ones.
 pub(super) fn noise(values: &[f64]) -> f64 {
     let (mut all, mut found, mut variance) = (values.to_vec(), Vec::new(), 1.0);
     for order in 1..=6 {
@@ -22,12 +22,12 @@ pub(super) fn noise(values: &[f64]) -> f64 {
         }
     }
     let least = found.iter().copied().fold(f64::INFINITY, f64::min);
-    // The least of several that say the same is too small.
+    // The minimum of several similar estimates is biased low.
     let same: Vec<f64> = found.into_iter().filter(|own| *own <= SAME_NOISE * least).collect();
     same.iter().sum::<f64>() / same.len().max(1) as f64
 }
 
-/// Standard deviation by which values are rounded: that of the least step between two of them.
+/// Standard deviation of rounding: from the smallest step between two values.
 pub(super) fn rounding(values: &[f64]) -> f64 {
     let mut all = values.to_vec();
     all.sort_by(f64::total_cmp);
@@ -36,21 +36,21 @@ pub(super) fn rounding(values: &[f64]) -> f64 {
     if least.is_finite() { least / 12f64.sqrt() } else { 0.0 }
 }
 
-/// Correlation of a residual with the next one; 0 of fewer than two.
+/// Correlation of successive residuals; 0 for fewer than two.
 pub(super) fn persistence(residuals: impl Iterator<Item = f64>) -> f64 {
     let all: Vec<f64> = residuals.collect();
     let products: f64 = all.windows(2).map(|pair| pair[0] * pair[1]).sum();
     products / all.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
-/// Root mean square; 0 of no residual.
+/// Root mean square; 0 without residuals.
 pub(super) fn rms(residuals: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = residuals.fold((0.0, 0usize), |(sum, count), r| (sum + r * r, count + 1));
     (sum / count.max(1) as f64).sqrt()
 }
 
-/// Standard deviation of normal residuals by the median of their sizes, which is 0.6745 of it
-/// whatever a few outliers are.
+/// Standard deviation of normal residuals from the median of their sizes: the median is 0.6745
+/// standard deviations, and few outliers do not move it.
 pub(super) fn typical(residuals: impl Iterator<Item = f64>) -> f64 {
     let mut all: Vec<f64> = residuals.map(f64::abs).collect();
     all.sort_by(f64::total_cmp);
@@ -63,7 +63,7 @@ pub(super) fn deviation(values: &[f64]) -> f64 {
     rms(values.iter().map(|x| x - mean))
 }
 
-/// Standard deviation of the values up to each place.
+/// Standard deviation of the values up to each index.
 pub(super) fn deviations(values: &[f64]) -> Vec<f64> {
     let (mut mean, mut squares) = (0.0, 0.0);
     let so_far = |(i, x): (usize, &f64)| {
@@ -75,14 +75,14 @@ pub(super) fn deviations(values: &[f64]) -> Vec<f64> {
     values.iter().enumerate().map(so_far).collect()
 }
 
-/// Size of a column: its deviation; of one that never changes its value, and 1 of zeros.
+/// Size of a column: its standard deviation; if it is constant, its magnitude; if it is 0, 1.
 pub(super) fn size(values: &[f64]) -> f64 {
     let largest = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let sizes = [deviation(values), largest, 1.0];
     sizes.into_iter().find(|size| *size > 0.0).unwrap_or(1.0)
 }
 
-/// Mean interval of rising times.
+/// Mean interval of increasing times; for a single time, the time itself.
 pub(super) fn interval(times: &[f64]) -> f64 {
     match times {
         [first, .., last] => (last - first) / (times.len() - 1) as f64,
@@ -112,7 +112,7 @@ mod tests {
         let all = normal(4000);
         let slow = |i: usize| 5.0 * (TAU * i as f64 / 700.0).sin();
         let signal: Vec<f64> = all.iter().enumerate().map(|(i, x)| slow(i) + 0.3 * x).collect();
-        // Six standard deviations of what 4000 samples say.
+        // Six standard deviations of an estimate from 4000 samples.
         assert!((noise(&signal) / 0.3 - 1.0).abs() < 0.1, "{}", noise(&signal));
         assert!((noise(&all) - 1.0).abs() < 0.1, "{}", noise(&all));
         // No difference is left of two values, and none that is not 0 of a straight line.

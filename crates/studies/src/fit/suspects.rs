@@ -1,9 +1,9 @@
-//! Numbers that would take up the residuals of a fit which is not accepted: parameters of elements
-//! that are not free, and dry friction between bodies that the machine does not have.
+//! Parameters that would reduce the residuals of a fit that is not accepted: element parameters
+//! that are not free, and dry friction that the machine does not have.
 //!
-//! A score test chooses the candidates: the derivative of the residuals by a number, less what the
-//! free numbers do of it, against the residuals (C. R. Rao, Proc. Cambridge Phil. Soc. 44, 1948).
-//! Each candidate is then fitted together with the free numbers.
+//! A score test selects the candidates (C. R. Rao, Proc. Cambridge Phil. Soc. 44, 1948). It
+//! projects the residuals on a candidate's column of the Jacobian, orthogonalised against the free
+//! parameters. Each candidate is then fitted together with the free parameters.
 
 use super::bounds::Bounds;
 use super::elimination::Triangle;
@@ -23,40 +23,40 @@ use vibro_machine::description::{Arms, Description, Friction, Signal};
 /// Largest number of candidates that are fitted, and of suspects that are reported.
 const TRIED: usize = 4;
 const TOLD: usize = 3;
-/// Share of the sum of squares that a suspect takes up at least: less may be chance or a kink.
+/// Smallest reduction of the sum of squares by a suspect: less may be chance or a kink.
 const LEAST: f64 = 0.2;
 /// Largest number of steps over growing horizons with a candidate.
 const STEPS: u32 = 60;
-/// Smallest share by the derivatives alone with which a candidate is fitted.
+/// Smallest linear reduction for which a candidate is fitted.
 const PROMISING: f64 = 0.02;
 /// Sections of the machine's file whose parameters are candidates.
 const SECTIONS: [&str; 5] = ["body.", "spring.", "stop.", "friction.", "load."];
 /// Parts of names of parameters that are not candidates: starts, shares of gravity, levers.
 const NOT: [&str; 3] = [".start", ".gravity", ".arms"];
 
-/// A number that is not free and would take up residuals.
+/// A parameter that is not free and would reduce the residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suspect {
-    /// Name of a parameter, or words for friction that the machine does not have.
+    /// Name of the parameter, or a description of friction that the machine does not have.
     pub name: String,
-    /// SI unit; `1` for a number without unit.
+    /// SI unit; `1` for a dimensionless parameter.
     pub unit: &'static str,
     /// Value in the machine, SI.
     pub value: f64,
-    /// Value that fits best together with the free numbers, SI.
+    /// Value that fits best together with the free parameters, SI.
     pub better: f64,
-    /// Root mean square of the residuals with this value, over the root mean square without it.
+    /// Ratio of the root mean square residuals with this value and without it.
     pub left: f64,
 }
 
-/// Friction that the machine does not have, with words for it.
+/// Friction that the machine does not have, with its description.
 struct Added {
     friction: Friction,
     words: String,
 }
 
 impl Added {
-    /// Frictions of 0 N between bodies that a spring or a stop joins and no friction does.
+    /// Frictions of 0 N between bodies that are joined by a spring or stop, but not by friction.
     fn of(d: &Description) -> Vec<Self> {
         let bodies = |arms: &Arms| {
             let mut bodies: Vec<usize> = arms.terms.iter().map(|(body, _)| *body).collect();
@@ -87,14 +87,14 @@ impl Added {
         found
     }
 
-    /// Name of its force as a parameter.
+    /// Name of the friction's force as a parameter.
     fn parameter(&self) -> String {
         format!("friction.{}.force", self.friction.name)
     }
 }
 
-/// For each column after the first `free` ones, if residuals are linear in it: the share of the sum
-/// of squares that it takes up, and the change that does so.
+/// Linear reduction of the sum of squares by each column after the first `free` ones, as a
+/// fraction, and the corresponding change.
 fn scores(at: &Evaluated, free: usize, count: usize) -> Option<Vec<(f64, f64)>> {
     let triangle = Triangle::of(at, Loss::Linear, &Point::default(), 0.0, &vec![false; count]);
     let jacobian = triangle.reduced(at, count)?;
@@ -112,7 +112,7 @@ fn scores(at: &Evaluated, free: usize, count: usize) -> Option<Vec<(f64, f64)>> 
 }
 
 impl Model<'_> {
-    /// Numbers that would take up the residuals at a point, the best one first.
+    /// Parameters that would reduce the residuals at a point, the best one first.
     pub(super) fn suspects(
         &self,
         request: &FitRequest,
@@ -146,7 +146,7 @@ impl Model<'_> {
                 let begin = Point { values, states: point.states.clone() };
                 solve(&model, &bounds, &begin, (reach, Convergence::Rough), go_on).ok()
             };
-            // Without the candidate the free numbers may have moved far: they begin again, too.
+            // The free parameters begin again too: without the candidate they may have moved far.
             let left = AtomicU32::new(STEPS);
             let take = |left: u32| left.checked_sub(1);
             let goes_on = || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok() && go_on();
@@ -170,7 +170,7 @@ impl Model<'_> {
         Ok(found)
     }
 
-    /// A request with further free numbers, from a fitted machine on.
+    /// Request with additional free parameters, from a fitted machine.
     fn with_free(&self, request: &FitRequest, machine: &Machine, names: &[String]) -> FitRequest {
         let mut own = FitRequest { machine: machine.clone(), ..request.clone() };
         let free = |name: &String| Free { name: name.clone(), within: None, is_own: false };
@@ -179,13 +179,13 @@ impl Model<'_> {
         own
     }
 
-    /// The model of another request of the same record, with the same weights.
+    /// Model of another request of the same record, with the same weights.
     fn like<'r>(&self, request: &'r FitRequest) -> Result<Model<'r>> {
         Ok(Model::new(request)?.weighed_as(self))
     }
 }
 
-/// Names of the candidates: parameters of elements that are not free, among them added frictions.
+/// Names of the candidates: element parameters that are not free, including added frictions.
 fn candidates(d: &Description, free: &[Free]) -> Vec<String> {
     let is_free = |name: &str| free.iter().any(|own| own.name == name);
     let is_named = |name: &str| {

@@ -1,5 +1,5 @@
-//! Segments that become one motion: each start is free, and ties to the ends before the starts grow
-//! until they leave rounding alone.
+//! Segments tied into one motion. Each initial state is free, and its tie to the end of the
+//! previous segment tightens until only rounding is left.
 
 use super::bounds::Bounds;
 use super::evaluated::{Point, Reach, Solved};
@@ -8,16 +8,16 @@ use super::segments::{CONTINUOUS, DEFECTS, misses};
 use super::solver::{Convergence, solve};
 use crate::error::Result;
 
-/// Miss of a start, in standard deviations, above which the start is given up, and the number of
-/// times that starts are given up at one standard deviation.
+/// Defect, in standard deviations, at which a segment's start is removed; and the number of rounds
+/// of removal at one standard deviation.
 const APART: f64 = 20.0;
 const GIVEN_UP: u32 = 3;
-/// The standard deviation of misses from which on starts are given up.
+/// Standard deviation of the defects, relative to the states, at which removal begins.
 const GIVES_UP: f64 = 3e-4;
 
-/// The point reached from segments whose starts are near the motion. A start that stays apart from
-/// the end before it is given up: it is beside an impact that only one of the two has. The starts of
-/// a chaotic motion stay, and the ties end where a start stays apart.
+/// Result of tying segments that begin near the motion. A start with a large defect is removed: it
+/// is next to an impact that only one of the two segments has. In a chaotic motion all starts are
+/// kept, and tying ends at a large defect.
 pub(super) fn tied(
     model: &Model,
     bounds: &Bounds,
@@ -52,7 +52,7 @@ pub(super) fn tied(
     Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
 }
 
-/// Gives up starts of segments: these continue the segments before.
+/// Removes starts of segments, which then continue the previous segments.
 fn give_up(point: &mut Point, reach: &mut Reach, is_given_up: impl Fn(usize) -> bool) {
     let kept: Vec<bool> = (0..reach.nodes.len()).map(|k| !is_given_up(k)).collect();
     let mut all = kept.iter();

@@ -1,4 +1,4 @@
-//! The free numbers of a fit: what each is, where it begins, and what it may be.
+//! Free parameters of a fit: kind, initial value and range of each.
 
 use super::FitRequest;
 use super::filter::{self, Sensor};
@@ -8,54 +8,54 @@ use std::sync::Arc;
 use vibro_machine::derivative::By;
 use vibro_machine::{Assembly, Quantity, Start};
 
-/// A positive number's least value, in parts of the value from which the fit begins.
+/// Lower bound of a positive parameter, relative to its initial value.
 const LEAST: f64 = 1e-6;
-/// Prefix of the numbers of a start among names of derivatives.
+/// Prefix of start parameters in the names of derivatives.
 const OF_START: &str = "start.";
 
-/// What a free number is.
+/// Kind of a free parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Unknown {
-    /// Of the machine or of the start; with the column of its derivatives.
+    /// Parameter of the machine or of the start, with its column of derivatives.
     Number(usize),
     /// Time of the motion at the record's time 0.
     Shift,
-    /// What a column shows above the quantity.
+    /// Offset of a record's column: its value minus the quantity.
     Offset(usize),
 }
 
-/// The free numbers in their order.
+/// Free parameters in the given order.
 pub(super) struct Unknowns<'a> {
     pub machine: &'a Machine,
     start: &'a Start,
     all: Vec<Unknown>,
-    /// The names of those of the machine and of the start, as columns of derivatives.
+    /// Names of the parameters of machine and start, which have columns of derivatives.
     pub names: Vec<&'a str>,
-    /// The values from which the fit begins.
+    /// Initial values of the fit.
     pub begin: Vec<f64>,
     columns: usize,
     sensors: Arc<[Sensor]>,
 }
 
-/// What values of the free numbers make.
+/// Machine, start and record offsets for given parameter values.
 pub(super) struct Made {
     pub machine: Machine,
-    /// The machine's equations, which follow rounded signals as if they were not.
+    /// Equations of the machine, where rounded signals vary smoothly.
     pub assembly: Arc<Assembly>,
     pub start: Start,
     /// Time of the motion at the record's time 0, s.
     pub shift: f64,
-    /// By column what it shows above the quantity.
+    /// Offset of each column.
     pub offsets: Vec<f64>,
 }
 
 impl<'a> Unknowns<'a> {
-    /// The free numbers of a request. `rates` has the rate of each column's quantity, where a
-    /// quantity has one; `sensors` has the filters that the machine carries.
+    /// Free parameters of a request. `rates` has the rate of each column's quantity, if it has
+    /// one; `sensors` has the filters in the machine.
     ///
     /// # Errors
-    /// [`Error::Described`] for a column that the record does not have, and for a shift beside a
-    /// column without a rate; [`Error::Refusal`] for a name that neither machine nor start has.
+    /// [`Error::Described`] for a column missing from the record, and for a shift with a column
+    /// without a rate; [`Error::Refusal`] for a name that neither machine nor start has.
     pub fn new(request: &'a FitRequest, rates: &[Option<Quantity>], sensors: Arc<[Sensor]>) -> Result<Self> {
         let FitRequest { machine, start, measured, free, .. } = request;
         let refused = |problem: String| Err(Error::Described { problem });
@@ -106,12 +106,12 @@ impl<'a> Unknowns<'a> {
         Ok(Self { machine, start, all, names, begin, columns: columns.len(), sensors })
     }
 
-    /// The name of a free number of the machine or of the start; `None` for a number of the record.
+    /// Name of a parameter of machine or start; `None` for a parameter of the record.
     pub fn name(&self, k: usize) -> Option<&'a str> {
         if let Unknown::Number(place) = self.all[k] { Some(self.names[place]) } else { None }
     }
 
-    /// The values that a free number may have.
+    /// Range of a free parameter.
     pub fn allowed(&self, k: usize) -> (f64, f64) {
         let any = (f64::MIN, f64::MAX);
         let Some(name) = self.name(k) else { return any };
@@ -121,10 +121,10 @@ impl<'a> Unknowns<'a> {
         (low.max(f64::MIN), range.max.min(f64::MAX))
     }
 
-    /// The machine, its start, the shift and the offsets with some values.
+    /// Machine, start, shift and offsets for given parameter values.
     ///
     /// # Errors
-    /// [`Error::Refusal`] for values that are not allowed.
+    /// [`Error::Refusal`] for values outside their range.
     pub fn with(&self, values: &[f64]) -> Result<Made> {
         let (mut of_machine, mut start) = (Vec::new(), self.start.clone());
         let (mut shift, mut offsets) = (0.0, vec![0.0; self.columns]);
@@ -146,8 +146,8 @@ impl<'a> Unknowns<'a> {
 }
 
 impl Made {
-    /// The columns of derivatives of a segment that begins with the start, or in a state of its own
-    /// with a number of numbers.
+    /// Columns of derivatives of a segment. The first segment begins with the start; a later one
+    /// begins with its own state of `states` components.
     ///
     /// # Errors
     /// [`Error::Refusal`] for a name that neither machine nor start has.
@@ -162,7 +162,7 @@ impl Made {
         for unknown in &unknowns.all {
             of.push(match *unknown {
                 Unknown::Number(k) => match &named[k] {
-                    // A later segment does not begin with the start.
+                    // Only the first segment begins with the start.
                     By::Start(_) | By::Time if !is_first => Source::None,
                     own => Source::Motion(add(own.clone())),
                 },
@@ -176,31 +176,31 @@ impl Made {
     }
 }
 
-/// Whence a derivative comes.
+/// Source of a derivative.
 #[derive(Clone, Copy, Debug)]
 enum Source {
-    /// Of the motion, by one of its columns.
+    /// A column of the motion's derivatives.
     Motion(usize),
-    /// By the shift; by the time of the segment's start too, with its column, where that is
-    /// shifted.
+    /// Derivative with respect to the record's shift. In a later segment, whose start time is
+    /// shifted too, it includes the column of the start time.
     Shift(Option<usize>),
-    /// By what a column shows above the quantity.
+    /// Derivative with respect to the offset of a column.
     Offset(usize),
-    /// There is none: it is 0.
+    /// None: the derivative is 0.
     None,
 }
 
-/// The columns of derivatives of a motion.
+/// Columns of derivatives of a motion.
 #[derive(Default)]
 pub(super) struct Columns {
     pub by: Vec<By>,
-    /// By free number, then by number of the segment's first state.
+    /// For each free parameter, then for each component of the segment's initial state.
     of: Vec<Source>,
 }
 
 impl Columns {
-    /// Derivatives by all that is fitted, from those of the motion by its columns, that by the time
-    /// of the motion, and the column of an offset.
+    /// Derivatives with respect to all that is fitted, given the motion's derivatives by column
+    /// and by time, and the index of the record's column.
     pub fn all(
         &self,
         by: &dyn Fn(usize) -> Option<f64>,

@@ -1,4 +1,4 @@
-//! Whether a fitted motion is the record's: its residuals beside the noise, and other minima.
+//! Whether a fitted motion is the record's: compares residuals with the noise.
 
 use super::beside::Beside;
 use super::evaluated::{Point, Reach};
@@ -9,42 +9,43 @@ use crate::error::Result;
 use crate::significant;
 use std::fmt;
 
-/// Residuals, in units of a noise that the record's differences say, up to which a motion fits, and
-/// in units of any noise, above which it does not. Of a given noise chance alone is allowed.
+/// Ratio of residuals to noise: up to `FITS` the motion fits if the noise is estimated from
+/// differences of the record. Given noise permits only chance deviations. Above `MISSES` it never
+/// fits.
 const FITS: f64 = 1.05;
 const MISSES: f64 = 2.5;
-/// Residuals, in units of such a noise, at which the search of a way ends: starts beside the point
-/// lead on from there.
+/// Ratio of residuals to estimated noise at which a search strategy ends: restarts improve the
+/// point further.
 const NEARLY: f64 = 1.3;
-/// Standard deviations of a root mean square, by which residuals may be larger: one exact record in
-/// 700 is beyond.
+/// Chance deviation of a root mean square, in standard deviations: one exact record in 700 exceeds
+/// it.
 const CHANCE: f64 = 3.0;
-/// Variance of a median of sizes over that of a root mean square of as many normal numbers.
+/// Variance of the median of |x| relative to the root mean square's, for normal samples.
 const MEDIAN: f64 = 2.72;
-/// Standard deviations where differences say the noise, which tell it less well than a root mean
-/// square.
+/// Chance deviation where differences give the noise, which they estimate less accurately than a
+/// root mean square; in standard deviations.
 const VAGUE: f64 = 5.0;
-/// Correlation of a residual with the next one above which residuals are more than noise.
+/// Correlation of successive residuals above which they are more than noise.
 const FOLLOWS: f64 = 0.3;
-/// Deviation of contacts' times, in parts of their interval, up to which it is taken for noise
-/// where that is not given, and above which contacts are those of another motion: a wrong one lies
-/// a quarter of the interval off in the mean, wherever it is.
+/// Deviation of contact times, relative to their mean interval: up to `MET` it counts as noise if
+/// no noise is given; above `APART` the motion is a different one. Contacts of a wrong motion are
+/// off by a quarter of the interval on average.
 const MET: f64 = 0.01;
 const APART: f64 = 0.25;
-/// Least noise of a column, in parts of its size: differences of records without noise are
-/// rounding.
+/// Smallest noise of a column, relative to its size: in a record without noise, the differences
+/// are rounding.
 const LEAST: f64 = 1e-6;
 
 /// Whether a fitted motion is the record's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// Residuals are noise, and no start beside the fitted numbers leads to another minimum as
+    /// Residuals are noise, and no restart near the fitted parameters finds another minimum as
     /// good.
     Fits,
-    /// Residuals are more than noise, as these words say: errors hold for another motion than the
-    /// record's.
+    /// Residuals exceed noise, for the reason given: the standard errors hold for a motion other
+    /// than the record's.
     Misses(String),
-    /// Neither is certain, as these words say.
+    /// Neither is certain, for the reason given.
     Undecided(String),
 }
 
@@ -59,37 +60,36 @@ impl fmt::Display for Verdict {
 }
 
 impl Verdict {
-    /// The verdict of a fit that its observer has ended.
+    /// Verdict for a fit that its observer has ended.
     pub(super) fn ended() -> Self {
         Self::Undecided("ended by hand, with the best values so far".into())
     }
 }
 
 impl Model<'_> {
-    /// Whether the motion of a point is the record's, or so near to it that starts beside the point
-    /// lead to it.
+    /// Whether the motion of a point is the record's, or so near that restarts can reach it.
     pub(super) fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
         Ok(self.judged(&self.beside(point, reach)?, (NEARLY, FOLLOWS)) == Verdict::Fits)
     }
 
-    /// Whether residuals are more than chance leaves of white noise.
+    /// Whether residuals exceed what chance permits for white noise.
     pub(super) fn misses(&self, point: &Point, reach: &Reach) -> Result<bool> {
         Ok(self.judged(&self.beside(point, reach)?, (1.0, 0.0)) != Verdict::Fits)
     }
 
-    /// What residuals say of a motion beside the record.
+    /// Verdict from the residuals alone.
     pub(super) fn verdict(&self, beside: &Beside) -> Verdict {
         self.judged(beside, (FITS, FOLLOWS))
     }
 
-    /// What residuals say of a motion beside the record, with a limit in units of a noise that the
-    /// record's differences say, and one of the correlation of a residual with the next one.
+    /// Verdict from residuals for given limits: on the ratio of residuals to estimated noise, and
+    /// on the correlation of successive residuals.
     fn judged(&self, beside: &Beside, (limit, follows): (f64, f64)) -> Verdict {
         let mut doubt = None;
         for (k, (name, values)) in self.measured.columns.iter().enumerate() {
             let (spread, least) = (self.spread(beside.residuals(k)), LEAST * size(values));
             let times = spread / self.noise_of(k).max(least);
-            // What differences say of few samples is vaguer than a root mean square.
+            // With few samples, differences give a less certain estimate than a root mean square.
             let share = if self.has_sigma { self.chance() } else { VAGUE };
             let chance = 1.0 + share / (values.len() as f64).sqrt();
             let allowed = if self.has_sigma { chance } else { limit.max(chance) };
@@ -97,7 +97,7 @@ impl Model<'_> {
             if times > MISSES.max(chance) {
                 return Verdict::Misses(many);
             }
-            // Residuals within rounding of the record follow each other as it was rounded.
+            // Residuals at the rounding level are correlated because the record was rounded.
             let follow = if spread > least { persistence(beside.residuals(k)) } else { 0.0 };
             if times > allowed {
                 doubt.get_or_insert(many);
@@ -129,14 +129,14 @@ impl Model<'_> {
         doubt.map_or(Verdict::Fits, Verdict::Undecided)
     }
 
-    /// Part by which the deviation of one residual may be larger than its noise by chance.
+    /// Relative excess of one residual's deviation over its noise that chance permits.
     fn chance(&self) -> f64 {
         let variance = if self.loss == Loss::Linear { 0.5 } else { 0.5 * MEDIAN };
         CHANCE * variance.sqrt()
     }
 
-    /// What the deviation of a list of contacts' times says against a motion. Without a given noise
-    /// it is itself the only measure of it: a contact has no neighbour whose difference is noise.
+    /// Objection to a motion from the deviation of a list of contact times. Without a given noise
+    /// this deviation is its only estimate: differences of contact times are not noise.
     fn contacts_off_by(&self, list: usize, spread: f64, times: &[f64]) -> Option<Verdict> {
         let name = &self.measured.contacts[list].0;
         let chance = 1.0 + CHANCE / (2.0 * times.len() as f64).sqrt();

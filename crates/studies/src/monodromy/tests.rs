@@ -37,7 +37,7 @@ fn closed_form_the_way_to_a_fixed_point() {
     // A neutral direction is left out.
     let neutral = [DVector::from_row_slice(&[1.0, 0.0])];
     near(of(&[0.0, 0.0, 0.0, 0.5], &neutral, [0.0, 1.0]), [0.0, 2.0]);
-    // In a direction in which M is 1 only rounding may be left.
+    // In a direction in which M is 1, only rounding is permitted.
     let family = [1.0, 0.0, 0.0, 0.5];
     near(of(&family, &[], [1e-11, 1.0]), [0.0, 2.0]);
     assert_eq!((of(&family, &[], [1e-9, 1.0]), of(&family, &[], [-1e-9, 1.0])), (None, None));

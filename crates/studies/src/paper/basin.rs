@@ -94,7 +94,7 @@ pub fn in_the_middle() -> StartRule {
 /// Attractor of the paper's machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClassedAttractor {
-    /// The attractor. Without a period its means are those of all motions on it.
+    /// The attractor. Without a period its means are over all motions on it.
     pub attractor: Attractor,
     /// Class of the motions.
     pub class: MotionClass,
@@ -197,7 +197,7 @@ impl Basins<ClassedAttractor> {
         Ok(destination.is_some())
     }
 
-    /// Destination of a motion: a known attractor or a new one. `None` if that is undecided.
+    /// Destination of a motion: a known attractor or a new one. `None` if it is undecided.
     fn destination(&mut self, motion: &Followed) -> Result<Option<BasinCell>> {
         if !motion.class.is_decided() {
             return Ok(None);

@@ -81,13 +81,13 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
     let wants = |sought: Measure| measures.contains(&sought);
     let (mut class, mut exponent) = (None, None);
     if wants(Measure::Class) {
-        // At time 0 of the new motion the drive has its present phase.
+        // Time 0 of the new motion has the present phase of the drive.
         let parameters = Parameters { drive_phase: simulator.drive_phase(), ..p };
         let start = Start { parameters, state: simulator.state() };
         class = Some(verdict(&start, 0)?.class);
     }
     if wants(Measure::Exponent) {
-        // In 1/s throughout: without a spring between box and ground ω10 is zero and not a unit.
+        // The unit is 1/s throughout: without a spring between box and ground, ω10 is zero.
         let options = SpectrumOptions::default();
         let options = SpectrumOptions { threshold: options.threshold * p.box_frequency(), ..options };
         exponent = Some(lyapunov::spectrum(simulator, &options)?);

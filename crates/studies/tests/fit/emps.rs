@@ -1,13 +1,13 @@
-//! Records in the format of the EMPS benchmark, made by the machines of `examples/emps.toml` (the
-//! voltage is held between samples at 1 kHz) and `examples/emps_closed_loop.toml` (the voltage is
-//! made by sampled control). The public file is not in the repository.
+//! Records in the format of the EMPS benchmark, made by the machines of `examples/emps.toml`
+//! (voltage held between samples at 1 kHz) and `examples/emps_closed_loop.toml` (voltage from
+//! sampled control). The public file is not in the repository.
 
 use super::*;
 
 const SAMPLES: u32 = 24_841;
 const NOISE: f64 = 5e-5;
 
-/// A machine of the folder examples whose one record has a text.
+/// Machine of the folder `examples`, with the given text as its record.
 fn example(name: &str, record: &str) -> Machine {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples"));
     let text = std::fs::read_to_string(folder.join(name)).unwrap();
@@ -23,7 +23,7 @@ fn table(name: &str, count: u32, value: impl Fn(f64) -> f64) -> String {
     format!("time,{name}\n") + &(0..count).map(row).collect::<String>()
 }
 
-/// The drive in open loop with numbers of its own, whose voltage is held between samples at 1 kHz.
+/// Drive in open loop with given parameters; the voltage is held between samples at 1 kHz.
 pub fn driven(voltage: impl Fn(f64) -> f64, count: u32) -> Machine {
     let truths = [
         ("body.carriage.mass", 95.1),
@@ -36,7 +36,7 @@ pub fn driven(voltage: impl Fn(f64) -> f64, count: u32) -> Machine {
     example("emps.toml", &table("voltage", count, voltage)).with(truths).unwrap()
 }
 
-/// Asserts that a fit has found numbers within their errors, and the record's noise.
+/// Asserts that the true values are within the errors, and that the residuals are the noise.
 fn assert_found(found: &Fitted, truths: &[(&str, f64)]) {
     let errors = &found.uncertainty.errors;
     for (((name, value), error), (_, truth)) in found.values.iter().zip(errors).zip(truths) {
@@ -65,7 +65,7 @@ fn made_record_of_a_drive_with_held_voltage_and_six_free_numbers() {
     assert_found(&found, &truths);
 }
 
-/// In closed loop the controller makes up for friction, which reversals and limited voltages tell.
+/// In closed loop the controller compensates friction; reversals and voltage limits determine it.
 #[test]
 fn made_record_of_a_drive_under_sampled_control_and_four_free_numbers() {
     let reference = |t: f64| 0.12 * (0.5 * TAU * t).sin().powi(3) + 0.02 * (0.25 * TAU * t).sin();

@@ -1,4 +1,4 @@
-//! Columns that a sensor shows through its low-pass filter.
+//! Columns that a sensor records through its low-pass filter.
 
 use super::*;
 use vibro_studies::fit::Filter;
@@ -15,7 +15,7 @@ fn dropped(gap: f64, restitution: f64, speed: f64) -> Machine {
     Machine::parse(&text, "ball.toml", &no_records).unwrap()
 }
 
-/// The filter's answers to an acceleration of 1 from time 0 on, and to a jump of the speed by 1.
+/// Filter responses to an acceleration of 1 from time 0 on, and to a velocity jump of 1.
 fn answers(order: u32, time: f64) -> (f64, f64) {
     let corner = TAU * CORNER;
     if time < 0.0 {
@@ -30,7 +30,7 @@ fn answers(order: u32, time: f64) -> (f64, f64) {
     (1.0 - left * (angle.cos() + angle.sin()), 2f64.sqrt() * corner * left * angle.sin())
 }
 
-/// What an accelerometer shows of a ball that falls through a gap and bounces.
+/// Accelerometer record of a ball that falls through a gap and bounces.
 fn accelerometer(order: u32, (gap, restitution, speed): (f64, f64, f64), time: f64) -> f64 {
     let mut hit = ((speed * speed + 2.0 * GRAVITY * gap).sqrt() - speed) / GRAVITY;
     let mut closing = speed + GRAVITY * hit;
@@ -58,17 +58,17 @@ fn request_of(
     FitRequest { filters, ..request(machine, measured, free) }
 }
 
-/// Residual of samples of up to 2000 m/s²: the solver ends at steps of 1e-10 of the numbers, which
-/// move an impact's time by as many seconds, and samples by up to 5e5 m/s² a second.
+/// Residual for samples of up to 2000 m/s². The solver ends at relative steps of 1e-10, which move
+/// an impact by as many seconds, and samples by up to 5e5 m/s² a second.
 const SHOWN: f64 = 1e-4;
-/// Numbers of the fits.
+/// Free parameters of the fits.
 const FREE: [&str; 3] = ["stop.floor.gap", "stop.floor.restitution", "body.b.start.v"];
 
-/// Relative error of standard errors by differences of width 2e-6.
+/// Relative error of standard errors from finite differences of width 2e-6.
 const DIFFERENCES: f64 = 1e-4;
 
-/// Standard errors of gap, restitution and speed at noise of 1 m/s², by differences of the closed
-/// form.
+/// Standard errors of gap, restitution and velocity for noise of 1 m/s², from finite differences
+/// of the closed form.
 fn errors(order: u32, truth: (f64, f64, f64), until: f64) -> [f64; 3] {
     let moved = |j: usize, by: f64| {
         let mut own = [truth.0, truth.1, truth.2];
@@ -86,8 +86,8 @@ fn errors(order: u32, truth: (f64, f64, f64), until: f64) -> [f64; 3] {
 
 #[test]
 fn closed_form_an_accelerometer_sees_an_impact_by_its_momentum() {
-    // A filter of first order shows of each impact one number, its momentum times an exponential of
-    // its time: three impacts tell three numbers. Its jumps are met where no sample comes
+    // A first-order filter gives one value for each impact: its momentum times an exponential of
+    // its time. Three impacts determine three parameters. Its jumps match only if no sample comes
     // between them and the record's.
     for (order, off) in [(1, 1e-4), (2, 3e-3)] {
         let truth = (1.0, 0.8, 0.5);
@@ -103,7 +103,7 @@ fn closed_form_an_accelerometer_sees_an_impact_by_its_momentum() {
         for (own, wanted) in found.uncertainty.white.iter().zip(wanted) {
             assert!((own.unwrap() / wanted - 1.0).abs() < DIFFERENCES, "{order}: {own:?} {wanted}");
         }
-        // The machine is the given one: it carries no filter.
+        // The machine is the given one, without a filter.
         assert_eq!(found.machine.description.blocks, []);
     }
 }
@@ -115,7 +115,7 @@ fn made_record_of_an_accelerometer_through_three_impacts_alone_and_with_their_ti
     let shown = |time| accelerometer(2, truth, time) + sigma * noise.borrow_mut().normal();
     let own = request_of(dropped(1.003, 0.69, 0.0), 2, 1.7, shown, &FREE[..2]);
     let alone = fitted(&FitRequest { sigma: Some(vec![sigma]), ..own.clone() });
-    // The three impacts' times, as of a contact switch.
+    // Times of the three impacts, as from a contact switch.
     let (fall, jitter) = ((2.0 / GRAVITY).sqrt(), 1e-5);
     let times =
         [1.0, 1.0 + 1.4, 1.0 + 1.4 + 0.98].map(|own| own * fall + jitter * noise.borrow_mut().normal());
@@ -169,6 +169,6 @@ fn second_method_a_wide_filter_of_a_machine_at_rest_shows_its_acceleration() {
     let filters = vec![Filter { column: "b.a".parse().unwrap(), order: 2, frequency: 1e4 }];
     let begin = off(&m, &["spring.k.stiffness"], |_| 1.1);
     let found = fitted(&FitRequest { filters, ..request(begin, measured, &["spring.k.stiffness"]) });
-    // The filter is late by √2/(2π 1e4 Hz): by 5e-4 of the phase of motions of some 20 rad/s.
+    // The filter's delay is √2/(2π 1e4 Hz): 5e-4 of the phase of motions of some 20 rad/s.
     assert!((found.values[0].1 / 400.0 - 1.0).abs() < 1e-3, "{:?}", found.values);
 }

@@ -1,4 +1,4 @@
-//! Outliers, and derivatives that are lost.
+//! Outliers, and derivatives that do not exist.
 
 use super::*;
 
@@ -41,7 +41,7 @@ fn invariant_outliers_count_little_without_a_known_noise() {
 
 #[test]
 fn made_record_of_a_slider_that_begins_at_its_limit() {
-    // The joint would have more than its full force at the start: it begins at its limit.
+    // The joint would exceed its full force at the start, so it begins at its limit.
     let text = "name = \"Joint\"\nbody.a = { mass = 1.0, start = { s = 1e-3 } }\n\
                 spring.k = { between = [\"ground\", \"a\"], stiffness = 4000.0, damping = 3.0 }\n\
                 spring.joint = { between = [\"ground\", \"a\"], stiffness = 2500.0, slip = 2.0 }\n";
@@ -49,7 +49,7 @@ fn made_record_of_a_slider_that_begins_at_its_limit() {
     let measured = record(&m, &[("a.s", 1e-6)], 0.4, 300, &mut Noise(19));
     let free = ["spring.k.stiffness", "spring.joint.stiffness", "spring.joint.slip"];
     let found = fitted(&request(m.clone(), measured.clone(), &free));
-    // The stretch at which it begins is the limit's, whatever the free numbers are.
+    // The elongation at the start is the limit's, whatever the free parameters.
     assert!(found.lost.is_empty(), "{:?}", found.lost);
     let found = fitted(&request(off(&m, &free, |i| [1.1, 1.1, 0.9][i]), measured, &free));
     for ((name, value), error) in found.values.iter().zip(&found.uncertainty.errors) {
@@ -74,7 +74,7 @@ fn invariant_errors_do_not_grow_with_the_size_of_outliers() {
         for ((near, far), linear) in near.iter().zip(&far).zip(&linear) {
             let (near, far, linear) = (near.unwrap(), far.unwrap(), linear.unwrap());
             assert!((far / near - 1.0).abs() < 0.01, "{loss:?}: {near} {far}");
-            // 7 % of outliers, and normal noise of which the loss makes 95 % of the information.
+            // 7 % outliers; the normal noise gives the loss 95 % of its information.
             assert!((0.8..1.6).contains(&(far / linear)), "{loss:?}: {far} {linear}");
         }
     }

@@ -1,4 +1,4 @@
-//! Fits of made records with known noise.
+//! Fits of synthetic records with known noise.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -20,10 +20,10 @@ use vibro_machine::{Assembly, Motion, Start};
 use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, Verdict, fit};
 use vibro_studies::{Machine, QuantityName};
 
-/// Standard errors within which an estimate lies but for one in some ten thousand.
+/// Distance of an estimate, in standard errors; about one in ten thousand is beyond it.
 const FAR: f64 = 4.0;
 
-/// Normal numbers of standard deviation 1, by a linear congruential generator.
+/// Normal samples of standard deviation 1, from a linear congruential generator.
 struct Noise(u64);
 
 impl Noise {
@@ -46,7 +46,7 @@ fn motion(machine: &Machine) -> Motion {
     Motion::new(Arc::new(Assembly::new(machine.description.clone()).unwrap())).unwrap()
 }
 
-/// The record of a machine at even times with noise of a standard deviation for each column.
+/// Record of a machine at equidistant times, with the given noise for each column.
 fn record(
     machine: &Machine,
     columns: &[(&str, f64)],
@@ -69,7 +69,7 @@ fn record(
     Measured { times, columns: names.into_iter().zip(values).collect(), contacts: Vec::new() }
 }
 
-/// The times of impacts and first touches of stops, with noise.
+/// Times of impacts and first touches of stops, with noise.
 fn contacts(machine: &Machine, stops: &[&str], until: f64, sigma: f64, noise: &mut Noise) -> Measured {
     let place = |name: &str| machine.description.stops.iter().position(|own| own.name == name).unwrap();
     let places: Vec<usize> = stops.iter().map(|name| place(name)).collect();
@@ -98,7 +98,7 @@ fn fitted(request: &FitRequest) -> Fitted {
     fit(request, &|_| true).unwrap()
 }
 
-/// A machine with some numbers times factors.
+/// Machine with some parameters multiplied by factors.
 fn off(machine: &Machine, free: &[&str], factor: impl Fn(usize) -> f64) -> Machine {
     let value =
         |(i, name): (usize, &&'static str)| (*name, factor(i) * machine.description.get(name).unwrap());
@@ -113,7 +113,7 @@ fn invariant_a_free_shift_moves_a_record_before_the_start_inside_it() {
     let mut measured = record(&m, &[("mass.s", 2e-6)], 0.25, 100, &mut Noise(9));
     measured.times.iter_mut().for_each(|time| *time -= 2e-3);
     let found = fitted(&request(m.clone(), measured, &["friction.floor.force", "record.shift"]));
-    // The motion begins at rest, where a shift moves little: samples before it stand still, too.
+    // The motion begins at rest, where a shift has little effect: earlier samples are at rest too.
     assert!((found.values[1].1 - 2e-3).abs() < 2e-4, "{:?} {}", found.values, found.verdict);
 }
 
@@ -130,7 +130,7 @@ fn invariant_a_record_of_one_time_has_no_error() {
 
 #[test]
 fn invariant_numbers_of_a_start_at_rest_begin_there() {
-    // The block hangs 5 mm below the place of the unstressed spring, and is moved from there.
+    // The block hangs 5 mm below the position of the unstressed spring, and starts from there.
     let text = "name = \"Hung\"\ngravity = 10.0\nstart = \"rest\"\nbody.a = { mass = 1.0, gravity = 1.0 }\n\
                 spring.k = { between = [\"ground\", \"a\"], stiffness = 2000.0 }\n";
     let m = Machine::parse(text, "hung.toml", &no_records).unwrap();
@@ -170,7 +170,7 @@ fn made_shift_and_offset_of_a_record() {
     }
 }
 
-/// A change that makes a sound request one that is refused, and words of the refusal.
+/// A change that makes a valid request invalid, and words of the message.
 type Refused<'a> = (&'a dyn Fn(&mut FitRequest), &'a str);
 
 #[test]

@@ -1,11 +1,11 @@
-//! Regular motions: all of ten starts 20 % off come to the same point, near the truth.
+//! Regular motions: all ten starts that are 20 % off lead to the same point, near the truth.
 
 use super::*;
 
-/// Relative difference of fits of one record from different starts.
+/// Relative tolerance between fits of one record from different starts.
 const SAME: f64 = 1e-6;
 
-/// Checks that fits from ten starts 20 % off come to the same point, near the truth.
+/// Checks that fits from ten starts, 20 % off, lead to the same point, near the truth.
 fn check_ten_starts(machine: &Machine, measured: &Measured, free: &[&str]) {
     let mut first: Option<Fitted> = None;
     let mut wrong = Vec::new();

@@ -14,7 +14,7 @@ fn chaotic() -> Machine {
 
 const PERIOD: f64 = TAU / 2.8;
 const NOISE: f64 = 2e-3;
-/// Miss of a segment's start, of a motion of size 1: the rounding of some periods.
+/// Defect of a segment in a motion of size 1: the rounding of some periods.
 const CONTINUOUS: f64 = 1e-10;
 
 #[test]
@@ -30,7 +30,7 @@ fn made_chaotic_record_of_sixty_periods() {
     }
 }
 
-/// Requires one motion, in segments or not, with the truth within three errors.
+/// Requires a continuous motion, in segments or not, with the truth within three errors.
 fn check_chaotic(m: &Machine, found: &Fitted) {
     assert_eq!(found.verdict, Verdict::Fits);
     assert!(found.uncertainty.undetermined.is_empty(), "{:?}", found.uncertainty.undetermined);
@@ -50,10 +50,10 @@ fn second_method_segments_of_a_length_come_to_the_point_of_one_motion() {
     let free = ["stop.steel.gap", "stop.steel.restitution", "friction.guide.force"];
     let begin = off(&m, &free, |i| [1.1, 0.9, 1.1][i]);
     let by = |segments| fitted(&FitRequest { segments, ..request(begin.clone(), measured.clone(), &free) });
-    // Impacts that come and go make minima that are a part of an error apart.
+    // Appearing and disappearing impacts create minima a fraction of an error apart.
     let (one, many) = (by(Segments::None), by(Segments::Length(0.3)));
     assert!(one.segments.is_empty() && many.segments.len() >= 4, "{}", many.segments.len());
-    // Of the curvature: the profile sees how near impacts lie that come and go.
+    // Errors of the curvature: the profile includes nearby impacts that appear or disappear.
     let pairs = one.values.iter().zip(&many.values).zip(&one.uncertainty.white).zip(&many.uncertainty.white);
     for ((((name, a), (_, b)), x), y) in pairs {
         let (x, y) = (x.unwrap(), y.unwrap());
@@ -68,7 +68,7 @@ fn second_method_segments_of_a_length_come_to_the_point_of_one_motion() {
 
 #[test]
 fn second_method_a_chaotic_record_has_errors_by_growth_and_by_a_length() {
-    // A mass between two stops of a shaken box, over 36 periods: changes grow a billionfold.
+    // A mass between two stops of a shaken box, over 36 periods: changes grow by a factor of 1e9.
     let text = "name = \"Box\"\nparameters = { g = 0.2, e = 0.7 }\n\
                 body.box = { motion = { amplitude = 0.02, frequency = 3.0 } }\n\
                 body.b = { mass = 0.3, start = { v = 0.5 } }\n\

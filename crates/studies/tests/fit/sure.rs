@@ -1,4 +1,4 @@
-//! How sure the numbers are: errors beside the spread of repeated fits, what is not determined.
+//! Uncertainty: errors compared with the spread of repeated fits; undetermined combinations.
 
 use super::*;
 use nalgebra::DMatrix;
@@ -94,14 +94,14 @@ fn second_method_errors_of_correlated_residuals_are_the_spread_of_repeated_fits(
     }
     let mean = values.iter().sum::<f64>() / 40.0;
     let spread = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 39.0).sqrt();
-    // 40 draws tell a spread to 11 %; Newey and West's errors are some 10 to 20 % small at this
-    // length.
+    // 40 draws give a spread to 11 %; at this length the Newey-West errors are some 10 to 20 % too
+    // small.
     assert!((0.7..1.3).contains(&(errors / spread)), "{errors} {spread}");
     assert!(white < 0.5 * spread, "{white} {spread}");
 }
 
-/// The Cramér-Rao bound of white noise of a size: the inverse of the information, from motions that
-/// differ by small parts of the numbers alone.
+/// Cramér-Rao bound for white noise: the inverse of the information, from finite differences of
+/// motions alone.
 fn bound(
     m: &Machine,
     free: &[&'static str],
@@ -126,7 +126,7 @@ fn bound(
 
 #[test]
 fn second_method_an_error_larger_than_its_number_is_given_and_enlarges_the_others() {
-    // Damping and friction both take the motion's energy: each is known worse than to its own size.
+    // Both damping and friction dissipate energy: the error of each exceeds its value.
     let text = "name = \"Ring\"\nbody.b = { mass = 1.0, start = { s = 1e-3 } }\n\
                 spring.k = { between = [\"ground\", \"b\"], stiffness = 400.0, damping = 0.02 }\n\
                 friction.f = { between = [\"ground\", \"b\"], force = 5e-3 }\n";
@@ -156,7 +156,7 @@ fn second_method_numbers_near_zero_have_the_error_of_the_bound() {
     for ((name, value), error) in found.values[1..].iter().zip(&found.uncertainty.errors[1..]) {
         assert!(value.abs() < FAR * error.unwrap(), "{name} {value} ± {error:?}");
     }
-    // A mean of 100 samples, of which the motion's decay takes a part.
+    // Error of a mean of 100 samples, increased by the correlation with the decay.
     let offset = found.uncertainty.white[2].unwrap() / (sigma / 10.0);
     assert!((1.0..1.5).contains(&offset), "{offset}");
 }
@@ -182,8 +182,8 @@ fn closed_form_as_many_numbers_as_samples_leave_no_noise() {
 
 #[test]
 fn closed_form_shift_phase_and_speed_are_not_determined_together() {
-    // A shift of the record is one of the load's phase by ω of it, and of the start by its speed
-    // and its acceleration.
+    // A shift of the record equals a change of the load's phase by ω times the shift, and of the
+    // start by its velocity and acceleration.
     let text = "name = \"Driven\"\nbody.a = { mass = 1.0, start = { s = 1e-2 } }\n\
                 spring.k = { between = [\"ground\", \"a\"], stiffness = 900.0, damping = 2.0 }\n\
                 load.l = { on = \"a\", amplitude = 3.0, frequency = 4.0, phase = 0.3 }\n";
@@ -193,7 +193,7 @@ fn closed_form_shift_phase_and_speed_are_not_determined_together() {
     let found = fitted(&request(m, measured, &free));
     let [undetermined] = &found.uncertainty.undetermined[..] else { panic!("{:?}", found.uncertainty) };
     let names: Vec<&str> = undetermined.combination.iter().map(|(name, _)| name.as_str()).collect();
-    // The speed is nearly 0, and so is the part of the start's place.
+    // The velocity is nearly 0, and so is the component of the start's displacement.
     assert!(free[..3].iter().all(|name| names.contains(name)), "{undetermined}");
     let [None, None, None, Some(error), _] = found.uncertainty.errors[..] else {
         panic!("{:?}", found.uncertainty)
@@ -210,10 +210,10 @@ fn invariant_a_number_that_is_the_rounding_of_zero_has_an_error() {
     assert!(found.values[1].1.abs() < 1e-12 && error < 1e-12, "{:?} {error}", found.values);
 }
 
-/// A ball that falls 1 m, with one sample after the contact. A larger gap moves the contact behind
-/// this sample at latest, so the cost rises by the residual's square at most: by 1, if the noise is
-/// what the contact changes at this sample. A rise of 1 at two errors of the curvature is twice the
-/// error.
+/// A ball falls 1 m, with one sample after the contact. A larger gap moves the contact behind this
+/// sample at latest, so the cost rises by the square of its residual at most. That is 1, if the
+/// noise equals the contact's effect on this sample. A rise of 1 at two standard errors doubles
+/// the error.
 #[test]
 fn closed_form_an_error_doubles_where_the_last_sample_after_a_contact_is_lost() {
     let text = "name = \"Ball\"\ngravity = 9.81\nbody.b = { mass = 1.0, gravity = 1.0 }\n\
@@ -229,6 +229,6 @@ fn closed_form_an_error_doubles_where_the_last_sample_after_a_contact_is_lost() 
     let own = FitRequest { sigma: Some(vec![lost]), ..request(m, measured, &["stop.floor.gap"]) };
     let found = fitted(&own);
     let factor = found.uncertainty.errors[0].unwrap() / found.uncertainty.white[0].unwrap();
-    // Gravity bends the fall by a millionth of it within the last interval.
+    // Gravity bends the fall by a millionth within the last interval.
     assert!((factor - 2.0).abs() < 1e-3, "{factor}");
 }

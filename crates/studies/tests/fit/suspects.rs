@@ -1,11 +1,11 @@
-//! What is said of residuals that are more than noise: where they are, and which number would take
-//! them up.
+//! Diagnosis of residuals that exceed noise: where they are, and which parameter would reduce
+//! them.
 
 use super::*;
 use vibro_studies::fit::{Misfit, Place, misfit};
 
-/// Part by which the number that takes up residuals may miss the truth: other numbers are fitted
-/// with it, and kinks of friction bend the cost.
+/// Relative tolerance of a suspect's value: other parameters are fitted with it, and kinks of
+/// friction bend the cost.
 const NEAR: f64 = 0.02;
 
 /// Removes the lines of a section of a machine's file.
@@ -17,7 +17,7 @@ fn without(machine: &str, section: &str) -> Machine {
     Machine::parse(&(before.to_owned() + &after), machine, &no_records).unwrap()
 }
 
-/// A fit with what is wrong with it.
+/// A fit with its diagnosis.
 fn explained(request: &FitRequest) -> (Fitted, Misfit) {
     let found = fitted(request);
     let misfit = misfit(request, &found, &|| true).unwrap();
@@ -34,7 +34,7 @@ fn made_record_of_a_machine_whose_friction_is_left_out() {
     let best = &misfit.suspects[0];
     assert_eq!((&*best.name, best.value), ("friction between ground and mass", 0.0));
     assert!((best.better / truth.description.get("friction.floor.force").unwrap() - 1.0).abs() < NEAR);
-    // The noise is 2 µm of some 300 µm that friction leaves.
+    // The noise is 2 µm; friction leaves residuals of some 300 µm.
     assert!(best.left < 0.05, "{:?}", misfit.suspects);
 }
 
@@ -50,7 +50,7 @@ fn made_record_of_a_ball_whose_restitution_is_wrong() {
     let best = &misfit.suspects[0];
     assert_eq!(best.name, "stop.floor.restitution");
     assert!((best.better / 0.8 - 1.0).abs() < NEAR, "{best:?}");
-    // The second fall of 0.64 m takes 0.72 s: all residuals come after the first contact at 0.45 s.
+    // The first contact is at 0.45 s: all residuals come after it. The next flight takes 0.72 s.
     let is_late = |place: &Place| matches!(place, Place::Time(from, _) if *from > 0.45);
     assert!(misfit.places.iter().any(|own| is_late(&own.place)), "{:?}", misfit.places);
 }
@@ -65,7 +65,7 @@ fn invariant_a_fit_that_is_accepted_suspects_nothing() {
 }
 
 /// A bump of 50 times the noise from 0.10 s to 0.11 s: the window of the record and its share of
-/// the squares are known.
+/// the squared residuals are known.
 #[test]
 fn closed_form_residuals_of_a_window_are_named_by_its_times() {
     let m = example("coulomb_oscillator.toml");

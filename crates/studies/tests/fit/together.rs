@@ -5,14 +5,14 @@ use vibro_studies::fit::fit_records;
 
 const FREE: [&str; 2] = ["spring.mount.stiffness", "friction.floor.force"];
 
-/// A request whose last number each record has for itself.
+/// A request whose last parameter each record has for itself.
 fn with_own(request: FitRequest, name: &str) -> FitRequest {
     let mut request = request;
     request.free.push(Free { name: name.to_owned(), within: None, is_own: true });
     request
 }
 
-/// Records of an oscillator that is released from several places, which the fit does not know.
+/// Records of an oscillator released from several places, which the fit does not know.
 fn released(places: &[f64], factor: f64) -> Vec<FitRequest> {
     let m = example("coulomb_oscillator.toml");
     let one = |(k, place): (usize, &f64)| {
@@ -40,8 +40,8 @@ fn made_records_share_numbers_and_have_starts_of_their_own() {
     }
 }
 
-/// Near the minimum the costs are parabolas: the information of records that are independent adds.
-/// The parabolas of the single records differ by their own noise, and by kinks of friction.
+/// Near the minimum the costs are parabolas, and the information of independent records adds. The
+/// parabolas of single records differ by their own noise, and by kinks of friction.
 const LIKE_A_SUM: f64 = 0.1;
 
 #[test]
@@ -65,7 +65,7 @@ fn invariant_a_record_twice_has_the_values_of_one_and_smaller_errors() {
     let (alone, twice) = (fitted(&one), fit_records(&[one.clone(), one], &|_| true).unwrap());
     for k in 0..FREE.len() {
         let error = alone.uncertainty.white[k].unwrap();
-        // Both searches end where steps are rounding, far below an error.
+        // Both searches end at steps of the rounding level, far below a standard error.
         assert!((twice[0].values[k].1 - alone.values[k].1).abs() < 1e-3 * error);
         let ratio = twice[1].uncertainty.white[k].unwrap() / error;
         assert!((ratio * 2f64.sqrt() - 1.0).abs() < 1e-3, "{ratio}");
@@ -84,7 +84,7 @@ fn invariant_a_record_of_another_machine_leaves_none_that_fits() {
     }
 }
 
-/// Two frequencies of an excitation: each record's frequency is set, and so is not free.
+/// Two excitation frequencies: each record's frequency is set, so it is not free.
 #[test]
 fn made_records_at_two_frequencies_of_a_damper_with_a_buffer() {
     let m = example("damper_with_buffer.toml");

@@ -1,33 +1,33 @@
-//! Many noise draws of records of eight machines, each fitted from 25 % off: verdicts, and truths
-//! beside the errors. Asked for by name, since they cost some ten minutes each:
-//! `cargo test -p vibro-studies --test fit trusted -- --ignored --nocapture`.
+//! Many noise draws of records of eight machines, each fitted from 25 % off: verdicts, and
+//! distances from the truth in standard errors. Run by name, since each machine takes some ten
+//! minutes: `cargo test -p vibro-studies --test fit trusted -- --ignored --nocapture`.
 
 use super::*;
 use std::time::Instant;
 
 /// Noise draws of each machine.
 const DRAWS: u32 = 200;
-/// Part of each free number by which a fit begins beside the truth.
+/// Relative distance of the initial values from the truth.
 const OFF: f64 = 0.25;
-/// Part of a column's standard deviation that is noise.
+/// Noise, relative to a column's standard deviation.
 const NOISE: f64 = 0.01;
-/// Least part of right verdicts: a record has a chance of residuals that are more than noise.
+/// Smallest share of right verdicts: by chance, residuals of some records exceed noise.
 const RIGHT: f64 = 0.98;
-/// Parts of the truths within two errors: 95.4 % of normal ones, and what 200 draws say of it.
+/// Share of true values within two errors: 95.4 % for normal errors, with the spread of 200 draws.
 const WITHIN_TWO: (f64, f64) = (0.90, 0.98);
-/// Errors by which a number of a fit that is accepted may be off, at most.
+/// Largest distance of a parameter from the truth in an accepted fit, in standard errors.
 const MOST_OFF: f64 = 5.0;
 
 /// A machine whose records are fitted.
 struct Tried {
     machine: Machine,
     columns: Vec<&'static str>,
-    /// Seconds and samples of the record.
+    /// Duration in seconds and number of samples of the record.
     record: (f64, usize),
     free: Vec<&'static str>,
 }
 
-/// What the fits of one machine's records have come to.
+/// Checks the fits of one machine's records.
 fn check_draws(own: &Tried) {
     let draws = std::env::var("DRAWS").ok().and_then(|n| n.parse().ok()).unwrap_or(DRAWS);
     let first: u32 = std::env::var("FIRST").ok().and_then(|n| n.parse().ok()).unwrap_or(0);
@@ -49,7 +49,7 @@ fn check_draws(own: &Tried) {
             values.iter_mut().for_each(|x| *x += sigma * noise.normal());
         }
         let signs: Vec<f64> = truths.iter().map(|_| (noise.uniform() - 0.5).signum()).collect();
-        // A restitution above 1 is refused.
+        // A restitution above 1 is an error.
         let factor = |i: usize| {
             let factor = 1.0 + OFF * signs[i];
             if own.free[i].ends_with("restitution") { factor.min(0.98 / truths[i]) } else { factor }
@@ -91,7 +91,7 @@ fn check_draws(own: &Tried) {
     assert!(within.iter().all(|n| (WITHIN_TWO.0..=WITHIN_TWO.1).contains(&share(*n, right))), "{within:?}");
 }
 
-/// A box of 10 kg that shakes a block between a steel stop and a buffer, by a measured force.
+/// A box of 10 kg with a block between a steel stop and a buffer, driven by a measured force.
 #[test]
 #[ignore = "minutes"]
 fn trusted_made_records_of_a_shaken_box() {
@@ -205,7 +205,7 @@ fn trusted_made_records_of_a_machine_that_a_record_drives() {
     });
 }
 
-/// A linear drive by its voltage in open loop.
+/// A linear drive with a given voltage, in open loop.
 #[test]
 #[ignore = "minutes"]
 fn trusted_made_records_of_a_drive() {

@@ -1,4 +1,4 @@
-//! What is said of a fit: whether its motion is the record's; further starts.
+//! Verdicts of fits, and further starts.
 
 use super::*;
 use std::sync::Mutex;
@@ -13,7 +13,7 @@ fn invariant_a_motion_of_another_law_does_not_fit() {
     let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(51));
     let sound = fitted(&request(off(&m, &FREE, |_| 1.1), measured.clone(), &FREE));
     assert_eq!(sound.verdict, Verdict::Fits);
-    // Friction is held at a third.
+    // Friction is held at a third of its value.
     let begin = m.with([("friction.floor.force", m.description.get("friction.floor.force").unwrap() / 3.0)]);
     let found = fitted(&request(begin.unwrap(), measured, &FREE[..1]));
     let times = found.rms[0].1 / 2e-6;
@@ -38,7 +38,7 @@ fn invariant_noise_that_lasts_is_undecided_or_no_fit() {
     assert_ne!(found.verdict, Verdict::Fits);
 }
 
-/// A record with the digits of a table, whose last ones follow each other as its writer rounded.
+/// A record with the digits of a table, whose rounding errors are correlated.
 #[test]
 fn invariant_residuals_within_rounding_of_the_record_fit() {
     let m = example("coulomb_oscillator.toml");
@@ -58,7 +58,7 @@ fn invariant_a_fit_that_is_ended_is_undecided_and_has_the_best_values_so_far() {
     let far = request(off(&m, &FREE, |_| 1.3), measured, &FREE);
     let whole = fitted(&far);
     let mut before = f64::INFINITY;
-    // The given start is far off: without an end by hand each of these would not fit.
+    // The given start is far off: without an early end, none of these would fit.
     for calls in [0, 2, 6] {
         let left = AtomicU32::new(calls);
         let one = |left: u32| left.checked_sub(1);
@@ -71,7 +71,7 @@ fn invariant_a_fit_that_is_ended_is_undecided_and_has_the_best_values_so_far() {
     assert!(before < 0.1 * rms_of_start(&far) && whole.rms[0].1 <= before);
 }
 
-/// Residual with which a fit begins: no step is taken.
+/// Residual at the start of a fit, before any step.
 fn rms_of_start(request: &FitRequest) -> f64 {
     fit(request, &|_| false).unwrap().rms[0].1
 }
@@ -92,10 +92,10 @@ fn invariant_progress_grows_and_ends_at_the_cost_of_the_fit() {
     };
     assert!(all.len() > 5 && all.windows(2).all(grows), "{all:?}");
     assert!(all.iter().all(|now| !now.stage.is_empty()));
-    // Attempts that were left out are over when starts beside begin: 15 stages of 36.
+    // Omitted attempts count as finished when restarts begin: 15 stages of 36.
     let beside = all.iter().find(|now| now.stage.starts_with("starts beside")).unwrap();
     assert_eq!(beside.part, 15.0 / 36.0);
-    // The solver stops at a relative change of 1e-13; the last steps tell the cost by rounding.
+    // The solver stops at a relative change of 1e-13: the last costs are exact to rounding.
     let best = all.last().unwrap().best.unwrap();
     assert!((best / found.cost - 1.0).abs() < 1e-9, "{best} {}", found.cost);
 }
@@ -129,12 +129,12 @@ fn invariant_contacts_that_the_motion_does_not_have_are_no_fit() {
     let ball = |gap: f64| Machine::parse(&text(gap), "ball.toml", &no_records).unwrap();
     let measured = contacts(&ball(0.5), &["floor"], 1.5, 1e-5, &mut Noise(56));
     let own = request(ball(0.8), measured, &["stop.floor.restitution"]);
-    // Without a given noise few times that are off say nothing of whether it is noise.
+    // Without a given noise, a few contact times do not show whether their deviation is noise.
     assert!(matches!(fitted(&own).verdict, Verdict::Undecided(_)));
     let found = fitted(&FitRequest { sigma: Some(vec![1e-5]), ..own });
     assert!(matches!(found.verdict, Verdict::Misses(_)), "{}", found.verdict);
-    // From 20 m the ball does not reach the floor in 1.5 s: no contact of the record has a contact
-    // of the motion.
+    // From 20 m the ball does not reach the floor in 1.5 s: every contact of the record lacks a
+    // counterpart.
     let measured = contacts(&ball(0.5), &["floor"], 1.5, 1e-5, &mut Noise(56));
     let count = measured.contacts[0].1.len();
     let found = fitted(&request(ball(20.0), measured, &["stop.floor.restitution"]));
@@ -152,7 +152,7 @@ fn invariant_noise_of_contacts_alone_is_not_called_another_law() {
                 stop.floor = { between = [\"ground\", \"a\"], gap = 1.0, restitution = 0.87 }\n";
     let m = Machine::parse(text, "ball.toml", &no_records).unwrap();
     let free = ["stop.floor.gap", "stop.floor.restitution"];
-    // Times that are off by 4 % of the mean interval.
+    // Times are off by 4 % of the mean interval.
     let measured = contacts(&m, &["floor"], 6.0, 2e-2, &mut Noise(65));
     let own = request(off(&m, &free, |i| [0.95, 0.98][i]), measured, &free);
     let found = fitted(&own);
@@ -190,7 +190,7 @@ fn invariant_a_rounded_input_is_undecided_unless_its_steps_are_below_the_noise()
 
 #[test]
 fn invariant_a_given_noise_is_left_by_chance_alone() {
-    // This draw of 500 samples is 5 % smaller than its noise, within two standard deviations.
+    // The noise of this draw of 500 samples is 5 % too small, within two standard deviations.
     let m = example("coulomb_oscillator.toml");
     let measured = record(&m, &[("mass.s", 2e-6)], 0.25, 500, &mut Noise(51));
     for loss in [Loss::Linear, Loss::Huber] {

@@ -133,7 +133,7 @@ impl MaximumFinder {
         self.search_series(&series, (from, to), (time + centre_time, radius), found);
     }
 
-    /// Searches a series between two values of its variable; `time` is that of its centre.
+    /// Searches a series between two values of its variable; `time` is the time of its centre.
     #[inline(always)]
     fn search_series<const N: usize>(
         &mut self,
@@ -172,8 +172,8 @@ impl MaximumFinder {
     }
 }
 
-/// Bit sets of the intervals of a sub-step, with the first interval in the lowest bit: those with
-/// a rate above `margin` at both ends, and those with a rate below `-margin` at both ends.
+/// Bit sets of the intervals of a sub-step, with the first interval in the lowest bit: the first
+/// set has a rate above `margin` at both ends, the second a rate below `-margin`.
 #[inline(always)]
 fn clear_of_zero<S: Simd>(simd: S, start: f64, rates: &LaneRow, margin: f64) -> [u64; 2] {
     let (mut above, mut below) = (u64::from(start > margin), u64::from(-start > margin));

@@ -53,7 +53,7 @@ pub(super) struct LaneSystems {
     pub(super) impulse: LaneRow,
     /// Energy lost divided by the squared approach speed, kg, as in `Model::impact_factors`.
     pub(super) loss: LaneRow,
-    /// Half an interval, s: the unit of time of the coefficients below, which are those of
+    /// Half an interval, s: the unit of time of the coefficients below, the coefficients of
     /// docs/theory.md (6) and the drive's frequency.
     pub(super) radius: LaneRow,
     pub(super) k1: LaneRow,

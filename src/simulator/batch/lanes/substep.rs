@@ -24,7 +24,7 @@ pub(super) struct Progress {
 }
 
 /// Advances each of the `active` motions by a sub-step, to its end or through its first impact.
-/// `starts` receives the starts of those in `reading` that move.
+/// `starts` receives the starts of the moving ones in `reading`.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,
@@ -141,8 +141,8 @@ fn sample_displacement<S: Simd>(
         gap = near.select(g, gap);
     }
     index.store(&mut searched.index, v);
-    // The search begins at the start if the block leaves a stop so slowly that it may return in the
-    // first interval or is still near the stop at the interval's end.
+    // The search begins at the start if the block leaves a stop so slowly that it may return in
+    // the first interval or is still near the stop at the interval's end.
     let near_start = (leaving & (speed.at_most(change) | index.at_most(zero)))
         | (inside & limit.at_most(z[RELATIVE].abs()));
     let nearest = near_start.select(z[RELATIVE], gap);
@@ -213,9 +213,9 @@ fn add<S: Simd>(simd: S, row: &mut LaneRow, v: usize, more: Wide<S>) {
     (Wide::load(simd, row, v) + more).store(row, v);
 }
 
-/// Advances the motions `chosen` in vector `v` through the impact in their searched interval, if it
-/// is proved to be the first, or past the interval, if it is proved that there is none. For those
-/// in `near_start` the search begins at the start of the sub-step.
+/// Advances the motions `chosen` in vector `v` through the impact in their searched interval if it
+/// is proved to be the first, or past the interval if it is proved free of impacts. For motions in
+/// `near_start` the search begins at the start of the sub-step.
 #[inline(always)]
 fn advance_in_interval<S: Simd>(
     simd: S,
@@ -270,7 +270,7 @@ struct Arrival<S: Simd> {
     about_start: Mask<S>,
     /// An impact is found, and proved to be the first.
     found: Mask<S>,
-    /// It is proved that there is no impact.
+    /// Whether it is proved that no impact occurs.
     stays_inside: Mask<S>,
     /// Time of arrival since the centre of the expansion, in half intervals.
     u: Wide<S>,
@@ -280,8 +280,8 @@ struct Arrival<S: Simd> {
     iterations: Wide<S>,
 }
 
-/// Finds the first impact in the searched interval, or proves that there is none. Without an impact
-/// the flight continues up to [`REACH`].
+/// Finds the first impact in the searched interval, or proves that there is none. Without an
+/// impact the flight continues up to [`REACH`].
 #[inline(always)]
 fn arrive<S: Simd>(
     simd: S,
@@ -330,8 +330,8 @@ struct Rebound<S: Simd> {
     z: [Wide<S>; 8],
 }
 
-/// Impact law, docs/theory.md (11), for states `z` at the stops `side`. This is `Model::impact` for
-/// vectors of systems; `second_method_together_as_one_by_one` in tests/batch.rs compares the two.
+/// Impact law, docs/theory.md (11), for states `z` at the stops `side`: `Model::impact` for
+/// vectors of systems. `second_method_together_as_one_by_one` in tests/batch.rs compares the two.
 #[inline(always)]
 fn rebound<S: Simd>(simd: S, systems: &LaneSystems, v: usize, side: Wide<S>, z: &[Wide<S>; 8]) -> Rebound<S> {
     let load = |row: &LaneRow| Wide::load(simd, row, v);

@@ -175,7 +175,7 @@ pub fn write_manifest(out: &Path, manifest: &Manifest) -> Result<()> {
     write_whole(&manifest_path(out, &manifest.study), manifest.text()?.as_bytes())
 }
 
-/// The refusal to overwrite the result of another run; `None` if there is no such result.
+/// Error against overwriting the result of another run; `None` if no such result exists.
 fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     let (name, path) = (&here.study, manifest_path(out, &here.study));
     let allowed = "allowed: another --out, or --replace, which overwrites it";

@@ -10,46 +10,46 @@ use vibro_studies::fit::{Loss, Segments};
 /// Arguments of `fit`.
 #[derive(Args, Debug)]
 pub struct FitArguments {
-    /// The machine's file (TOML); its numbers, with --set, are the values from which the fit begins
+    /// The machine's file (TOML); its parameters, with --set, are the initial values of the fit
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The record: a table whose first line names `time` and columns such as box.s, SI. Several
-    /// records are fitted together; each gets a folder with the name of its table
+    /// The record: a table whose first line names `time` and columns, for example box.s, in SI.
+    /// Several records are fitted together; each gets a folder with the name of its table
     #[arg(long, value_name = "TABLE,…", value_delimiter = ',', required_unless_present = "events")]
     pub data: Vec<PathBuf>,
     /// Times of impacts and first touches of stops: a table with the columns `element` and `time`;
-    /// with several records a table for each
+    /// with several records, one table for each
     #[arg(long, value_name = "TABLE,…", value_delimiter = ',')]
     pub events: Vec<PathBuf>,
-    /// The numbers that are fitted: parameters, numbers of the start (body.box.start.s, or
+    /// Parameters to fit: parameters of the machine, of the start (body.box.start.s or
     /// start.box.s), record.shift, record.offset.COLUMN
     #[arg(long, required_unless_present = "own", value_name = "NAME,…")]
     pub free: Vec<String>,
-    /// Fitted numbers that each of several records has for itself, such as body.box.start.v. The
-    /// numbers record.shift and record.offset.COLUMN always are
+    /// Fitted parameters that each of several records has for itself, for example
+    /// body.box.start.v. Always so for record.shift and record.offset.COLUMN
     #[arg(long, value_name = "NAME,…")]
     pub own: Vec<String>,
-    /// Set a parameter for one of several records, by the name of its table without ending, e.g.
-    /// run2:load.shaker.frequency=11Hz. May be repeated
+    /// Set a parameter for one of several records, by the name of its table without extension,
+    /// e.g. run2:load.shaker.frequency=11Hz. May be repeated
     #[arg(long, value_name = "RECORD:NAME=VALUE")]
     pub set_in: Vec<String>,
-    /// Range of a free number [default: what it may be]. May be repeated
+    /// Range of a free parameter [default: its valid range]. May be repeated
     #[arg(long, value_name = "NAME=LOW:HIGH", allow_hyphen_values = true)]
     pub within: Vec<String>,
     /// Standard deviation of the noise: a number for each column in the record's order, then one
-    /// for the times of contacts; or COLUMN=VALUE with a unit, `contacts=1ms` [default: by the
+    /// for the contact times; or COLUMN=VALUE with a unit, `contacts=1ms` [default: from the
     /// residuals]
     #[arg(long, value_name = "VALUE,…|COLUMN=VALUE", value_delimiter = ',')]
     pub sigma: Vec<String>,
-    /// Low-pass filter of a column's sensor: Butterworth's, by order and corner frequency. A column
-    /// of accelerations, such as box.a, requires one. May be repeated
+    /// Butterworth low-pass filter of a column's sensor, by order and corner frequency. A column
+    /// of accelerations, for example box.a, requires one. May be repeated
     #[arg(long, value_name = "COLUMN=ORDER,FREQUENCY")]
     pub filter: Vec<String>,
-    /// How residuals count
+    /// Loss function of the residuals
     #[arg(long, value_name = "LOSS", default_value = "linear")]
     pub loss: LossArgument,
-    /// Segments of the motion with starts of their own, each continuing the one before: where one
-    /// motion does not lead to the record (auto), about every so many seconds (1s), or none
+    /// Divide the motion into segments with their own initial states: if a single motion does not
+    /// lead to the record (auto), about every given time (1s), or never (none)
     #[arg(long, value_name = "auto|none|TIME", default_value = "auto", value_parser = segments)]
     pub segments: Segments,
     /// Number of further starts of the fit, spread over --within
@@ -60,7 +60,7 @@ pub struct FitArguments {
     pub start: Vec<String>,
 }
 
-/// The value of --segments.
+/// Parses the value of --segments.
 fn segments(text: &str) -> Result<Segments, String> {
     let time = || text.parse::<f64>().ok().or_else(|| Some(quantity_in("s", text)?.value));
     match text {
@@ -73,16 +73,16 @@ fn segments(text: &str) -> Result<Segments, String> {
     }
 }
 
-/// How residuals count.
+/// Loss function of the residuals.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum LossArgument {
-    /// By their squares
+    /// Square of each residual
     Linear,
-    /// Large ones by their size, smoothly
+    /// Large residuals count by their size; smooth transition
     #[value(name = "soft_l1")]
     SoftL1,
-    /// Large ones by their size
+    /// Large residuals count by their size
     Huber,
 }
 

@@ -1,4 +1,4 @@
-//! `vibro fit`: from arguments to the library's fit.
+//! `vibro fit`: converts arguments, runs the fit and writes its files.
 
 use crate::common_arguments::{Common, SectionArguments, names};
 use crate::destination::{self, Claim, Destination};
@@ -21,7 +21,7 @@ use vibro_studies::fit::{
 };
 use vibro_studies::{Machine, QuantityName};
 
-/// A number with an optional unit of a dimension, SI.
+/// Parses a number with an optional unit of a dimension, SI.
 fn number(name: &str, unit: &'static str, text: &str) -> Result<f64> {
     let plain = text.trim().parse::<f64>().ok();
     let read = plain.or_else(|| quantity_in(unit, text.trim()).map(|quantity| quantity.value));
@@ -31,7 +31,7 @@ fn number(name: &str, unit: &'static str, text: &str) -> Result<f64> {
     })
 }
 
-/// The range of a number of the record or of the start, SI.
+/// Parses the range of a record or start parameter, SI.
 fn range_of(machine: &Machine, text: &str) -> Result<(f64, f64)> {
     let form = || Error::form(text, "NAME=LOW:HIGH, e.g. stop.steel.gap=3mm:5mm");
     let (name, range) = text.split_once('=').ok_or_else(form)?;
@@ -49,18 +49,18 @@ fn range_of(machine: &Machine, text: &str) -> Result<(f64, f64)> {
     if ends.0 < ends.1 { Ok(ends) } else { Err(reversed(text)) }
 }
 
-/// A range that ends where it begins or below.
+/// Error for a range whose end is not above its begin.
 fn reversed(text: &str) -> Error {
     let problem = "its ends do not rise; allowed is NAME=LOW:HIGH with LOW below HIGH".into();
     Error::Refused { what: format!("--within {text}"), problem }
 }
 
-/// The range of a parameter, SI, with numbers as those of an axis.
+/// Parses the range of a machine parameter, SI, with the syntax of an axis.
 fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(f64, f64)> {
     let (_, range) = text.split_once('=').unwrap_or_default();
     let ends: Vec<f64> =
         range.split(':').filter_map(|end| Some(machine.quantity(name, end).ok()?.value)).collect();
-    // An axis of values would speak of their number.
+    // The error of an axis would mention its number of values.
     if let [low, high] = ends[..]
         && low >= high
     {
@@ -71,7 +71,7 @@ fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(
     Ok(axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?.ends)
 }
 
-/// The free numbers with their ranges. Numbers of a parameter's range are read as those of an axis.
+/// Free parameters with their ranges. A machine parameter's range has the syntax of an axis.
 fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
     let given = |list: &[String], is_own| {
         let one = move |name: String| Free { name: name.trim().to_owned(), within: None, is_own };
@@ -99,7 +99,7 @@ fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
     Ok(all)
 }
 
-/// The standard deviations of `--sigma`, in the order of the columns.
+/// Standard deviations from `--sigma`, in the order of the columns.
 fn sigma(machine: &Machine, measured: &Measured, given: &[String]) -> Result<Option<Vec<f64>>> {
     if given.is_empty() {
         return Ok(None);
@@ -140,7 +140,7 @@ fn sigma(machine: &Machine, measured: &Measured, given: &[String]) -> Result<Opt
     }
 }
 
-/// The filter of a column's sensor.
+/// Parses the filter of a column's sensor.
 fn filter(text: &str) -> Result<Filter> {
     let form = || Error::form(text, "COLUMN=ORDER,FREQUENCY, e.g. box.a=2,400Hz");
     let (column, own) = text.split_once('=').ok_or_else(form)?;
@@ -149,7 +149,7 @@ fn filter(text: &str) -> Result<Filter> {
     Ok(Filter { column: column.trim().parse()?, order, frequency: number("--filter", "Hz", frequency)? })
 }
 
-/// The value of --segments in the account of a run.
+/// Text of --segments in the account of a run.
 fn segments_text(segments: Segments) -> String {
     match segments {
         Segments::Auto => "auto".into(),
@@ -158,7 +158,7 @@ fn segments_text(segments: Segments) -> String {
     }
 }
 
-/// Stage, costs and simulations of a fit.
+/// Stage, costs and simulations of a fit, as text.
 fn in_words(now: &fit::Progress) -> String {
     let cost = |name: &str, cost: Option<f64>| cost.map(|cost| format!(", {name} {cost:.4e}"));
     let costs = [cost("cost", now.cost), cost("best", now.best)];
@@ -166,16 +166,16 @@ fn in_words(now: &fit::Progress) -> String {
     format!("{}{costs}, {} simulations", now.stage, now.simulations)
 }
 
-/// A record with what belongs to it.
+/// A record with its tables and its request.
 struct Record {
-    /// Name of its table without ending.
+    /// Name of its table without extension.
     name: String,
     data: Option<PathBuf>,
     events: Option<PathBuf>,
     request: FitRequest,
 }
 
-/// The tables of each record, with its name.
+/// Name and tables of each record.
 fn tables(a: &FitArguments) -> Result<Vec<(String, Option<PathBuf>, Option<PathBuf>)>> {
     let (data, events) = (&a.data, &a.events);
     if !data.is_empty() && !events.is_empty() && data.len() != events.len() {
@@ -202,7 +202,7 @@ fn tables(a: &FitArguments) -> Result<Vec<(String, Option<PathBuf>, Option<PathB
     Ok(all)
 }
 
-/// Parameters that `--set-in` sets for a record, as `--set` has them.
+/// Parameters that `--set-in` sets for a record, in the form of `--set`.
 fn set_in(a: &FitArguments, record: &str, all: &[&str]) -> Result<Vec<String>> {
     let mut found = Vec::new();
     for text in &a.set_in {
@@ -221,7 +221,7 @@ fn set_in(a: &FitArguments, record: &str, all: &[&str]) -> Result<Vec<String>> {
     Ok(found)
 }
 
-/// The records that are fitted, each with its machine.
+/// Records to fit, each with its machine.
 fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
     let tables = tables(a)?;
     let all: Vec<&str> = tables.iter().map(|(name, ..)| name.as_str()).collect();
@@ -251,7 +251,7 @@ fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
     tables.iter().map(one).collect()
 }
 
-/// The options of a fit in the account of a run.
+/// Options of a fit for the account of a run.
 fn options(a: &FitArguments, start: &Start) -> Vec<(&'static str, String)> {
     let paths = |paths: &[PathBuf]| {
         let all: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
@@ -269,7 +269,7 @@ fn options(a: &FitArguments, start: &Start) -> Vec<(&'static str, String)> {
         ("starts", a.starts.to_string()),
         ("start", start.to_string()),
     ];
-    // A fit of one record has the account that it always had.
+    // The account of a single record's fit has only the original options.
     if !a.own.is_empty() {
         all.push(("own", a.own.join(",")));
     }
@@ -285,7 +285,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let invocation = invocation(common, &options(a, &records[0].request.start));
     let machine = &records[0].request.machine;
     let destination = Destination::new(common, &invocation, machine);
-    // The folder is checked before work begins.
+    // Checks the folder before work begins.
     let names: &[&str] = if records.len() == 1 { &["fit", "report"] } else { &["numbers"] };
     let claims: Vec<Claim> = names.iter().map(|name| destination.result(name)).collect();
     let out = destination.place(&claims)?;
@@ -296,7 +296,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         progress.described(now.part, &|| in_words(now), "left at most");
         !stop.load(Ordering::Relaxed)
     })?;
-    // After an end by hand the files are written at once.
+    // After an interruption the files are written at once.
     let goes_on = || !stop.load(Ordering::Relaxed);
     let explained = |(request, fitted): (&FitRequest, &Fitted)| match goes_on() {
         true => misfit(request, fitted, &goes_on).unwrap_or_default(),

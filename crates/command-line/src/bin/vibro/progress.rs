@@ -245,7 +245,7 @@ mod tests {
         let terminal = InMemoryTerm::new(10, 120);
         let target = ProgressDrawTarget::term_like(Box::new(terminal.clone()));
         let progress = Progress::onto(target, Duration::ZERO, 0, TIME);
-        // As at each of many samples: most calls only read the time.
+        // Like a study of many samples: most calls only read the time.
         (0..1_000_000).for_each(|k| progress.part(f64::from(k) * 1e-6));
         wait(&terminal, |shown| shown.contains("of all") && shown.contains("left"));
     }

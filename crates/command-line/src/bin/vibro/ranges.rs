@@ -70,8 +70,8 @@ where
     }
 }
 
-/// For `map_err` on a value that is parsed after the command line: adds the option's name to the
-/// error.
+/// Adds the option's name to the error of a value that is parsed after the command line, for
+/// `map_err`.
 pub fn in_option<E: fmt::Display>(option: &'static str) -> impl FnOnce(E) -> Error {
     move |error| Error::Refused { what: option.into(), problem: error.to_string() }
 }

@@ -51,7 +51,7 @@ pub(super) struct Collected<M: Labelled> {
     motions: usize,
     /// Values of the parameters by design, for the picture.
     pub values: Vec<Vec<f64>>,
-    /// The measures that are numbers.
+    /// Measures with numeric values.
     pub records: Vec<MeasureRecord<M>>,
     draws: bool,
     count: usize,

@@ -25,7 +25,7 @@ use vibro_studies::parts::Task;
 /// Product of ε and the number of drive periods after which a transient is below round-off, for
 /// dampings of order one. A transient decays over a time of order 1/ε.
 const SETTLING: f64 = 60.0;
-/// Drive periods of a simulated steady motion that are shown.
+/// Number of drive periods shown of a simulated steady motion.
 pub(super) const SHOWN: u32 = 2;
 /// Periods discarded and kept at each value of figure 16.
 const DISCARDED: u32 = 400;

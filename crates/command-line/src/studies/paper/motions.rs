@@ -18,9 +18,9 @@ use vibro_studies::paper::{Name, ParameterSet, short};
 
 /// Drive periods discarded before a history begins.
 const TRANSIENT: f64 = 400.0;
-/// Drive periods of a steady motion that are shown.
+/// Number of drive periods shown of a steady motion.
 const STEADY: u32 = 4;
-/// Drive periods of a modulated motion that are shown.
+/// Number of drive periods shown of a modulated motion.
 const MODULATED: u32 = 50;
 /// Drive periods in a portrait of a motion without a period.
 const WANDERING: u32 = 60;
@@ -208,7 +208,7 @@ pub fn portraits(set: &ParameterSet, name: Name, diagram: &Diagram, values: &[f6
     Study::of("figure-15", "phase portraits of X₂ as in figure 15", &table, figure)
 }
 
-/// A motion of a sweep from its settled state, over its period or over [`WANDERING`] drive periods.
+/// A motion of a sweep from its settled state, over its period or [`WANDERING`] drive periods.
 fn continued(p: &Parameters, point: &SweepPoint) -> Result<Vec<MotionSample>> {
     let start = inside(p, &point.attractor.states[0]);
     let mut simulator = Simulator::new(p, &start, 0.0)?.without_energy_accounts();

@@ -92,7 +92,7 @@ fn table(along: Name, families: &[Family]) -> TextTable {
     table
 }
 
-/// Pieces of a response that are shown: stable ones, then others.
+/// Visible pieces of a response: stable ones, then others.
 fn pieces(response: &Response, y: impl Fn(&ResponsePoint) -> Option<f64>) -> [Vec<Path>; 2] {
     let mut parts: [Vec<Path>; 2] = [Vec::new(), Vec::new()];
     for curve in &response.curves {

@@ -37,7 +37,7 @@ impl Instance {
             None if variable.dimensions.is_empty() => Vec::new(),
             None => structure::declared(variable),
         };
-        // At an event, the contact after the event, since that is shown.
+        // At an event the contact after the event applies, since that is shown.
         let contact = match self.present() {
             Ok(Present::Simulation(simulator)) => Some(simulator.contact()),
             Ok(Present::Continuous(continuous)) => Some(continuous.contact()),

@@ -316,8 +316,8 @@ fn add(settings: &mut Settings, variable: &Variable, value: f64) {
     }
 }
 
-/// The derivative of a variable from the varied values; 0 for variables that are set or change at
-/// events only.
+/// Derivative of a variable, from the varied values; 0 for variables that are set or change only
+/// at events.
 fn rate(variable: &Variable, values: &OutputValues<Varied>) -> f64 {
     match variable.access {
         Access::Output(reading) | Access::Start { now: reading, .. } => {

@@ -7,8 +7,8 @@ use crate::component::continuous::Continuous;
 use fmi_doors::Model as _;
 
 impl Instance {
-    /// Whether the nominal values differ from those reported last; records the present values as
-    /// reported. Only a host's solver needs them.
+    /// Whether the nominal values differ from the last reported ones; records the present values
+    /// as reported. Only a host's solver needs them.
     pub(super) fn nominals_changed(&mut self) -> bool {
         if self.life.interface != Interface::ModelExchange {
             return false;

@@ -257,7 +257,7 @@ const TABLE: &[(u32, Variable)] = &[
         events, in SI units", &[6, 12],
         |m, i| m.response[i / 12][i % 12])),
 
-    // Of descriptions with a clock
+    // Only in descriptions with a clock
     (85, by(&["box.s", "box.v", "block.s", "block.v"], tick("impacts.clock", "Ticks at each impact", Kind::Clock, |t| f64::from(t.active)))),
     (86, by(&["impacts.clock"], tick("impacts.clocked.time", "Time of the impact at the tick", real(units::TIME), |t| t.time))),
     (87, by(&["impacts.clock"], tick("impacts.clocked.impulse", "Impulse of the impact at the tick", real(units::IMPULSE), |t| t.impulse))),

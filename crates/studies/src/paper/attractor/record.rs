@@ -87,14 +87,14 @@ impl StroboscopicRecord {
     pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
         let found = if self.is_complete() { period(&self.periods) } else { None };
         // Without contact the motion is linear, and its one limit has the drive's period. A longer
-        // period is a slow oscillation that nearly returns, and so is any period where the limit is
-        // beyond the stops.
+        // period is a slow oscillation that nearly returns, and so is any period where the limit
+        // is beyond the stops.
         let touches = self.periods.iter().any(|s| s.impacts != [0; 2] || s.rests);
         let free = |period| period == 1 && (limit_keeps_clear(p) || !is_damped(p));
         self.attractor_of(p, found.filter(|n| touches || free(*n)))
     }
 
-    /// The attractor of a motion with the given period, of which at least one is recorded.
+    /// Attractor of a motion with the given period. At least one period is recorded.
     pub(crate) fn attractor_of(&self, p: &Parameters, period: Option<u32>) -> Attractor {
         let Self { periods, halves, .. } = self;
         let kept = period.unwrap_or(1) as usize;
@@ -136,9 +136,9 @@ impl StroboscopicRecord {
         farthest_return(&self.periods[self.periods.len().saturating_sub(2 * lag)..], lag)
     }
 
-    /// The nearest return over the whole record: the largest distance after a lag, at the lag up to
-    /// [`LONGEST`] where it is least. `None` where as many periods at the end are free of
-    /// impacts: returns then fall between bursts of impacts.
+    /// The nearest return over the whole record: the smallest, over lags up to [`LONGEST`], of the
+    /// largest distance after a lag. `None` if this many periods at the end are free of impacts:
+    /// returns then fall between bursts of impacts.
     pub(crate) fn nearest_return(&self) -> Option<f64> {
         let longest = LONGEST as usize;
         let touches = self.periods.iter().rev().take(longest).any(|s| s.impacts != [0; 2] || s.rests);
@@ -146,8 +146,8 @@ impl StroboscopicRecord {
         touches.then(|| lags.map(|lag| farthest_return(&self.periods, lag)).fold(f64::INFINITY, f64::min))
     }
 
-    /// Largest distance, over the last period, between a state and the mirror image of the one half
-    /// an odd `period` before it.
+    /// Largest distance, over the last period, between a state and the mirror image of the one
+    /// half an odd `period` before it.
     pub(crate) fn mirror_distance(&self, period: u32) -> f64 {
         let (first, half) = (self.periods.len().saturating_sub(period as usize), period as usize / 2);
         let images = &self.halves[first.saturating_sub(half)..];

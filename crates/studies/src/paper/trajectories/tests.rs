@@ -3,7 +3,7 @@ use vibro_impact::parameters::{Groups, Scales};
 
 #[test]
 fn second_method_together_as_one_by_one() {
-    // Several machines, one with another drive period, and among the starts some that are refused.
+    // Several machines, one with another drive period, and some invalid starts.
     let mut starts = Vec::new();
     for (i, (f10, sigma1)) in [(0.6, 0.4), (2.48, 0.4), (3.6, 0.4), (1.5, 0.2)].into_iter().enumerate() {
         let groups = Groups { f10, sigma1, ..Groups::basic() };

@@ -16,9 +16,9 @@ use vibro_studies::paper::ParameterSet;
 /// Largest number of drive periods of a run that is drawn in detail as a whole. Curves of a longer
 /// run would fill the panel.
 const DRAWN: f64 = 40.0;
-/// Drive periods at the end of a longer run that are drawn in detail.
+/// Number of drive periods drawn in detail, at the end of a longer run.
 const DETAIL: f64 = 10.0;
-/// Drive periods at the end of a longer run that are in its phase portrait.
+/// Number of drive periods in the phase portrait, at the end of a longer run.
 const PORTRAIT: f64 = 60.0;
 /// Largest number of instants of a portrait.
 const INSTANTS: usize = 12_000;

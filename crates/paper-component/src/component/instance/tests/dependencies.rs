@@ -51,7 +51,7 @@ fn starts() -> Vec<Start> {
         ("secondary.s", 0.2),
         ("secondary.v", 0.5),
     ];
-    // Nothing presses: the secondary oscillator's motion decides the direction of the block.
+    // No load presses: the secondary oscillator's motion decides the direction of the block.
     let balanced = vec![("drive.amplitude", 0.0), ("block.s", 1.0), ("secondary.s", 1.0)];
     let pushed: Vec<_> = balanced.iter().copied().chain([("secondary.f", 0.1)]).collect();
     // x3' of the block's own kind of motion, so that the third order vanishes and dampers act with
@@ -80,7 +80,7 @@ fn starts() -> Vec<Start> {
         ("drive.phase", phase),
         ("startOnOrbit", 1.0),
     ];
-    // With another restitution there is no steady state any more, or it is on the other branch.
+    // With another restitution the steady state does not exist, or is on the other branch.
     let weak = vec![("drive.amplitude", 0.06)];
     let left = vec![("drive.amplitude", 0.085)];
     vec![
@@ -274,7 +274,7 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
         for (unknown, variable) in VARIABLES.iter().enumerate() {
             let seen = &mut moves[unknown][place(field.name)];
             *seen = pairs.iter().any(|(a, b)| moved(value(variable, a), value(variable, b)));
-            // With another gap there is no event; earlier counts then stay.
+            // With another gap the event does not occur; earlier counts are kept.
             let counted = variable.name != "stop.state" && field.name == "stop.gap";
             if variable.variability == Variability::Discrete && !counted {
                 *seen |= events.iter().any(|(a, b)| moved(value(variable, a), value(variable, b)));
@@ -287,7 +287,7 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
             }
         }
     }
-    // By multiple scales x3'' = -ω1² x3 contains the frequency, unlike the simulation's.
+    // Multiple scales have x3'' = -ω1² x3 with the frequency, unlike the simulation.
     let values = closed(&standard).unwrap();
     let square = standard.drive_frequency * standard.drive_frequency;
     assert!((values.acceleration[2] + square * values.x[2]).abs() < ROUNDING);
@@ -304,8 +304,8 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
     check(&structure::event_indicators(), listed, moves, &knowns);
 }
 
-/// Before the law of an event is carried out the values after it are shown, with the dependencies
-/// after it.
+/// Before the law of an event is applied, the values after the event are shown, with the
+/// dependencies after the event.
 #[test]
 fn dependencies_at_an_event_are_those_after_it() {
     let start = [("stop.restitution", 0.0), ("drive.amplitude", 1.0), ("stopAtImpact", 1.0)];

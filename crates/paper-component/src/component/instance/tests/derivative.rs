@@ -122,7 +122,7 @@ fn initialization_mode_by_parameters_and_start_values() {
     near(d(&mut fmu, "box.k"), 0.0);
     near(derivative(&mut fmu, &["coupling.f"], &["coupling.k"], &[2.0])[0], 1.0);
     near(derivative(&mut fmu, &["groups.epsilon"], &["block.m"], &[1.0])[0], 1.0);
-    // At the end of a range: one-sided.
+    // One-sided at the end of a range.
     set(&mut fmu, "box.c", 0.0).unwrap();
     near(d(&mut fmu, "box.c"), -0.4);
     near(derivative(&mut fmu, &["groups.f10"], &["drive.amplitude"], &[1.0])[0], 10.0);
@@ -290,7 +290,7 @@ fn dependencies_are_those_of_the_derivatives() {
     });
     flight.set_time(0.3).unwrap(); // an open interval of the energies
     let mut rest = exchange(|fmu| {
-        // In motion, so that a factor of velocity has an effect.
+        // The body moves, so that a factor of velocity has an effect.
         for (name, value) in [("block.s", 1.0), ("block.f", 2.0), ("box.v", 0.1), ("block.v", 0.1)] {
             set(fmu, name, value).unwrap();
         }
@@ -313,8 +313,7 @@ fn dependencies_are_those_of_the_derivatives() {
     }
 }
 
-/// At a point that a solver has just accepted nothing has been damped since, but it will be from
-/// then on.
+/// At a point that a solver has just accepted, no damping has occurred yet, but it begins.
 #[test]
 fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
     const STEP: f64 = 1e-3; // s
