@@ -3,7 +3,7 @@
 //! its calls, phases and outcomes to the functions, states and statuses of one version.
 //!
 //! ```text
-//! instance ── variables, units, structure one table: names, units, ranges, dependencies, access
+//! instance ── variables, units, structure    table: names, units, ranges, dependencies, access
 //!    │
 //!    ├─ simulator (vibro_impact)             it steps itself, event by event
 //!    ├─ closed_form, steady                  it plays a steady state in time
