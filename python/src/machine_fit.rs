@@ -95,6 +95,9 @@ type Record<'py> = (
     Option<Vec<f64>>,
 );
 
+/// A free parameter as Python gives it: name, range, and whether each record has its own.
+type FreeNumber = (String, Option<(f64, f64)>, bool);
+
 /// Fits numbers of machines to records, one machine for each record. A free number has a name, a
 /// range, and whether each record has it for itself.
 #[pyfunction]
@@ -103,7 +106,7 @@ type Record<'py> = (
 pub fn fit<'py>(
     py: Python<'py>,
     records: Vec<Record<'py>>,
-    free: Vec<(String, Option<(f64, f64)>, bool)>,
+    free: Vec<FreeNumber>,
     filters: Vec<(String, u32, f64)>,
     loss: &str,
     segments: Option<f64>,

@@ -1,9 +1,9 @@
 //! Crossings of branches, located by their own conditions.
 //!
 //! At a crossing the equations F(u, p) = 0 of an orbit, with the parameter's column, are singular,
-//! so that Newton's method loses digits. They are unfolded by a multiple ε of a vector b: F(u, p)
-//! + ε b = 0, ψᵀ F_u = 0 and ψᵀ F_p = 0 are regular for u, p and ε (G. Moore, The numerical
-//! treatment of non-trivial bifurcation points, 1980). At a crossing ε is 0.
+//! so that Newton's method loses digits. A multiple ε of a vector b unfolds them:
+//! F(u, p) + ε b = 0, ψᵀ F_u = 0 and ψᵀ F_p = 0 are regular for u, p and ε (G. Moore, The
+//! numerical treatment of non-trivial bifurcation points, 1980). At a crossing ε is 0.
 
 use super::problem::{Problem, Residual};
 use crate::curve::slope;

@@ -49,11 +49,11 @@ fn second_method_information_of_records_is_the_sum_over_single_fits() {
     let all = released(&[2.1e-3, 1.4e-3], 1.1);
     let together = fit_records(&all, &|_| true).unwrap();
     let alone: Vec<Fitted> = all.iter().map(fitted).collect();
-    for k in 0..FREE.len() {
+    for (k, name) in FREE.iter().enumerate() {
         let information: f64 = alone.iter().map(|own| own.uncertainty.white[k].unwrap().powi(-2)).sum();
         let expected = information.sqrt().recip();
         let found = together[0].uncertainty.white[k].unwrap();
-        assert!((found / expected - 1.0).abs() < LIKE_A_SUM, "{} {found} {expected}", FREE[k]);
+        assert!((found / expected - 1.0).abs() < LIKE_A_SUM, "{name} {found} {expected}");
     }
 }
 
@@ -116,7 +116,7 @@ fn records_that_do_not_go_together_are_refused() {
         change(&mut own[1]);
         fit_records(&own, &|_| true).unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut FitRequest), &str); 5] = [
+    let cases: [Refused; 5] = [
         (&|own| own.free.truncate(1), "record 2: the list of free numbers differs from record 1"),
         (&|own| own.loss = Loss::Huber, "record 2: the loss differs from record 1"),
         (&|own| own.starts = 3, "record 2: the number of further starts differs from record 1"),

@@ -175,8 +175,11 @@ struct Record {
     request: FitRequest,
 }
 
+/// Name of a record, and its tables of values and of contacts.
+type Tables = (String, Option<PathBuf>, Option<PathBuf>);
+
 /// Name and tables of each record.
-fn tables(a: &FitArguments) -> Result<Vec<(String, Option<PathBuf>, Option<PathBuf>)>> {
+fn tables(a: &FitArguments) -> Result<Vec<Tables>> {
     let (data, events) = (&a.data, &a.events);
     if !data.is_empty() && !events.is_empty() && data.len() != events.len() {
         return Err(Error::Refused {
@@ -188,7 +191,7 @@ fn tables(a: &FitArguments) -> Result<Vec<(String, Option<PathBuf>, Option<PathB
             ),
         });
     }
-    let mut all: Vec<(String, Option<PathBuf>, Option<PathBuf>)> = Vec::new();
+    let mut all: Vec<Tables> = Vec::new();
     for k in 0..data.len().max(events.len()) {
         let (data, events) = (data.get(k).cloned(), events.get(k).cloned());
         let stem = data.as_ref().or(events.as_ref()).and_then(|path| path.file_stem());
@@ -226,7 +229,7 @@ fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
     let tables = tables(a)?;
     let all: Vec<&str> = tables.iter().map(|(name, ..)| name.as_str()).collect();
     let filters: Vec<Filter> = a.filter.iter().map(|text| filter(text)).collect::<Result<_>>()?;
-    let one = |(name, data, events): &(String, Option<PathBuf>, Option<PathBuf>)| {
+    let one = |(name, data, events): &Tables| {
         let set = [common.set.clone(), set_in(a, name, &all)?].concat();
         let common = Common { set, ..common.clone() };
         let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, &common)?;
