@@ -119,7 +119,14 @@ pub fn fit<'py>(
     let filters: Vec<Filter> = filters.into_iter().map(filter).collect::<PyResult<_>>()?;
     let free: Vec<Free> =
         free.into_iter().map(|(name, within, is_own)| Free { name, within, is_own }).collect();
+    // A filter is for the records that have its column.
+    let of_all: Vec<String> =
+        records.iter().flat_map(|own| own.3.iter().map(|(name, _)| name.clone())).collect();
     let request = |(machine, start, times, columns, contacts, sigma): Record| {
+        let has = |own: &&Filter| {
+            let name = own.column.to_string();
+            columns.iter().any(|(own, _)| *own == name) || !of_all.contains(&name)
+        };
         let column = |(name, values): &(String, PyReadonlyArray1<'_, f64>)| {
             let name = name.parse().map_err(Failure::from)?;
             PyResult::Ok((name, values.as_slice()?.to_vec()))
@@ -134,7 +141,7 @@ pub fn fit<'py>(
             },
             free: free.clone(),
             sigma,
-            filters: filters.clone(),
+            filters: filters.iter().filter(has).cloned().collect(),
             loss: match loss {
                 "soft_l1" => Loss::SoftL1,
                 "huber" => Loss::Huber,

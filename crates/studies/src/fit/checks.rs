@@ -148,6 +148,7 @@ pub(super) fn check(request: &FitRequest) -> Result<()> {
     measured.check_columns(&machine.description, start, free)?;
     measured.check_contacts(&machine.description, start, free)?;
     check_sigma(request)?;
+    check_starts(request)?;
     let Segments::Length(length) = request.segments else { return Ok(()) };
     let all = measured.times.iter().chain(measured.contacts.iter().flat_map(|(_, times)| times));
     let (low, high) =
@@ -176,4 +177,24 @@ fn check_sigma(request: &FitRequest) -> Result<()> {
         )),
         None => Ok(()),
     }
+}
+
+/// Refuses a free initial value of the machine's file if the start of the motion sets it: the motion
+/// would not depend on the free number.
+fn check_starts(request: &FitRequest) -> Result<()> {
+    let set = request.start.numbers();
+    for free in &request.free {
+        let Some((body, what)) = free.name.strip_prefix("body.").and_then(|own| own.split_once(".start."))
+        else {
+            continue;
+        };
+        let own = format!("{body}.{what}");
+        if let Some((_, value)) = set.iter().find(|(name, _)| *name == own) {
+            return refused(format!(
+                "{} is free, but the given start sets {own} = {value:?}; expected start.{own} as the free number",
+                free.name
+            ));
+        }
+    }
+    Ok(())
 }

@@ -16,6 +16,11 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::sync::Arc;
 
+/// Degrees of freedom with which a record's residuals estimate its noise.
+const FREEDOM: usize = 8;
+/// Smallest number of residuals beyond the number of free numbers for a verdict without given
+/// deviations: with fewer of them errors are wrong by factors.
+const FEWEST: usize = 3;
 /// Singular value, relative to the largest, below which a merged combination keeps the first
 /// record's values.
 const SINGULAR: f64 = 1e-9;
@@ -205,15 +210,61 @@ impl<'a> Joint<'a> {
         for (model, (point, reach)) in self.models.iter_mut().zip(&all) {
             model.reweigh(point, reach)?;
         }
+        if self.models.len() > 1 {
+            self.correct_deviations();
+        }
         Ok(())
     }
 
-    /// Message if no residual is left to estimate the noise.
+    /// Number of residuals of a record less the numbers that it has for itself.
+    fn freedom(&self, k: usize) -> usize {
+        let is_own =
+            |place: &&usize| !self.places.iter().enumerate().any(|(j, own)| j != k && own.contains(place));
+        self.models[k].rows().saturating_sub(self.places[k].iter().filter(is_own).count())
+    }
+
+    /// Corrects the standard deviations of records by their degrees of freedom. A record with few
+    /// degrees of freedom takes the deviation of the same column in other records.
+    fn correct_deviations(&mut self) {
+        let freedom: Vec<usize> = (0..self.models.len()).map(|k| self.freedom(k)).collect();
+        let known: Vec<(String, f64)> = (0..self.models.len())
+            .filter(|&k| freedom[k] >= FREEDOM)
+            .flat_map(|k| self.models[k].named_deviations())
+            .collect();
+        for (k, model) in self.models.iter_mut().enumerate() {
+            if freedom[k] >= FREEDOM {
+                model.scale_deviations((model.rows() as f64 / freedom[k] as f64).sqrt());
+            } else {
+                model.take_deviations(&known);
+            }
+        }
+    }
+
+    /// Message if too few residuals are left to estimate the noise.
     pub fn lacks_noise(&self) -> Option<String> {
         let (rows, free) = (self.rows(), self.count);
-        let why =
-            || format!("{free} numbers meet {rows} samples exactly: no residual is left to tell the noise");
-        (!self.has_sigma() && rows <= free).then(why)
+        if self.has_sigma() {
+            return None;
+        }
+        if rows <= free {
+            let what = "exactly: no residual is left to tell the noise";
+            return Some(format!("{free} numbers meet {rows} samples {what}"));
+        }
+        if rows < free + FEWEST {
+            return Some(format!(
+                "{rows} samples for {free} numbers leave too few residuals to estimate the noise"
+            ));
+        }
+        let known: Vec<String> = (0..self.models.len())
+            .filter(|&k| self.freedom(k) >= FREEDOM)
+            .flat_map(|k| self.models[k].named_deviations().into_iter().map(|own| own.0))
+            .collect();
+        let is_vague = |&k: &usize| {
+            let all = self.models[k].named_deviations();
+            self.freedom(k) < FREEDOM && all.iter().any(|(name, _)| !known.contains(name))
+        };
+        let vague = (0..self.models.len()).filter(|_| self.models.len() > 1).find(is_vague)?;
+        Some(format!("record {} has too few samples to estimate its noise", vague + 1))
     }
 
     /// Comparison of each record with the machine.

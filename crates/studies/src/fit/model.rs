@@ -111,6 +111,29 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
+    /// Standard deviations with the names of their columns and lists of contacts.
+    pub fn named_deviations(&self) -> Vec<(String, f64)> {
+        let columns = self.measured.columns.iter().map(|(name, _)| name.to_string());
+        let names = columns.chain(self.measured.contacts.iter().map(|(name, _)| name.clone()));
+        names.zip(self.sigma.iter().copied()).collect()
+    }
+
+    /// Multiplies the standard deviations by a factor.
+    pub fn scale_deviations(&mut self, factor: f64) {
+        self.sigma.iter_mut().for_each(|sigma| *sigma *= factor);
+    }
+
+    /// Takes the root mean square of the standard deviations of the same name, where there are any.
+    pub fn take_deviations(&mut self, known: &[(String, f64)]) {
+        let names = self.named_deviations();
+        for (sigma, (name, _)) in self.sigma.iter_mut().zip(names) {
+            let same: Vec<f64> = known.iter().filter(|own| own.0 == name).map(|own| own.1).collect();
+            if !same.is_empty() {
+                *sigma = rms(same.into_iter());
+            }
+        }
+    }
+
     /// The model with the weights of another model of the same record.
     pub fn weighed_as(self, other: &Model) -> Self {
         let (sigma, watch) = (other.sigma.clone(), other.watch.clone());

@@ -134,7 +134,12 @@ impl Model<'_> {
         let mut order: Vec<usize> = (0..names.len()).filter(|&k| scores[k].0 > PROMISING).collect();
         order.sort_by(|&a, &b| scores[b].0.total_cmp(&scores[a].0));
         order.truncate(TRIED);
-        let before = self.cost(&solved(point.clone(), reach))?;
+        // Residuals that the free numbers of this record alone take up say nothing of a suspect.
+        let alone = self.with_free(request, &machine, &[]);
+        let refit = self.like(&alone)?;
+        let own = Bounds::of(&alone, &refit)?;
+        let refit = solve(&refit, &own, point, (reach, Convergence::Rough), go_on).map(|own| own.cost);
+        let before = self.cost(&solved(point.clone(), reach))?.min(refit.unwrap_or(f64::INFINITY));
         let one = |k: &usize| -> Option<Suspect> {
             let one = self.with_free(request, &machine, &names[*k..=*k]);
             let model = self.like(&one).ok()?;
@@ -152,7 +157,9 @@ impl Model<'_> {
             let goes_on = || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_ok() && go_on();
             let grown = || {
                 let begin = bounds.cut([&self.unknowns.begin[..], &[changed]].concat());
-                over_horizons(&model, &bounds, &begin, WAYS[0], &goes_on).ok()
+                let found = over_horizons(&model, &bounds, &begin, WAYS[0], &goes_on).ok()?;
+                // An early end leaves the cost over the last horizon.
+                Some(Solved { cost: model.cost(&found).ok()?, ..found })
             };
             let grown = reach.nodes.is_empty().then(grown).flatten();
             let found = [value, changed].into_iter().filter_map(from).chain(grown);
@@ -162,7 +169,13 @@ impl Model<'_> {
             let own = added.iter().find(|own| own.parameter() == names[*k]);
             let name = own.map_or(&names[*k], |own| &own.words).clone();
             let unit = machine.description.parameter(&names[*k]).ok()?.unit;
-            (1.0 - left * left > LEAST).then_some(Suspect { name, unit, value, better, left })
+            (better != value && 1.0 - left * left > LEAST).then_some(Suspect {
+                name,
+                unit,
+                value,
+                better,
+                left,
+            })
         };
         let mut found: Vec<Suspect> = order.par_iter().filter_map(one).collect();
         found.sort_by(|a, b| a.left.total_cmp(&b.left));

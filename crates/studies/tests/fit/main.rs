@@ -184,7 +184,14 @@ fn records_and_names_that_are_not_allowed_are_refused() {
     };
     let small = |own: &mut FitRequest| own.measured.columns[0].1.iter_mut().for_each(|x| *x *= 1e-200);
     let early = |own: &mut FitRequest| own.measured.times.iter_mut().for_each(|time| *time -= 0.1);
-    let cases: [Refused; 16] = [
+    let cases: [Refused; 17] = [
+        (
+            &|own| {
+                own.free[0].name = "body.mass.start.s".into();
+                own.start.set(&own.machine.description, "mass.s", 1e-3).unwrap();
+            },
+            "body.mass.start.s is free, but the given start sets mass.s = 0.001; expected start.mass.s",
+        ),
         (&early, "time: row 1 is -0.1 s, before the motion's start at 0.0 s"),
         (&late, "time: row 1 is 1700000000.0 s: times count from the machine's start"),
         (&twice, "mass.s has two columns"),

@@ -80,3 +80,19 @@ fn closed_form_residuals_of_a_window_are_named_by_its_times() {
     assert!((from - 0.1).abs() < 1e-12 && (to - 0.11).abs() < 1e-12, "{place:?}");
     assert!(place.shares.0 > 0.8 && (place.shares.1 - 0.05).abs() < 0.005, "{place}");
 }
+
+/// The residuals that a suspect leaves, against a fit of a machine with the suspect's value.
+#[test]
+fn second_method_what_a_suspect_leaves_is_what_a_fit_with_its_value_leaves() {
+    let text = "name = \"Ball\"\ngravity = 9.81\nbody.a = { mass = 1.0, gravity = 1.0 }\n\
+                stop.floor = { between = [\"ground\", \"a\"], gap = 1.0, restitution = 0.8 }\n";
+    let truth = Machine::parse(text, "ball.toml", &no_records).unwrap();
+    let measured = record(&truth, &[("a.s", 1e-3)], 1.2, 400, &mut Noise(65));
+    let m = truth.with([("stop.floor.restitution", 0.75)]).unwrap();
+    let own = request(m.clone(), measured.clone(), &["stop.floor.gap"]);
+    let (found, misfit) = explained(&own);
+    let best = &misfit.suspects[0];
+    let with = m.with([(&*best.name, best.better)]).unwrap();
+    let again = fitted(&request(with, measured, &["stop.floor.gap"]));
+    assert!((again.rms[0].1 / found.rms[0].1 / best.left - 1.0).abs() < NEAR, "{best:?}");
+}

@@ -1,7 +1,7 @@
 //! Fits of several records together.
 
 use super::*;
-use vibro_studies::fit::fit_records;
+use vibro_studies::fit::{Misfit, fit_records, misfit};
 
 const FREE: [&str; 2] = ["spring.mount.stiffness", "friction.floor.force"];
 
@@ -131,4 +131,60 @@ fn records_that_do_not_go_together_are_refused() {
         assert!(text.contains(words), "{text}");
     }
     assert!(fit_records(&[], &|_| true).unwrap_err().to_string().contains("no record"));
+}
+
+/// A record of two samples has as many numbers of its own: its noise is the noise of the other
+/// record, whose sensor it has.
+#[test]
+fn made_record_of_two_samples_takes_the_noise_of_the_other_record() {
+    let text = "name = \"Ball\"\ngravity = 9.81\nbody.a = { mass = 1.0, gravity = 1.0 }\n\
+                stop.floor = { between = [\"ground\", \"a\"], gap = 1.0, restitution = 0.8 }\n";
+    let m = Machine::parse(text, "ball.toml", &no_records).unwrap();
+    for seed in 0..6 {
+        let mut noise = Noise(200 + seed);
+        let own = |measured| {
+            let mut own = request(m.clone(), measured, &["stop.floor.restitution"]);
+            for name in ["body.a.start.s", "body.a.start.v"] {
+                own = with_own(own, name);
+            }
+            own
+        };
+        let long = own(record(&m, &[("a.s", 1e-3)], 1.6, 80, &mut noise));
+        let short = own(record(&m, &[("a.s", 1e-3)], 0.4, 2, &mut noise));
+        let all = fit_records(&[long, short], &|_| true).unwrap();
+        for own in &all {
+            let truths = [0.8, 0.0, 0.0];
+            for (((name, value), error), truth) in own.values.iter().zip(&own.uncertainty.errors).zip(truths)
+            {
+                assert!(
+                    (value - truth).abs() < FAR * error.unwrap(),
+                    "{name} {value} ± {error:?}, {}",
+                    own.verdict
+                );
+            }
+        }
+    }
+}
+
+/// Two balls of different restitution: each record alone fits with its own, so no other number takes
+/// up what the shared one leaves.
+#[test]
+fn invariant_residuals_of_a_shared_number_suspect_no_other() {
+    let text = |e: f64| {
+        format!(
+            "name = \"Ball\"\ngravity = 9.81\nbody.a = {{ mass = 1.0, gravity = 1.0 }}\n\
+             stop.floor = {{ between = [\"ground\", \"a\"], gap = 1.0, restitution = {e} }}\n"
+        )
+    };
+    let ball = |e: f64| Machine::parse(&text(e), "ball.toml", &no_records).unwrap();
+    let one = |(k, e): (usize, f64)| {
+        let measured = record(&ball(e), &[("a.s", 1e-3)], 1.6, 200, &mut Noise(98 + k as u64));
+        request(ball(0.75), measured, &["stop.floor.restitution"])
+    };
+    let all: Vec<FitRequest> = [0.82, 0.6].into_iter().enumerate().map(one).collect();
+    for (request, found) in all.iter().zip(fit_records(&all, &|_| true).unwrap()) {
+        assert_ne!(found.verdict, Verdict::Fits);
+        let Misfit { suspects, .. } = misfit(request, &found, &|| true).unwrap();
+        assert!(suspects.is_empty(), "{suspects:?}");
+    }
 }

@@ -100,7 +100,11 @@ fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
 }
 
 /// Standard deviations from `--sigma`, in the order of the columns.
-fn sigma(machine: &Machine, measured: &Measured, given: &[String]) -> Result<Option<Vec<f64>>> {
+fn sigma(
+    machine: &Machine,
+    measured: &Measured,
+    (given, others): (&[String], &[String]),
+) -> Result<Option<Vec<f64>>> {
     if given.is_empty() {
         return Ok(None);
     }
@@ -118,6 +122,10 @@ fn sigma(machine: &Machine, measured: &Measured, given: &[String]) -> Result<Opt
     for text in given {
         let (name, value) =
             text.split_once('=').ok_or_else(|| Error::form(text, "COLUMN=VALUE beside another"))?;
+        // Another record may have the column.
+        if others.iter().any(|own| own == name.trim()) && names.iter().all(|(own, _)| own != name.trim()) {
+            continue;
+        }
         let place = names.iter().position(|(own, _)| own == name.trim()).ok_or_else(|| Error::Refused {
             what: format!("--sigma {text}"),
             problem: format!(
@@ -229,6 +237,14 @@ fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
     let tables = tables(a)?;
     let all: Vec<&str> = tables.iter().map(|(name, ..)| name.as_str()).collect();
     let filters: Vec<Filter> = a.filter.iter().map(|text| filter(text)).collect::<Result<_>>()?;
+    // Names of columns of all records: an option may be for a column that one record has.
+    let mut columns: Vec<String> = Vec::new();
+    for (_, data, events) in &tables {
+        let machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
+        let measured = read_record(data.as_deref(), events.as_deref(), &machine.description)?;
+        columns.extend(measured.columns.iter().map(|(name, _)| name.to_string()));
+        columns.extend((!measured.contacts.is_empty()).then(|| "contacts".to_owned()));
+    }
     let one = |(name, data, events): &Tables| {
         let set = [common.set.clone(), set_in(a, name, &all)?].concat();
         let common = Common { set, ..common.clone() };
@@ -237,14 +253,17 @@ fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
         let measured = read_record(data.as_deref(), events.as_deref(), &machine.description)?;
         let free = free(&mut machine, a)?;
         check_record(&measured, (data.as_deref(), events.as_deref()), (&machine, &start), &free)?;
-        let sigma = sigma(&machine, &measured, &a.sigma)?;
+        let sigma = sigma(&machine, &measured, (&a.sigma, &columns))?;
+        let has = |own: &Filter| measured.columns.iter().any(|(name, _)| *name == own.column);
+        let is_elsewhere = |own: &Filter| !has(own) && columns.contains(&own.column.to_string());
+        let filters = filters.iter().filter(|own| !is_elsewhere(own)).cloned().collect();
         let request = FitRequest {
             machine,
             start,
             measured,
             free,
             sigma,
-            filters: filters.clone(),
+            filters,
             loss: a.loss.into(),
             segments: a.segments,
             starts: a.starts,
@@ -342,7 +361,9 @@ fn write(
     let held = destination::hold(out);
     destination.write_into(std::slice::from_ref(&study), out)?;
     write_whole(&out.join("fit.json"), fit_json(fitted, misfit).as_bytes())?;
-    let verdict = format!("vibro fit: {}", fitted.verdict);
+    // The file has no start of the command line; `start.toml` next to it has.
+    let start = if fitted.start.is_own() { "" } else { "; its motion begins with --start start.toml" };
+    let verdict = format!("vibro fit: {}{start}", fitted.verdict);
     write_with_numbers(&a.file, &fitted.machine.description, ("fitted.toml", &verdict), out)?;
     let files = [Some(&a.file), record.data.as_ref(), record.events.as_ref()];
     let files: Vec<&Path> = files.into_iter().flatten().map(PathBuf::as_path).collect();

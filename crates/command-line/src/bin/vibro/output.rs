@@ -16,6 +16,7 @@ pub fn print(studies: &[Study], subject: &dyn Subject, folder: &Path, common: &C
     // Writing to a string cannot fail.
     let _ = match studies {
         [one] => writeln!(text, "{}", first_line(one, folder)),
+        _ if drawn.is_empty() => writeln!(text, "wrote tables into {}:", folder.display()),
         _ => writeln!(text, "drew {} into {} as SVG and PNG, with CSV:", drawn.join(", "), folder.display()),
     };
     text.push_str(&apart(folder, common));
