@@ -118,9 +118,9 @@ fn the_modules_keep_to_their_types() {
     assert!(done, "{printed}");
 }
 
-/// Largest page without libraries, bytes: a hundredth above the page's 1,077,650 when this limit
-/// was set. The core takes 1,005 kB of it, the scripts 33 kB, text and style 40 kB.
-const LARGEST: u64 = 1_088_000;
+/// Largest page without libraries, bytes: the goal of 1.1 MB. The page had 1,094,138 bytes when this
+/// limit was set: the core takes 1,021 kB, the scripts 33 kB, text and style 40 kB.
+const LARGEST: u64 = 1_100_000;
 
 #[test]
 #[ignore = "needs node and Chromium (Debian: apt install nodejs npm chromium)"]
