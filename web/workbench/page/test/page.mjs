@@ -376,7 +376,7 @@ const tests = {
     await tab.click("#diagram", { position: at(3, 8) });
     const value = (/** @type {any} */ axis, /** @type {number} */ i) => axis.range[0] + (axis.range[1] - axis.range[0]) * i / 11;
     // The machine opens again some time after the click.
-    await tab.waitForFunction(`workbench.plane.at && workbench.run.machine.numbers.some((n) => n.name === "${x.name}" && Math.abs(n.exact / ${value(x, 3)} - 1) < 1e-7)`, null, { timeout: 60_000 });
+    for (const [axis, i] of [[x, 3], [y, 8]]) await tab.waitForFunction(`workbench.run.machine.numbers.some((n) => n.name === "${axis.name}" && Math.abs(n.exact / ${value(axis, i)} - 1) < 1e-7)`, null, { timeout: 60_000 });
     await settled(tab);
     const numbers = await tab.evaluate("Object.fromEntries(workbench.run.machine.numbers.map((n) => [n.name, n.exact]))");
     for (const [axis, i] of [[x, 3], [y, 8]]) assert.ok(Math.abs(numbers[axis.name] / value(axis, i) - 1) < 1e-7, `${axis.name}: ${numbers[axis.name]} ${value(axis, i)}`);
