@@ -19,8 +19,8 @@ ROUNDING = 1e-11
 def gaps():
     """Returns the names in the first cells of the table of gaps of docs/python.md."""
     page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
-    table = re.search(r"\| in one alone \|.*?\n\|[-| ]+\|\n((?:\|.*\n)+)", page)
-    assert table, "docs/python.md has no table of what is in one alone"
+    table = re.search(r"\| only in one kind \|.*?\n\|[-| ]+\|\n((?:\|.*\n)+)", page)
+    assert table, "docs/python.md has no table of what only one kind has"
     rows = table[1].splitlines()
     assert len(rows) <= 5
     assert all(len(row.split("|")[3].strip()) > 10 for row in rows), "each gap has its reason"
