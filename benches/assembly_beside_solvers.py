@@ -22,7 +22,8 @@ from sksundae.cvode import CVODE
 GAP, RESTITUTION, CONTACT = 0.05, 0.6, 2e4
 FORCE, OMEGA = 10.0, 2.0 * np.pi
 TOLERANCE = 1e-10
-# Seconds of work after which a solver is stopped; number of turns, of which the smallest time counts; smallest duration of a turn, s.
+# Seconds of work after which a solver is stopped; number of turns, of which the smallest time
+# counts; smallest duration of a turn, s.
 PATIENCE, TURNS, TURN = 60.0, 3, 0.2
 
 

@@ -95,7 +95,8 @@ def main():
     machines = [vi.PaperMachine.from_groups(f10=f10) for f10 in np.linspace(0.5, 4.0, 1000)]
     (package, library), ratio = beside_rust("many_motions", lambda: vi.simulate_many(machines, periods=PERIODS))
     many, by_rust = package / (1000 * PERIODS), library / (1000 * PERIODS)
-    # A call with zero periods: checks, conversions, threads and the machines' tables, which any caller of the core needs too.
+    # A call with zero periods: checks, conversions, threads and the machines' tables, which any
+    # caller of the core needs too.
     fixed = least(lambda: vi.simulate_many(machines, periods=0)) / (1000 * PERIODS)
     machine = machines[285]
     one = least(lambda: machine.simulate(periods=PERIODS, per_period=1)) / PERIODS

@@ -203,7 +203,8 @@ fn said(name: &str, machine: &str, tables: &[(&str, &str)], arguments: &str) -> 
     std::fs::create_dir_all(&out).unwrap();
     std::fs::write(out.join("m.toml"), machine).unwrap();
     tables.iter().for_each(|(name, text)| std::fs::write(out.join(name), text).unwrap());
-    let line = format!("fit m.toml --out fit --replace {arguments}");
+    let folder = if arguments.contains("--out ") { "" } else { "--out fit " };
+    let line = format!("fit m.toml {folder}--replace {arguments}");
     let output =
         Command::new(env!("CARGO_BIN_EXE_vibro")).args(line.split(' ')).current_dir(&out).output().unwrap();
     let text =

@@ -71,3 +71,20 @@ fn refused_records_that_do_not_go_together() {
         assert!(told.contains(words), "{arguments}: {told}");
     }
 }
+
+/// The folder of one record has the results of another fit: the fit is refused before work begins,
+/// so that nothing is written.
+#[test]
+fn a_folder_of_a_record_with_other_results_is_refused_before_work_begins() {
+    let tables = [("one.csv", cosine(0.01, 10.0)), ("two.csv", cosine(0.01, 10.0))];
+    let tables: Vec<(&str, &str)> = tables.iter().map(|(name, text)| (*name, &text[..])).collect();
+    let (out, told) =
+        said("fit-occupied", COSINE, &tables, "--data one.csv --free spring.k.stiffness --out fit/two");
+    assert!(out.join("two/fit.json").exists(), "{told}");
+    let line = "fit m.toml --data one.csv,two.csv --free spring.k.stiffness --out fit";
+    let mut vibro = std::process::Command::new(env!("CARGO_BIN_EXE_vibro"));
+    let output = vibro.args(line.split(' ')).current_dir(out.parent().unwrap()).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("holds the result `fit` of another run"), "{text}");
+    assert!(!out.join("numbers.csv").exists() && !out.join("one").exists());
+}

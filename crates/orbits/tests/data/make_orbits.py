@@ -60,7 +60,8 @@ def solve(label: str, letters: str, sigma: int, half: int, f10: float, guess: Li
         return Word(basic(F_10=force), stops, sigma, half)
 
     if label in ("LP", "GR"):
-        # The parameter turns, or a phase does: all unknowns are solved at once, with differences for derivatives.
+        # The parameter turns, or a phase does: all unknowns are solved at once, with differences
+        # for derivatives.
         def equations(*u: Any) -> List[Any]:
             at, phases = word(u[-1]), list(u[:-1])
             return [*at.residual(phases), condition(label, at, phases)]

@@ -8,6 +8,7 @@ use crate::{significant, sobol};
 
 /// Lower bound while segments are apart, as a fraction of a positive initial value.
 const INSIDE: f64 = 0.02;
+
 /// Ranges and initial values of the free parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Bounds {

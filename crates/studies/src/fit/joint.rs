@@ -7,6 +7,7 @@
 use super::FitRequest;
 use super::beside::Compared;
 use super::bounds::Bounds;
+use super::directions::Directions;
 use super::evaluated::{Evaluated, NEXT_RECORD, Point, Reach, Solved};
 use super::loss::Loss;
 use super::model::Model;
@@ -43,8 +44,8 @@ fn check(requests: &[FitRequest]) -> Result<()> {
         return refused("no record; expected at least one".into());
     };
     for (k, own) in requests.iter().enumerate() {
-        let (record, same) =
-            (k + 1, |what| refused(format!("record {}: {what} differs from record 1", k + 1)));
+        let record = k + 1;
+        let same = |what| refused(format!("record {record}: {what} differs from record 1"));
         match () {
             () if own.free != first.free => return same("the list of free numbers"),
             () if own.loss != first.loss => return same("the loss"),
@@ -169,7 +170,7 @@ impl<'a> Joint<'a> {
         for (k, own) in found.iter().enumerate() {
             let at = self.models[k].evaluate(&own.point, &own.reach).ok()?;
             let p = own.point.values.len();
-            let directions = super::directions::Directions::of(&self.models[k], &own.point.values, &at)?;
+            let directions = Directions::of(&self.models[k], &own.point.values, &at)?;
             let square = directions.jacobian.tr_mul(&directions.jacobian);
             let variance = self.models[k].variance(own.cost, p).max(f64::MIN_POSITIVE);
             for i in 0..p {
@@ -223,14 +224,17 @@ impl<'a> Joint<'a> {
         self.models[k].rows().saturating_sub(self.places[k].iter().filter(is_own).count())
     }
 
+    /// Standard deviations of the records that have enough degrees of freedom to estimate them.
+    fn estimated(&self) -> Vec<(String, f64)> {
+        let enough = (0..self.models.len()).filter(|&k| self.freedom(k) >= FREEDOM);
+        enough.flat_map(|k| self.models[k].named_deviations()).collect()
+    }
+
     /// Corrects the standard deviations of records by their degrees of freedom. A record with few
     /// degrees of freedom takes the deviation of the same column in other records.
     fn correct_deviations(&mut self) {
         let freedom: Vec<usize> = (0..self.models.len()).map(|k| self.freedom(k)).collect();
-        let known: Vec<(String, f64)> = (0..self.models.len())
-            .filter(|&k| freedom[k] >= FREEDOM)
-            .flat_map(|k| self.models[k].named_deviations())
-            .collect();
+        let known = self.estimated();
         for (k, model) in self.models.iter_mut().enumerate() {
             if freedom[k] >= FREEDOM {
                 model.scale_deviations((model.rows() as f64 / freedom[k] as f64).sqrt());
@@ -255,13 +259,11 @@ impl<'a> Joint<'a> {
                 "{rows} samples for {free} numbers leave too few residuals to estimate the noise"
             ));
         }
-        let known: Vec<String> = (0..self.models.len())
-            .filter(|&k| self.freedom(k) >= FREEDOM)
-            .flat_map(|k| self.models[k].named_deviations().into_iter().map(|own| own.0))
-            .collect();
+        let known = self.estimated();
+        let is_known = |name: &String| known.iter().any(|(own, _)| own == name);
         let is_vague = |&k: &usize| {
             let all = self.models[k].named_deviations();
-            self.freedom(k) < FREEDOM && all.iter().any(|(name, _)| !known.contains(name))
+            self.freedom(k) < FREEDOM && !all.iter().all(|(name, _)| is_known(name))
         };
         let vague = (0..self.models.len()).filter(|_| self.models.len() > 1).find(is_vague)?;
         Some(format!("record {} has too few samples to estimate its noise", vague + 1))

@@ -139,7 +139,9 @@ impl Model<'_> {
         let refit = self.like(&alone)?;
         let own = Bounds::of(&alone, &refit)?;
         let refit = solve(&refit, &own, point, (reach, Convergence::Rough), go_on).map(|own| own.cost);
-        let before = self.cost(&solved(point.clone(), reach))?.min(refit.unwrap_or(f64::INFINITY));
+        let (own, cost) = (point.clone(), f64::INFINITY);
+        let now = Solved { point: own, reach: reach.clone(), cost, is_continuous: true };
+        let before = self.cost(&now)?.min(refit.unwrap_or(f64::INFINITY));
         let one = |k: &usize| -> Option<Suspect> {
             let one = self.with_free(request, &machine, &names[*k..=*k]);
             let model = self.like(&one).ok()?;
@@ -207,8 +209,4 @@ fn candidates(d: &Description, free: &[Free]) -> Vec<String> {
     };
     let all = d.parameters().into_iter().map(|own| own.name);
     all.filter(|name| is_named(name) && !is_free(name)).collect()
-}
-
-fn solved(point: Point, reach: &Reach) -> Solved {
-    Solved { point, reach: reach.clone(), cost: f64::NAN, is_continuous: true }
 }

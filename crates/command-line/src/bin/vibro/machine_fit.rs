@@ -237,20 +237,20 @@ fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
     let tables = tables(a)?;
     let all: Vec<&str> = tables.iter().map(|(name, ..)| name.as_str()).collect();
     let filters: Vec<Filter> = a.filter.iter().map(|text| filter(text)).collect::<Result<_>>()?;
-    // Names of columns of all records: an option may be for a column that one record has.
-    let mut columns: Vec<String> = Vec::new();
-    for (_, data, events) in &tables {
-        let machine = machine(&a.file, &SectionArguments { period: None, section: None }, common)?;
-        let measured = read_record(data.as_deref(), events.as_deref(), &machine.description)?;
-        columns.extend(measured.columns.iter().map(|(name, _)| name.to_string()));
-        columns.extend((!measured.contacts.is_empty()).then(|| "contacts".to_owned()));
-    }
-    let one = |(name, data, events): &Tables| {
+    let read = |(name, data, events): &Tables| {
         let set = [common.set.clone(), set_in(a, name, &all)?].concat();
         let common = Common { set, ..common.clone() };
-        let mut machine = machine(&a.file, &SectionArguments { period: None, section: None }, &common)?;
-        let start = start_of(&machine, &a.start)?;
+        let machine = machine(&a.file, &SectionArguments { period: None, section: None }, &common)?;
         let measured = read_record(data.as_deref(), events.as_deref(), &machine.description)?;
+        Ok((machine, measured))
+    };
+    let read = tables.iter().map(read).collect::<Result<Vec<_>>>()?;
+    // An option may name a column that another record has.
+    let columns = read.iter().flat_map(|(_, own)| own.columns.iter().map(|(name, _)| name.to_string()));
+    let contacts = read.iter().any(|(_, own)| !own.contacts.is_empty()).then(|| "contacts".to_owned());
+    let columns: Vec<String> = columns.chain(contacts).collect();
+    let one = |((name, data, events), (mut machine, measured)): (Tables, (Machine, Measured))| {
+        let start = start_of(&machine, &a.start)?;
         let free = free(&mut machine, a)?;
         check_record(&measured, (data.as_deref(), events.as_deref()), (&machine, &start), &free)?;
         let sigma = sigma(&machine, &measured, (&a.sigma, &columns))?;
@@ -268,9 +268,9 @@ fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
             segments: a.segments,
             starts: a.starts,
         };
-        Ok(Record { name: name.clone(), data: data.clone(), events: events.clone(), request })
+        Ok(Record { name, data, events, request })
     };
-    tables.iter().map(one).collect()
+    tables.clone().into_iter().zip(read).map(one).collect()
 }
 
 /// Options of a fit for the account of a run.
@@ -311,6 +311,17 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let names: &[&str] = if records.len() == 1 { &["fit", "report"] } else { &["numbers"] };
     let claims: Vec<Claim> = names.iter().map(|name| destination.result(name)).collect();
     let out = destination.place(&claims)?;
+    let own = |record: &Record| Common { out: out.join(&record.name), ..common.clone() };
+    let commons: Vec<Common> =
+        if records.len() == 1 { Vec::new() } else { records.iter().map(own).collect() };
+    let destinations: Vec<Destination> = commons
+        .iter()
+        .zip(&records)
+        .map(|(common, record)| Destination::new(common, &invocation, &record.request.machine))
+        .collect();
+    for destination in &destinations {
+        destination.place(&[destination.result("fit"), destination.result("report")])?;
+    }
     let stop = interruption::flag(Second::Ends);
     let progress = Progress::new(0, TIME);
     let requests: Vec<FitRequest> = records.iter().map(|own| own.request.clone()).collect();
@@ -321,7 +332,10 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     // After an interruption the files are written at once.
     let goes_on = || !stop.load(Ordering::Relaxed);
     let explained = |(request, fitted): (&FitRequest, &Fitted)| match goes_on() {
-        true => misfit(request, fitted, &goes_on).unwrap_or_default(),
+        true => misfit(request, fitted, &goes_on).unwrap_or_else(|error| {
+            crate::note(&format!("the residuals are not explained: {error}"));
+            Misfit::default()
+        }),
         false => Misfit::default(),
     };
     let misfits: Vec<Misfit> = requests.iter().zip(&fitted).map(explained).collect();
@@ -337,12 +351,10 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
         &fitted,
     )?];
     destination.write_into(&studies, &out)?;
-    for ((record, fitted), misfit) in records.iter().zip(&fitted).zip(&misfits) {
-        let out = out.join(&record.name);
-        let common = Common { out: out.clone(), ..common.clone() };
-        let destination = Destination::new(&common, &invocation, &record.request.machine);
-        let out = destination.place(&[destination.result("fit"), destination.result("report")])?;
-        let study = write(&destination, a, (record, fitted, misfit), &invocation.command_line, &out)?;
+    let found = records.iter().zip(&fitted).zip(&misfits);
+    for (((record, fitted), misfit), (destination, common)) in found.zip(destinations.iter().zip(&commons)) {
+        let found = (record, fitted, misfit);
+        let study = write(destination, a, found, &invocation.command_line, &common.out)?;
         studies.push(Study { name: record.name.clone(), ..study });
     }
     output::print(&studies, machine, &out, common)?;
