@@ -179,8 +179,8 @@ impl Arms {
 }
 
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e'
-/// resists e: it acts on a body by -arm · f. With [`points`](Self::points), straight lines through
-/// them replace preload + stiffness · e. With a partner in [`series`](Self::series), f = stiffness
+/// resists e: it acts on a body by -arm · f. [`curve`](Self::curve) adds higher powers of e. With
+/// [`points`](Self::points), straight lines through them replace preload + stiffness · e. With a partner in [`series`](Self::series), f = stiffness
 /// · (e - x) + damping · e', where x is the inner displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
@@ -197,12 +197,26 @@ pub struct Spring {
     pub damping: f64,
     /// Force at e = 0, N or N m; 0 with `series`.
     pub preload: f64,
+    /// Coefficients of e², e³, e⁴ and e⁵ in the force, N/m² to N/m⁵ or N m/rad² to N m/rad⁵;
+    /// `None` for a power that the force does not have. With any of them, the stiffness may be
+    /// negative.
+    pub curve: Curve,
     /// Points of the force without its dashpot: none, or two or more with increasing e. The first
     /// and the last line extend beyond the points. With points, stiffness and preload are 0.
     pub points: Vec<ForcePoint>,
     /// Partner in series; `None` for an ordinary spring.
     pub series: Option<Series>,
 }
+
+impl Spring {
+    /// Whether the force has higher powers of e.
+    pub fn is_curved(&self) -> bool {
+        self.curve.iter().any(Option::is_some)
+    }
+}
+
+/// Coefficients of the second to the fifth power in a force.
+pub type Curve = [Option<f64>; 4];
 
 /// A point of a spring's force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -213,7 +227,7 @@ pub struct ForcePoint {
     pub f: f64,
 }
 
-/// A dashpot without a spring. Its force f = damping · e' resists e'. No force depends on its
+/// A dashpot without a spring. Its force f = damping · e' + cubic · e'³ resists e'. No force depends on its
 /// elongation, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
@@ -221,8 +235,10 @@ pub struct Damper {
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// Damping, N s/m or N m s/rad; positive.
+    /// Damping, N s/m or N m s/rad; positive, or of any sign with `cubic`.
     pub damping: f64,
+    /// Coefficient of e'³ in the force, N s³/m³ or N m s³/rad³; `None` for a straight dashpot.
+    pub cubic: Option<f64>,
 }
 
 /// A one-sided contact that closes when e reaches the gap and then resists e.

@@ -135,6 +135,9 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     for spring in &system.springs {
         let e = spring.elongation.e.dot(z);
         stored += e * (0.5 * spring.stiffness * e + spring.preload);
+        if let Some(curved) = spring.curve.map(|i| &system.curved[i]).filter(|own| !own.is_of_rate) {
+            stored += curved.integral(e);
+        }
     }
     for branch in &system.branches {
         let force = branch.force.dot(z);

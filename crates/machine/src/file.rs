@@ -29,6 +29,7 @@ mod any_unit;
 mod blocks;
 mod bodies;
 mod completion;
+mod curve;
 mod edit;
 mod elements;
 mod flexible;

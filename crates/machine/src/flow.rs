@@ -13,6 +13,7 @@
 
 mod ahead;
 mod apart;
+mod curved;
 mod exact;
 mod exponential;
 mod kept;
@@ -33,6 +34,7 @@ use crate::norm::{norm, rate_bound};
 use crate::signals::SMALL;
 use crate::system::{DENSE, STIFF, System};
 use apart::Apart;
+use curved::CurveInMode;
 use exponential::series_orders;
 use kept::Kept;
 use std::sync::Arc;
@@ -87,6 +89,8 @@ pub struct FlowTable {
     apart: Option<Apart>,
     /// Matrices of a sub-step, with at most [`DENSE`] coordinates.
     kept: Option<Kept>,
+    /// Curved forces; with any, z' = A z does not give their rates, and the flow is a series.
+    curves: Vec<CurveInMode>,
     /// Flows over 2^k sub-steps, made on first use.
     ladder: Ladder<Rung>,
     /// Watched functionals.
@@ -102,14 +106,20 @@ pub struct FlowTable {
 impl FlowTable {
     /// The flow of a linear system whose coordinates from `one` on are signals.
     pub fn new(linear: Linear, one: usize) -> Self {
-        Self::with_norm(linear, one, |a| norm(a, one))
+        Self::with_norm(linear, one, true, |a| norm(a, one))
     }
 
-    /// The flow of a linear system; `norm` bounds the norm of A, given its matrix.
-    fn with_norm(linear: Linear, one: usize, norm: impl Fn(&SparseMatrix) -> (f64, Vec<f64>)) -> Self {
+    /// The flow of a linear system; `norm` bounds the norm of A, given its matrix. Small systems
+    /// store matrices if `keeps` is true.
+    fn with_norm(
+        linear: Linear,
+        one: usize,
+        keeps: bool,
+        norm: impl Fn(&SparseMatrix) -> (f64, Vec<f64>),
+    ) -> Self {
         let Linear { coordinates, mut a, terms, lambda, triangle, watched, elastic, loose } = linear;
         // Separate forces make stored tables slower: only stiff forces are separated.
-        let is_small = a.len() <= DENSE;
+        let is_small = keeps && a.len() <= DENSE;
         let apart = elastic.and_then(|elastic| {
             let is_fast = || norm(&a).0 > STIFF * rate_bound(&elastic.rest, one);
             let is_stiff = !is_small || elastic.are_stiff || is_fast();
@@ -136,6 +146,7 @@ impl FlowTable {
             length,
             apart,
             kept: None,
+            curves: Vec::new(),
             ladder: Ladder::default(),
             watched,
             lambda,
@@ -154,13 +165,20 @@ impl FlowTable {
             return Self::new(system.linear(mode), one);
         }
         let split = system.split();
+        let is_straight = system.curved.is_empty();
+        let norm = |a: &SparseMatrix| match is_straight {
+            true => split.norm(a),
+            false => split.norm(&system.with_slopes(a)),
+        };
         if mode.contacts().next().is_some() {
-            return Self::with_norm(system.linear(mode), one, |a| split.norm(a));
+            let mut table = Self::with_norm(system.linear(mode), one, is_straight, norm);
+            table.curves = CurveInMode::all(system, &table.a, &table.weights);
+            return table;
         }
         let mut terms = split.elastic(mode);
         terms.extend(split.frictional(mode));
         let a = split.with(terms.iter());
-        let (rate, weights) = split.norm(&a);
+        let (rate, weights) = norm(&a);
         let in_mode = |(known, depends): &(Arc<WatchTable>, bool)| {
             if *depends { Arc::new(known.in_mode(&a)) } else { known.clone() }
         };
@@ -171,10 +189,11 @@ impl FlowTable {
             coordinates: system.coordinates,
             one,
             rate,
-            weights,
             length: RADIUS / rate,
             apart: Some(Apart::split(split.base.clone(), terms)),
             kept: None,
+            curves: CurveInMode::all(system, &a, &weights),
+            weights,
             ladder: Ladder::default(),
             watched,
             lambda: Vec::new(),

@@ -63,6 +63,20 @@ pub const START_RATE: NumberKind = kind("Rate at time 0", "m/s", "rad/s", Range:
 pub const STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
 /// A part of a stiffness that steps in time.
 pub const STEPPED: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::FINITE);
+/// The stiffness of a spring with a curve, which may fall at e = 0.
+pub const CURVED_STIFFNESS: NumberKind = kind("Stiffness at e = 0", "N/m", "N.m/rad", Range::FINITE);
+/// Keys and kinds of the coefficients of a spring's curve.
+pub const CURVE: [(&str, NumberKind); 4] = [
+    ("quadratic", kind("Coefficient of the square of e", "N/m2", "N.m/rad2", Range::FINITE)),
+    ("cubic", kind("Coefficient of the cube of e", "N/m3", "N.m/rad3", Range::FINITE)),
+    ("quartic", kind("Coefficient of the fourth power of e", "N/m4", "N.m/rad4", Range::FINITE)),
+    ("quintic", kind("Coefficient of the fifth power of e", "N/m5", "N.m/rad5", Range::FINITE)),
+];
+/// The damping of a dashpot with a curve.
+pub const CURVED_DAMPING: NumberKind =
+    kind("Viscous damping at e' = 0", "N.s/m", "N.m.s/rad", Range::FINITE);
+pub const CUBIC_DAMPING: NumberKind =
+    kind("Coefficient of the cube of e'", "N.s3/m3", "N.m.s3/rad3", Range::FINITE);
 pub const SERIES_STIFFNESS: NumberKind =
     at_least(LEAST, kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE));
 pub const SERIES_DAMPING: NumberKind = at_least(LEAST, DASHPOT);

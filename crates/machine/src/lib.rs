@@ -11,6 +11,7 @@
 pub mod assembly;
 mod check;
 pub mod components;
+pub mod curved;
 pub mod derivative;
 pub mod description;
 pub mod elements;

@@ -151,6 +151,9 @@ pub struct Signals {
     repeated_of: Vec<usize>,
     /// Length of the augmented state.
     pub size: usize,
+    /// Index of the first curved force, which are the last coordinates
+    /// ([`Curved`](crate::curved::Curved)).
+    pub curved: usize,
     /// Number of signals with an input.
     pub inputs: usize,
     /// Number of integrals; their carried parts follow the inputs.

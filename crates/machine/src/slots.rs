@@ -107,6 +107,7 @@ impl<'a> Slots<'a> {
     }
 
     fn spring(&mut self, spring: &'a mut Spring, bodies: &[(String, Dimension)], at_rest: bool) {
+        let is_curved = spring.is_curved();
         let of = self.element("spring", &spring.name, &mut spring.arms, bodies);
         if !spring.points.is_empty() {
             self.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
@@ -116,10 +117,19 @@ impl<'a> Slots<'a> {
             }
             return;
         }
-        let stiffness = if spring.series.is_some() { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
+        let stiffness = match spring.series {
+            Some(_) => kinds::SERIES_STIFFNESS,
+            None if is_curved => kinds::CURVED_STIFFNESS,
+            None => kinds::STIFFNESS,
+        };
         match &mut spring.stepped {
             Some(signal) => self.signal(&format!("{of}.stiffness"), signal, kinds::STEPPED),
             None => self.push(format!("{of}.stiffness"), stiffness, &mut spring.stiffness),
+        }
+        for ((key, kind), coefficient) in kinds::CURVE.into_iter().zip(&mut spring.curve) {
+            if let Some(value) = coefficient {
+                self.push(format!("{of}.{key}"), kind, value);
+            }
         }
         self.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
         let Some(series) = &mut spring.series else {
@@ -251,7 +261,11 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     }
     for damper in &mut machine.dampers {
         let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);
-        slots.push(format!("{of}.damping"), kinds::DASHPOT, &mut damper.damping);
+        let kind = if damper.cubic.is_some() { kinds::CURVED_DAMPING } else { kinds::DASHPOT };
+        slots.push(format!("{of}.damping"), kind, &mut damper.damping);
+        if let Some(cubic) = &mut damper.cubic {
+            slots.push(format!("{of}.cubic"), kinds::CUBIC_DAMPING, cubic);
+        }
     }
     machine.modals.iter_mut().for_each(|modal| slots.modal(modal));
     for stop in &mut machine.stops {

@@ -4,6 +4,7 @@
 
 mod blocks;
 mod bodies;
+mod curved;
 mod first_order;
 mod forces;
 mod freewheels;
@@ -27,6 +28,7 @@ pub use blocks::{
     BlockRows, Combination, CombinationTangent, LimitedValue, SampleAction, SampleKind, SampledVariation,
     Sampler, SamplerTangent,
 };
+pub use curved::first as first_curved;
 pub use first_order::BranchRows;
 pub(crate) use first_order::in_series;
 pub use gyroscopic::Gyroscopic;
@@ -41,6 +43,7 @@ pub use split::{Split, Term};
 pub(crate) use stiff::STIFF;
 pub(crate) use stops::{excess, forces, made_stops};
 
+use crate::curved::Curved;
 use crate::description::{Arms, BodyKind, Description, Spring};
 use crate::elements::Element;
 use crate::error::Error;
@@ -87,6 +90,8 @@ pub struct System {
     pub parts: Vec<Vec<Part>>,
     /// Springs.
     pub springs: Vec<SpringRows>,
+    /// Curved forces, which are the last coordinates of the augmented state.
+    pub curved: Vec<Curved>,
     /// Stops, followed by further levels of stepped stiffnesses and corners of springs, by limits
     /// of outputs, and by freewheels.
     pub stops: Vec<StopRows>,
@@ -160,7 +165,7 @@ impl System {
             .collect();
         let counters: Vec<usize> = stepped::all(d).map(|own| builder.add(&stepped::counter(own))).collect();
         let sources: Vec<usize> = d.sources.iter().map(|own| builder.add(&own.signal)).collect();
-        let (signals, rows) = builder.finish();
+        let (signals, rows) = builder.finish(curved::count(d));
         let bodies = bodies(d, &reduction, &signals, &motions, &rows);
         let inertias: Vec<f64> = d
             .bodies
@@ -196,6 +201,7 @@ impl System {
             bodies,
             parts: Vec::new(),
             springs: Vec::new(),
+            curved: Vec::new(),
             stops: Vec::new(),
             first_corner: d.stops.len(),
             first_limit: d.stops.len(),
@@ -224,12 +230,13 @@ impl System {
         system.add_blocks(d, &sources);
         system.add_freewheels(d);
         system.add_forces();
+        system.estimate_slopes(d);
         Ok(system)
     }
 
     /// Whether modes store matrices of their sub-steps.
     pub(crate) fn keeps_matrices(&self) -> bool {
-        self.signals.size <= DENSE
+        self.signals.size <= DENSE && self.curved.is_empty()
     }
 
     /// Works of loads and losses in all modes.
@@ -292,13 +299,24 @@ impl System {
                     parts
                 }
                 Element::Spring(spring) if spring.points.is_empty() => {
-                    self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload)
+                    let parts =
+                        self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload);
+                    if spring.is_curved() {
+                        self.add_curve(false, spring.curve.map(Option::unwrap_or_default));
+                    }
+                    parts
                 }
                 Element::Spring(spring) => {
                     let Polyline { stiffness, preload, .. } = Polyline::new(&spring.points);
                     self.add_spring(&spring.arms, stiffness, spring.damping, preload)
                 }
-                Element::Damper(damper) => self.add_spring(&damper.arms, 0.0, damper.damping, 0.0),
+                Element::Damper(damper) => {
+                    let parts = self.add_spring(&damper.arms, 0.0, damper.damping, 0.0);
+                    if let Some(cubic) = damper.cubic {
+                        self.add_curve(true, [0.0, cubic, 0.0, 0.0]);
+                    }
+                    parts
+                }
                 Element::Modal(modal) => {
                     let springs = modal.springs(d).into_iter();
                     springs.flat_map(|s| self.add_spring(&s.arms, s.stiffness, s.damping, 0.0)).collect()
@@ -334,7 +352,7 @@ impl System {
         let elongation = self.elongation(arms);
         let terms = [(1.0, &self.constant(preload)), (stiffness, &elongation.e), (damping, &elongation.rate)];
         let force = Functional::sum(self.signals.size, terms);
-        self.springs.push(SpringRows { elongation, stiffness, damping, preload, force });
+        self.springs.push(SpringRows { elongation, stiffness, damping, preload, force, curve: None });
         vec![Part::Spring(self.springs.len() - 1)]
     }
 

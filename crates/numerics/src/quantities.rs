@@ -48,7 +48,7 @@ impl Unit {
 
     /// Symbol in labels.
     pub fn symbol(&self) -> String {
-        self.symbol.replace('.', "·").replace("um", "µm").replace("m2", "m²").replace("s2", "s²")
+        self.symbol.replace('.', "·").replace("um", "µm").replace("m2", "m²").replace("s2", "s²").replace("m3", "m³").replace("s3", "s³").replace("rad2", "rad²")
     }
 
     /// Symbol in files and on the command line.
@@ -71,7 +71,7 @@ const POUND_FORCE: f64 = 0.453_592_37 * 9.806_65;
 /// frequencies and velocities, with a hertz as one revolution per second. The dimension `Hz` is
 /// for frequencies that count cycles. Numbers without a dimension have the unit `1`.
 #[rustfmt::skip]
-pub static UNITS: [Unit; 109] = [
+pub static UNITS: [Unit; 139] = [
     unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
     unit("kg", "lb", 0.453_592_37, 1.0),
     unit("N/m", "N/m", 1.0, 1.0), unit("N/m", "N/mm", 1e3, 1.0), unit("N/m", "kN/m", 1e3, 1.0),
@@ -111,6 +111,24 @@ pub static UNITS: [Unit; 109] = [
     unit("N.m.s/rad", "N.m.s/deg", 180.0, PI),
     unit("1/m", "1/m", 1.0, 1.0), unit("1/m", "rad/m", 1.0, 1.0), unit("1/m", "1/mm", 1e3, 1.0),
     unit("1/m", "rad/mm", 1e3, 1.0),
+    // Coefficients of curved springs and dashpots.
+    unit("N/m2", "N/m2", 1.0, 1.0), unit("N/m2", "kN/m2", 1e3, 1.0),
+    unit("N/m2", "MN/m2", 1e6, 1.0), unit("N/m2", "N/mm2", 1e6, 1.0),
+    unit("N/m3", "N/m3", 1.0, 1.0), unit("N/m3", "kN/m3", 1e3, 1.0),
+    unit("N/m3", "MN/m3", 1e6, 1.0), unit("N/m3", "N/mm3", 1e9, 1.0),
+    unit("N/m4", "N/m4", 1.0, 1.0), unit("N/m4", "kN/m4", 1e3, 1.0),
+    unit("N/m4", "MN/m4", 1e6, 1.0), unit("N/m4", "N/mm4", 1e12, 1.0),
+    unit("N/m5", "N/m5", 1.0, 1.0), unit("N/m5", "kN/m5", 1e3, 1.0),
+    unit("N/m5", "MN/m5", 1e6, 1.0), unit("N/m5", "N/mm5", 1e15, 1.0),
+    unit("N.m/rad2", "N.m/rad2", 1.0, 1.0), unit("N.m/rad2", "kN.m/rad2", 1e3, 1.0),
+    unit("N.m/rad2", "Nm/rad2", 1.0, 1.0),
+    unit("N.m/rad3", "N.m/rad3", 1.0, 1.0), unit("N.m/rad3", "kN.m/rad3", 1e3, 1.0),
+    unit("N.m/rad3", "Nm/rad3", 1.0, 1.0),
+    unit("N.m/rad4", "N.m/rad4", 1.0, 1.0), unit("N.m/rad4", "kN.m/rad4", 1e3, 1.0),
+    unit("N.m/rad4", "Nm/rad4", 1.0, 1.0),
+    unit("N.m/rad5", "N.m/rad5", 1.0, 1.0), unit("N.m/rad5", "kN.m/rad5", 1e3, 1.0),
+    unit("N.m/rad5", "Nm/rad5", 1.0, 1.0),
+    unit("N.s3/m3", "N.s3/m3", 1.0, 1.0), unit("N.m.s3/rad3", "N.m.s3/rad3", 1.0, 1.0),
     // Symbols without the point of a product.
     unit("N.s/m", "Ns/m", 1.0, 1.0), unit("N.s/m", "kNs/m", 1e3, 1.0), unit("N.s/m", "Ns/mm", 1e3, 1.0),
     unit("N.m", "Nm", 1.0, 1.0), unit("N.m", "mNm", 1.0, 1e3), unit("N.m", "kNm", 1e3, 1.0),

@@ -2,6 +2,7 @@
 
 use super::blocks;
 use super::bodies::Names;
+use super::curve;
 use super::follows;
 use super::points;
 use super::reading::{Entry, FileTable, Reading, number};
@@ -72,14 +73,22 @@ fn with_arms<T>(
 
 fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
     let own = ["between", "arms", "stiffness", "damping", "preload", "points"];
-    reading.known(table, &[&own, &series::KEYS[..]].concat());
-    let (arms, ((stiffness, stepped), damping, preload, points, series)) =
+    let curve = kinds::CURVE.map(|own| own.0);
+    reading.known(table, &[&own[..], &curve, &series::KEYS].concat());
+    let (arms, ((stiffness, stepped), damping, preload, points, series, curve)) =
         with_arms(reading, table, names, |reading, dimension| {
             let points = points::read(reading, table, dimension);
             let series = series::read(reading, table, dimension);
             let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+            let curve = curve::read(reading, table, dimension);
             if table.has("points") {
-                return Some(((0.0, None), damping?, 0.0, points?, series?));
+                return Some(((0.0, None), damping?, 0.0, points?, series?, curve?));
+            }
+            if curve::is_given(table) {
+                let stiffness =
+                    reading.number_or(table, "stiffness", kinds::CURVED_STIFFNESS, dimension, 0.0);
+                let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
+                return Some(((stiffness?, None), damping?, preload?, points?, series?, curve?));
             }
             let is_in_series = series::is_given(table);
             let kind = if is_in_series { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
@@ -88,17 +97,23 @@ fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names)
                 true => Some(0.0),
                 false => reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0),
             };
-            Some((stiffness?, damping?, preload?, points?, series?))
+            Some((stiffness?, damping?, preload?, points?, series?, curve?))
         })?;
-    Some(Spring { name, arms, stiffness, stepped, damping, preload, points, series })
+    Some(Spring { name, arms, stiffness, stepped, damping, preload, curve, points, series })
 }
 
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
-    reading.known(table, &["between", "arms", "damping"]);
-    let (arms, damping) = with_arms(reading, table, names, |reading, dimension| {
-        reading.required_number(table, "damping", kinds::DASHPOT, dimension)
+    reading.known(table, &["between", "arms", "damping", "cubic"]);
+    let (arms, (damping, cubic)) = with_arms(reading, table, names, |reading, dimension| {
+        if !table.has("cubic") {
+            let damping = reading.required_number(table, "damping", kinds::DASHPOT, dimension);
+            return Some((damping?, None));
+        }
+        let damping = reading.number_or(table, "damping", kinds::CURVED_DAMPING, dimension, 0.0);
+        let cubic = reading.required_number(table, "cubic", kinds::CUBIC_DAMPING, dimension);
+        Some((damping?, Some(cubic?)))
     })?;
-    Some(Damper { name, arms, damping })
+    Some(Damper { name, arms, damping, cubic })
 }
 
 fn stop(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Stop> {

@@ -43,7 +43,12 @@ pub(super) fn machine(machine: &Description) -> String {
         }
         match element {
             Element::Spring(spring) => own.spring(&mut text, &of, spring),
-            Element::Damper(damper) => own.line(&mut text, &of, "damping", damper.damping),
+            Element::Damper(damper) => {
+                own.line(&mut text, &of, "damping", damper.damping);
+                if let Some(cubic) = damper.cubic {
+                    own.line(&mut text, &of, "cubic", cubic);
+                }
+            }
             Element::Modal(modal) => own.modal(&mut text, &of, modal),
             Element::Matrix(matrix) => given(&mut text, &matrix.given, machine.starts_at_rest),
             Element::Stop(stop) => own.stop(&mut text, &of, stop),
@@ -299,6 +304,11 @@ impl Writing<'_> {
             return self.points(text, of, &spring.points);
         }
         self.stiffness(text, of, spring.stiffness, spring.stepped.as_ref());
+        for ((key, _), coefficient) in kinds::CURVE.iter().zip(spring.curve) {
+            if let Some(value) = coefficient {
+                self.line(text, of, key, value);
+            }
+        }
         self.line(text, of, "damping", spring.damping);
         let Some(series) = &spring.series else { return self.line(text, of, "preload", spring.preload) };
         match series.law {

@@ -8,11 +8,13 @@
 //! (docs/assembly-law.md, section 2).
 
 use super::{FlowTable, RADIUS};
+use crate::curved::CurveSeries;
 use crate::kernel::{AtNodes, Sparse, largest_product, multiply_add_rows};
 
 /// Largest number of coefficients of a series. With rate times length 4, the first omitted term is
 /// below 4⁴⁰/40! < 2e-24 of the largest coordinate.
 pub const TERMS: usize = 40;
+const _: () = assert!(TERMS == crate::curved::TERMS);
 
 /// Bound of the omitted terms of a series, relative to its largest term in the norm of (A6).
 const REMAINDER: f64 = 1e-18;
@@ -32,10 +34,12 @@ const REACH: f64 = 4.0;
 /// reused.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
-    terms: Vec<f64>,
-    size: usize,
+    pub(super) terms: Vec<f64>,
+    pub(super) size: usize,
     /// Order of the last term.
-    orders: usize,
+    pub(super) orders: usize,
+    /// Series of the curved forces.
+    pub(super) curves: Vec<CurveSeries>,
 }
 
 impl Series {
@@ -43,12 +47,15 @@ impl Series {
     #[inline(always)]
     pub fn expand(&mut self, table: &FlowTable, z: &[f64], dt: f64, orders: usize) {
         self.begin(z, orders);
+        if !table.curves.is_empty() {
+            self.curve(table, 0);
+        }
         (1..=orders).for_each(|k| self.next(table, k, dt / k as f64));
         self.orders = orders;
     }
 
     #[inline(always)]
-    fn begin(&mut self, z: &[f64], orders: usize) {
+    pub(super) fn begin(&mut self, z: &[f64], orders: usize) {
         self.size = z.len();
         if self.terms.len() < (orders + 1) * self.size {
             self.terms.resize((orders + 1) * self.size, 0.0);
@@ -58,7 +65,7 @@ impl Series {
 
     /// Computes the term of order `k`: A times the previous term times `factor`.
     #[inline(always)]
-    fn next(&mut self, table: &FlowTable, k: usize, factor: f64) {
+    pub(super) fn next(&mut self, table: &FlowTable, k: usize, factor: f64) {
         let (size, own) = (self.size, table.coordinates);
         let (before, after) = self.terms.split_at_mut(k * size);
         let before = &before[(k - 1) * size..];
@@ -66,21 +73,24 @@ impl Series {
         let (lengths, others) = after[..size].split_at_mut(own);
         lengths.iter_mut().zip(&before[own..]).for_each(|(q, v)| *q = factor * v);
         table.rows_times_to(own, before, factor, others);
+        if !table.curves.is_empty() {
+            self.curve(table, k);
+        }
     }
 
     #[inline(always)]
-    fn term(&self, k: usize) -> &[f64] {
+    pub(super) fn term(&self, k: usize) -> &[f64] {
         &self.terms[k * self.size..][..self.size]
     }
 
     /// The norm of (A6) of the first coordinates of a term.
     #[inline(always)]
-    fn norm(&self, table: &FlowTable, k: usize, coordinates: usize) -> f64 {
+    pub(super) fn norm(&self, table: &FlowTable, k: usize, coordinates: usize) -> f64 {
         largest_product(&self.term(k)[..coordinates], &table.weights[..coordinates])
     }
 
     #[inline(always)]
-    fn scale(&mut self, k: usize, factor: f64) {
+    pub(super) fn scale(&mut self, k: usize, factor: f64) {
         self.terms[k * self.size..][..self.size].iter_mut().for_each(|x| *x *= factor);
     }
 
@@ -143,7 +153,7 @@ pub struct Ahead {
     /// Length of the span, s.
     pub span: f64,
     /// Head of each watched functional.
-    heads: Vec<HeadAhead>,
+    pub(super) heads: Vec<HeadAhead>,
     /// For each coordinate, the sum of the sizes of its terms of order 2 and above.
     behind: Vec<f64>,
     memory: Series,
@@ -155,6 +165,9 @@ impl Ahead {
     /// the value that it crosses.
     #[inline(always)]
     pub fn find(&mut self, table: &FlowTable, z: &[f64], most: f64, leaving: impl Fn(usize) -> (usize, f64)) {
+        if !table.curves.is_empty() {
+            return self.find_curved(table, z, most);
+        }
         let series = &mut self.series;
         series.begin(z, TERMS - 1);
         series.next(table, 1, 1.0);
@@ -198,13 +211,20 @@ impl Ahead {
             series.next(table, k, span / k as f64);
         }
         series.orders = k;
+        self.heads.iter_mut().for_each(|head| head.slope *= span);
+        self.sum_behind(table);
+    }
+
+    /// Sets the bounds of the heads from the terms of order 2 and above.
+    #[inline(always)]
+    pub(super) fn sum_behind(&mut self, table: &FlowTable) {
+        let series = &self.series;
         self.behind.clear();
-        self.behind.resize(z.len(), 0.0);
+        self.behind.resize(series.size, 0.0);
         for k in 2..=series.orders {
             self.behind.iter_mut().zip(series.term(k)).for_each(|(sum, x)| *sum += x.abs());
         }
         for (head, w) in self.heads.iter_mut().zip(&table.watched) {
-            head.slope *= span;
             head.behind = w.row.size(&self.behind);
         }
     }

@@ -26,10 +26,16 @@ mod order;
 
 use super::Sizes;
 use super::box_qp::Jam;
+use crate::curved::{CurveSeries, CurveSizes, TERMS};
 use crate::functional::StateRow;
 use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
+
+/// Number of orders beyond twice the number of coordinates after which an undecided contact of a
+/// machine with curved forces counts as zero throughout: no theorem bounds the order, as (A5) does
+/// for straight laws.
+const FURTHER: usize = 8;
 
 /// State of a stop during a selection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,6 +111,8 @@ pub struct Selection<'a> {
     ends: Vec<bool>,
     /// Direction of each friction's force if it was at its level in its first solution, else 0.
     at_level: Vec<f64>,
+    /// Taylor coefficients of the curved forces, with their sizes.
+    curves: Vec<(CurveSeries, CurveSizes)>,
 }
 
 /// Facts from an event about its elements, which their rounded values cannot show.
@@ -152,8 +160,17 @@ impl<'a> Selection<'a> {
         verdict: &EventVerdict,
         released: &[bool],
     ) -> Self {
+        let mut z = z.clone();
+        system.fill_curved(z.as_mut_slice());
+        let curves = system.curved.iter().map(|curved| {
+            let x = curved.argument.at(z.as_slice());
+            let mut series = CurveSeries::default();
+            series.next(curved, 0, x);
+            (series, CurveSizes::of(curved, x.abs(), curved.argument.size(sizes.0.as_slice())))
+        });
         let mut selection = Self {
             system,
+            curves: curves.collect(),
             derivatives: vec![z.clone()],
             sizes: vec![sizes.clone()],
             stops: Vec::new(),
@@ -189,7 +206,11 @@ impl<'a> Selection<'a> {
         if self.is_decided() && !self.has_contacts() && !follows {
             return Ok(Vec::new());
         }
-        for order in 0..=self.system.signals.size {
+        let last = match self.curves.is_empty() {
+            true => self.system.signals.size,
+            false => (2 * self.system.signals.size + FURTHER).min(TERMS - 2),
+        };
+        for order in 0..=last {
             self.decide_compliant(order);
             if follows {
                 self.follow(order);
@@ -399,8 +420,21 @@ impl<'a> Selection<'a> {
             next[j] = row.dot(z);
             size[j] = sizes.of(&row);
         }
+        self.differentiate_curves(next.as_mut_slice(), size.as_mut_slice());
         self.derivatives.push(next);
         self.sizes.push(Sizes(size));
+    }
+
+    /// Sets the curved forces in the next derivative of z and in its sizes, given the other
+    /// coordinates.
+    fn differentiate_curves(&mut self, next: &mut [f64], size: &mut [f64]) {
+        let order = self.derivatives.len();
+        let factorial = (1..=order).fold(1.0, |product, k| product * k as f64);
+        for (curved, (series, sizes)) in self.system.curved.iter().zip(&mut self.curves) {
+            let x = curved.argument.at(next) / factorial;
+            next[curved.place] = factorial * series.next(curved, order, x);
+            size[curved.place] = factorial * sizes.next(order, curved.argument.size(size) / factorial);
+        }
     }
 
     /// Returns the mode of the decided states, with its basis.

@@ -61,7 +61,9 @@ impl Motion {
         let mut sizes = Sizes(DVector::zeros(size));
         sizes.0.rows_mut(0, own).copy_from(&old.hybrid.sizes.0.rows(0, own));
         sizes.0.rows_range_mut(own..system.signals.constant_size_until()).fill(1.0);
+        system.fill_curved(z.as_mut_slice());
         sizes.include(z.as_slice());
+        system.include_curved(z.as_slice(), sizes.0.as_mut_slice());
         let departing = Vec::new();
         let is_own = |(a, b): (&BlockRows, &BlockRows)| {
             let times = |own: &BlockRows| own.sampler.as_ref().map(|own| [own.period, own.delay]);

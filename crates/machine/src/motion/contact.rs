@@ -67,6 +67,18 @@ pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
     rebound * rebound < 2.0 * acceleration * least
 }
 
+/// The order of an event function's zero, from its first nonzero derivative. By the law the
+/// derivative is negative: slightly positive values count as zero.
+fn order_of(departure: Option<(usize, f64)>) -> usize {
+    match departure {
+        None => ORDERS,
+        Some((0, _)) => 0,
+        // A positive derivative follows a zero of the previous order: the passage is imminent
+        // and must not be divided out.
+        Some((order, value)) => order - usize::from(value > 0.0),
+    }
+}
+
 impl Motion {
     /// Applies the law at the present state: impacts, then the next mode. The event functions
     /// `ended` have passed zero; a jump has separated the contacts `parted`.
@@ -138,7 +150,7 @@ impl Motion {
         stood: Option<BeforeJump>,
         observer: &mut Observer,
     ) -> Result<(), Error> {
-        self.hybrid.sizes.include(self.hybrid.z.as_slice());
+        self.include_state();
         report(observer, self.time(), EventKind::Knot);
         self.apply_jump(stood, observer)
     }
@@ -256,6 +268,7 @@ impl Motion {
             let independent = system.independent(&contacts);
             let r = system.triangle(&independent);
             project(system, &independent, &r, false, self.hybrid.z.as_mut_slice(), &mut self.scratch.off);
+            system.fill_curved(self.hybrid.z.as_mut_slice());
             let stops = self.flags(&[], parted).stops;
             let touching = flags.stops.iter_mut().zip(stops).filter(|(touches, now)| *now && !**touches);
             if touching.map(|(touches, _)| *touches = true).count() == 0 {
@@ -308,8 +321,9 @@ impl Motion {
             };
             let collided = instant.collide(&mut z, &mut stay_closed);
             let mut impacts = collided.map_err(|jam| self.jammed(&jam))?;
+            system.fill_curved(z.as_mut_slice());
             self.hybrid.z = z;
-            self.hybrid.sizes.include(self.hybrid.z.as_slice());
+            self.include_state();
             self.hybrid.sizes.include_from(system.coordinates, &impacts.shares);
             if impacts.sequence.is_empty() {
                 return Ok((impacts, closing));
@@ -394,15 +408,13 @@ impl Motion {
         let (z, sizes) = (z.as_slice(), sizes.0.as_slice());
         let (table, rows) = (&self.tables.at(self.place).table, &mut self.scratch.rows);
         departing.clear();
-        // By the law the first nonzero derivative is negative: slightly positive values count as
-        // zero.
-        departing.extend(table.watched.iter().map(|w| match table.departure(w, z, sizes, DOUBTFUL, rows) {
-            None => ORDERS,
-            Some((0, _)) => 0,
-            // A positive derivative follows a zero of the previous order: the passage is imminent
-            // and must not be divided out.
-            Some((order, value)) => order - usize::from(value > 0.0),
-        }));
+        if table.is_curved() {
+            let all = table.curved_departures(z, sizes, DOUBTFUL).into_iter();
+            departing.extend(all.map(order_of));
+            return;
+        }
+        let all = table.watched.iter().map(|w| table.departure(w, z, sizes, DOUBTFUL, rows));
+        departing.extend(all.map(order_of));
     }
 
     /// Sets to zero the rates of compliant stops that cage a body: the body stays at the stops'
@@ -438,6 +450,7 @@ impl Motion {
         }
         let r = system.triangle(&held);
         project(system, &held, &r, true, z.as_mut_slice(), &mut self.scratch.off);
+        system.fill_curved(z.as_mut_slice());
         true
     }
 }

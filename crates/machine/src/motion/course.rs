@@ -391,6 +391,7 @@ impl Motion {
             let (x0, r0, d, r1) = (from[k], h * a[k], to[k] - from[k], h * b[k]);
             z[k] = x0 + u * (r0 + u * (3.0 * d - 2.0 * r0 - r1 + u * (r0 + r1 - 2.0 * d)));
         }
+        self.assembly.system.fill_curved(z.as_mut_slice());
         z
     }
 
@@ -405,6 +406,7 @@ impl Motion {
         let own = self.assembly.system.signals.one;
         self.hybrid.z.as_mut_slice()[own..].copy_from_slice(&signals.as_slice()[own..]);
         self.stretch_on();
+        self.assembly.system.fill_curved(self.hybrid.z.as_mut_slice());
     }
 
     /// Returns the signals at a time, ignoring knots after the last event, in an augmented state

@@ -26,6 +26,7 @@ impl Motion {
         system.signals.fill(time, inputs, z.as_mut_slice());
         system.take_given(z.as_mut_slice());
         system.clamp_sliders(z.as_mut_slice());
+        system.fill_curved(z.as_mut_slice());
         z
     }
 
@@ -49,6 +50,7 @@ impl Motion {
             hybrid.standing.extend(given.map(|(i, branch)| (Contact::Slider(i), hybrid.z[branch.place])));
         }
         assembly.system.take_given(hybrid.z.as_mut_slice());
+        assembly.system.fill_curved(hybrid.z.as_mut_slice());
     }
 
     /// Time derivatives of the continuous states.

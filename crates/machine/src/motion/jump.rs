@@ -97,7 +97,7 @@ impl Motion {
     /// Completes a jump of prescribed bodies since `before` by moving the bodies that links tie to
     /// them. Returns the contacts that the jump separates.
     pub(super) fn jump(&mut self, before: &BeforeJump) -> Parted {
-        self.hybrid.sizes.include(self.hybrid.z.as_slice());
+        self.include_state();
         let shares = [self.share(before, 0), self.share(before, 1)];
         let n = self.assembly.system.coordinates;
         for (first, share) in [0, n].into_iter().zip(shares) {
@@ -107,7 +107,8 @@ impl Motion {
             }
         }
         self.stretch(&before.branches);
-        self.hybrid.sizes.include(self.hybrid.z.as_slice());
+        self.assembly.system.fill_curved(self.hybrid.z.as_mut_slice());
+        self.include_state();
         self.apart(before)
     }
 

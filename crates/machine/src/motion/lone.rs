@@ -17,7 +17,7 @@ impl Motion {
     /// Applies the law after `watch` has passed zero if only its element is concerned; returns
     /// whether this is so.
     pub(super) fn lone_event(&mut self, watch: Watch, observer: &mut Observer) -> bool {
-        if self.is_general || !self.hybrid.mode.is_independent() {
+        if self.is_general || self.table().is_curved() || !self.hybrid.mode.is_independent() {
             return false;
         }
         match watch {
@@ -35,7 +35,7 @@ impl Motion {
     /// bodies back onto their gaps.
     pub(super) fn lone_knot(&mut self) -> bool {
         let mode = &self.hybrid.mode;
-        if self.is_general || !mode.is_independent() || mode.stops.contains(&StopState::Closed) {
+        if self.is_general || self.table().is_curved() || !mode.is_independent() || mode.stops.contains(&StopState::Closed) {
             return false;
         }
         self.scratch.start.copy_from(&self.hybrid.z);

@@ -15,6 +15,9 @@ impl Motion {
         let met = tables.at(*place);
         let table = &*met.table;
         let remaining = goal.minus(hybrid.time).value();
+        if table.is_curved() {
+            return false;
+        }
         let Some(k) = safe_rung(table, hybrid, remaining, scratch) else { return false };
         let rung = table.rung(k);
         if hybrid.energy.are_kept() {

@@ -68,6 +68,7 @@ impl Motion {
         let (before, energy) = (self.hybrid.z.clone(), self.kinetic_and_stored().0);
         let r = system.triangle(&basis);
         project(system, &basis, &r, true, self.hybrid.z.as_mut_slice(), &mut Vec::new());
+        system.fill_curved(self.hybrid.z.as_mut_slice());
         let closes = |&i: &usize| {
             let e = &system.stops[i].elongation;
             e.rate.dot(&self.hybrid.z) > self.hybrid.sizes.zero_of(&e.rate)

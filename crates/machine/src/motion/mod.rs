@@ -320,6 +320,7 @@ impl Motion {
         let z = Self::state_with_signals(&assembly, time, start, &inputs);
         let mut sizes = Sizes(DVector::zeros(system.signals.size));
         sizes.include(z.as_slice());
+        system.include_curved(z.as_slice(), sizes.0.as_mut_slice());
         for j in system.signals.one..system.signals.constant_size_until() {
             sizes.0[j] = 1.0;
         }
@@ -480,9 +481,18 @@ impl Motion {
     }
 
     fn refill(&mut self) {
-        let signals = &self.assembly.system.signals;
-        signals.fill(self.hybrid.time, &self.hybrid.inputs, self.hybrid.z.as_mut_slice());
+        let system = &self.assembly.system;
+        system.signals.fill(self.hybrid.time, &self.hybrid.inputs, self.hybrid.z.as_mut_slice());
+        system.fill_curved(self.hybrid.z.as_mut_slice());
         self.hybrid.turns = 0;
+    }
+
+    /// Updates the largest sizes by the present state.
+    #[inline(always)]
+    fn include_state(&mut self) {
+        let Hybrid { sizes, z, .. } = &mut self.hybrid;
+        sizes.include(z.as_slice());
+        self.assembly.system.include_curved(z.as_slice(), sizes.0.as_mut_slice());
     }
 
     /// The flow of the present mode.

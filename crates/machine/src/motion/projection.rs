@@ -56,6 +56,7 @@ impl Motion {
         self.keep_rates();
         let Hybrid { mode, z, .. } = &mut self.hybrid;
         self.assembly.system.keep_levels(&mode.sliders, z.as_mut_slice());
+        self.assembly.system.fill_curved(z.as_mut_slice());
     }
 
     /// Projects the rates alone onto the constraints of the present mode.

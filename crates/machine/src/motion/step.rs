@@ -197,7 +197,10 @@ impl Motion {
                 }
             }
             // Knots and resets of signals are finite in number and do not count as work.
-            work -= f64::from(u8::from(!is_knot));
+            // The length of a mode's sub-steps says little about a curved force, whose series are as
+            // long as is proved.
+            let is_series = self.table().is_curved() && !is_event;
+            work -= f64::from(u8::from(!is_knot && !is_series));
             work += WORK.1 * (self.time() - from) / self.table().length;
             from = self.time();
             if work < 0.0 {
@@ -229,7 +232,7 @@ impl Motion {
         if !(reaches && keeps) && (!carries || self.hybrid.turns == RENEW) {
             self.refill();
         }
-        self.hybrid.sizes.include(self.hybrid.z.as_slice());
+        self.include_state();
         self.keep_contacts();
         if let Some(place) = place {
             let watch = self.table().watched[place].watch;
@@ -322,7 +325,8 @@ impl Motion {
             flight.note_touches_ahead((part, passage.is_none() && !(at_knot && reaches)), ahead, touches);
         }
         if hybrid.energy.are_kept() {
-            let (powers, rule) = (met.powers(&assembly.system), Rule::of(table.rate * dt));
+            let powers = met.powers(&assembly.system);
+            let rule = if table.is_curved() { Rule::Twelve } else { Rule::of(table.rate * dt) };
             let first = powers.first(assembly.system.coordinates);
             match rule {
                 Rule::Eight => ahead.series.at_nodes(&EIGHT, part, first, &mut scratch.nodes),
@@ -332,6 +336,7 @@ impl Motion {
             hybrid.energy.add(powers, dt, &samples, &mut scratch.values);
         }
         ahead.series.at(part, hybrid.z.as_mut_slice());
+        assembly.system.fill_curved(hybrid.z.as_mut_slice());
         let whole = passage.is_none() && part == 1.0 && ahead.span >= table.length;
         Flown { place, dt, whole, reaches }
     }

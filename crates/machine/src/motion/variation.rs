@@ -10,6 +10,10 @@ impl Motion {
     /// derivatives of some order, within its mode. Only these values are meaningful.
     pub fn time_derivative(&self, order: usize) -> Self {
         let mut z = self.hybrid.z.clone();
+        if self.table().is_curved() {
+            self.table().derivative(order, z.as_mut_slice());
+            return self.with_state(z);
+        }
         for _ in 0..order {
             z = self.table().a.rows_times(0..z.len(), z.as_slice());
         }
@@ -29,6 +33,10 @@ impl Motion {
             }
         }
         self.assembly.system.take_given(z.as_mut_slice());
+        for curved in &self.assembly.system.curved {
+            let slope = curved.derivative(curved.argument.at(self.hybrid.z.as_slice()));
+            z[curved.place] = slope * curved.argument.at(z.as_slice());
+        }
         self.with_state(z)
     }
 

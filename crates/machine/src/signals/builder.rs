@@ -38,6 +38,7 @@ impl Builder {
             repeated: Vec::new(),
             repeated_of: Vec::new(),
             size: 0,
+            curved: 0,
             inputs: 0,
             integrals: 0,
             rates: Vec::new(),
@@ -126,8 +127,9 @@ impl Builder {
         self.signals.pieces.len() - 1
     }
 
-    /// The coordinates, and the row of each signal in the order of [`add`](Self::add).
-    pub fn finish(mut self) -> (Signals, Vec<Functional>) {
+    /// The coordinates, with `curved` coordinates for curved forces at the end, and the row of
+    /// each signal in the order of [`add`](Self::add).
+    pub fn finish(mut self, curved: usize) -> (Signals, Vec<Functional>) {
         let signals = &mut self.signals;
         let mut place = signals.one + 1 + 2 * signals.frequencies.len();
         for piece in &mut signals.pieces {
@@ -138,7 +140,8 @@ impl Builder {
             sweep.first = place;
             place = sweep.places().end;
         }
-        signals.size = place;
+        signals.curved = place;
+        signals.size = place + curved;
         for integral in signals.pieces.iter_mut().filter_map(|piece| piece.integral.as_mut()) {
             integral.carried += signals.inputs;
         }

@@ -29,7 +29,7 @@ fn signals(interpolation: Interpolation) -> (Signals, Vec<DVector<f64>>) {
     builder.add_motion(&Course { v: 0.6, ..Course::from(&all) });
     builder.add(&Signal { steps: vec![step(0.9, 5.0)], ..Signal::default() });
     builder.add_motion(&Course { v: -0.25, ..Course::from(&Signal::default()) });
-    let (signals, rows) = builder.finish();
+    let (signals, rows) = builder.finish(0);
     (signals, rows.into_iter().map(|row| (*row).clone()).collect())
 }
 

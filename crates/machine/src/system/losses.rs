@@ -83,6 +83,10 @@ impl Losses {
         for (i, spring) in system.springs.iter().enumerate() {
             let rate = &spring.elongation.rate;
             put(When::Always, Account::Dashpot(i), spring.damping, rate, rate);
+            if let Some(curved) = spring.curve.map(|i| &system.curved[i]).filter(|own| own.is_of_rate) {
+                let force = Functional::unit(system.signals.size, curved.place, 1.0);
+                put(When::Always, Account::Dashpot(i), 1.0, &force, rate);
+            }
         }
         for (i, stop) in system.stops.iter().enumerate() {
             let (rate, account) = (&stop.elongation.rate, Account::Stop(i));

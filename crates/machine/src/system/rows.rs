@@ -50,6 +50,8 @@ pub struct SpringRows {
     pub preload: f64,
     /// Its force.
     pub force: Functional,
+    /// Index of its curved force, which is part of `force`.
+    pub curve: Option<usize>,
 }
 
 /// One side of the limits of a continuous block's output. It is listed among the stops, with the

@@ -1,0 +1,105 @@
+//! The remainder of a power series with curved forces (docs/assembly-law.md, section 17).
+
+use super::series::tail;
+use super::{CurveSeries, Curved};
+
+/// Largest error of a series, relative to its largest term in the norm of (A6): half a rounding.
+const REMAINDER: f64 = 1e-16;
+/// Size of the last terms, relative to the largest, from which the search for the longest span
+/// begins.
+const LAST: f64 = 1e-17;
+/// Largest number of steps by which a span is shortened.
+const SHORTENINGS: usize = 100;
+/// Room for roundings of a sum of coefficients, relative to the sum.
+const ROOM: f64 = 1e-12;
+/// Largest exponent of the growth of an error within a span.
+const GROWTH: f64 = 20.0;
+
+/// A curved force with its series and its place in the norm of (A6).
+pub(crate) struct CurveTerms<'a> {
+    /// The force.
+    pub(crate) curved: &'a Curved,
+    /// Its series.
+    pub(crate) series: &'a CurveSeries,
+    /// Norm of the row of its argument: Σ |ℓᵢ| wᵢ.
+    pub(crate) reach: f64,
+    /// Norm of the column by which it acts on z': max |yᵢ| / wᵢ.
+    pub(crate) effect: f64,
+}
+
+/// What bounds the remainder of a power series over a fraction of its span.
+pub(crate) struct Remainder<'a> {
+    /// Length of the span of the computed series, s.
+    pub(crate) span: f64,
+    /// Norm of A, 1/s.
+    pub(crate) rate: f64,
+    /// Norm of the terms of each order, without the coordinates of curved forces.
+    pub(crate) norms: &'a [f64],
+    /// Norm of the states' terms alone.
+    pub(crate) sizes: &'a [f64],
+    /// The curved forces.
+    pub(crate) curves: &'a [CurveTerms<'a>],
+}
+
+impl Remainder<'_> {
+    /// Order of the last term.
+    fn last(&self) -> usize {
+        self.norms.len() - 1
+    }
+
+    /// The largest term of the states over a fraction of the span.
+    fn size(&self, part: f64) -> f64 {
+        let mut power = 1.0;
+        let mut most = 0.0f64;
+        for size in self.sizes {
+            most = most.max(size * power);
+            power *= part;
+        }
+        most
+    }
+
+    /// Bound of the error of the series within a fraction of the span, if the error stays below
+    /// `margin`: the defect of the polynomial times the growth of an error (S2).
+    pub(crate) fn bound(&self, part: f64, margin: f64) -> f64 {
+        let last = self.last();
+        let h = self.span * part;
+        // The ratio at which the coefficients fall to `LAST` balances the majorant's two ends.
+        let ratio = (1.0 / LAST).powf(1.0 / last as f64);
+        let (mut defect, mut growth) = (self.rate * self.norms[last] * part.powi(last as i32), self.rate);
+        for CurveTerms { curved, series, reach, effect } in self.curves {
+            let scale = series.scale(ratio * part, last);
+            defect += effect * tail(curved, scale, ratio, last);
+            let most = series.sum_of_sizes(part, last) * (1.0 + ROOM) + reach * margin;
+            growth += effect * curved.majorant().derivative(most) * reach;
+        }
+        let exponent = growth * h;
+        if exponent > GROWTH {
+            return f64::INFINITY;
+        }
+        let growth = if exponent > 0.0 { exponent.exp_m1() / exponent } else { 1.0 };
+        h * defect * growth
+    }
+
+    /// The longest fraction of the span, at most `most`, over which the remainder is proved to be
+    /// below rounding. 0 if there is none.
+    pub(crate) fn longest(&self, most: f64) -> f64 {
+        let last = self.last();
+        let size = self.sizes[..3.min(self.sizes.len())].iter().fold(0.0f64, |a, b| a.max(*b));
+        let mut part = most;
+        for k in [last - 1, last] {
+            if self.norms[k] > 0.0 {
+                part = part.min((LAST * size / self.norms[k]).powf(1.0 / k as f64));
+            }
+        }
+        for _ in 0..SHORTENINGS {
+            let limit = REMAINDER * self.size(part);
+            let bound = self.bound(part, limit);
+            if bound <= limit {
+                return part;
+            }
+            let factor = 0.98 * (limit / bound).powf(1.0 / last as f64);
+            part *= if factor.is_finite() { factor.clamp(0.1, 0.98) } else { 0.5 };
+        }
+        0.0
+    }
+}

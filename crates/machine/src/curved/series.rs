@@ -1,0 +1,115 @@
+//! Power series of curved forces, order by order.
+
+use super::{Curved, LOWEST, POWERS};
+
+/// Largest number of coefficients of a series.
+pub const TERMS: usize = 40;
+
+/// Coefficients of the argument x of a curved force and of its powers x², …, x⁵, by order.
+#[derive(Clone, Copy, Debug)]
+pub struct CurveSeries {
+    x: [f64; TERMS],
+    powers: [[f64; TERMS]; POWERS],
+}
+
+impl Default for CurveSeries {
+    fn default() -> Self {
+        Self { x: [0.0; TERMS], powers: [[0.0; TERMS]; POWERS] }
+    }
+}
+
+impl CurveSeries {
+    /// Sets the coefficient of x of order `k`, given all lower ones, and returns that of φ(x).
+    #[inline(always)]
+    pub fn next(&mut self, curved: &Curved, k: usize, x: f64) -> f64 {
+        self.x[k] = x;
+        let Some(highest) = curved.coefficients.iter().rposition(|c| *c != 0.0) else { return 0.0 };
+        let mut sum = 0.0;
+        for m in 0..=highest {
+            let (known, later) = self.powers.split_at_mut(m);
+            let factor = known.last().unwrap_or(&self.x);
+            let power = product(factor, &self.x, k);
+            later[0][k] = power;
+            sum += curved.coefficients[m] * power;
+        }
+        sum
+    }
+
+    /// Σ over the orders from 0 to `last` of the sizes of the coefficients of x, each times
+    /// `part` to its order.
+    pub fn sum_of_sizes(&self, part: f64, last: usize) -> f64 {
+        self.x[..=last].iter().rev().fold(0.0, |sum, x| sum * part + x.abs())
+    }
+
+    /// The least C with |xₖ| ≤ C ratio⁻ᵏ for the orders up to `last`.
+    pub fn scale(&self, ratio: f64, last: usize) -> f64 {
+        let (mut most, mut power) = (0.0f64, 1.0);
+        for x in &self.x[..=last] {
+            most = most.max(x.abs() * power);
+            power *= ratio;
+        }
+        most
+    }
+}
+
+/// Sizes of the terms of the series of a curved force: its majorant at the sizes of the terms of
+/// its argument, and the change of the majorant by the rounding of the argument.
+#[derive(Clone, Debug)]
+pub struct CurveSizes {
+    majorant: Curved,
+    slope: Curved,
+    /// Size of the rounding of the argument.
+    shift: f64,
+    value: CurveSeries,
+    change: CurveSeries,
+}
+
+impl CurveSizes {
+    /// The sizes for an argument and the size of its rounding.
+    pub fn of(curved: &Curved, x: f64, shift: f64) -> Self {
+        let majorant = curved.majorant();
+        let slope = majorant.differentiated();
+        let mut own = Self {
+            majorant,
+            slope,
+            shift,
+            value: CurveSeries::default(),
+            change: CurveSeries::default(),
+        };
+        own.next(0, x);
+        own
+    }
+
+    /// Size of the term of order `k`, given the size of the term of the argument.
+    pub fn next(&mut self, k: usize, x: f64) -> f64 {
+        let value = self.value.next(&self.majorant, k, x);
+        // The derivative of a curve begins with a term of order 1.
+        let linear = self.slope.slope * x;
+        value + self.shift * (linear + self.change.next(&self.slope, k, x))
+    }
+}
+
+/// Coefficient of order `k` of the product of two series.
+#[inline(always)]
+fn product(a: &[f64; TERMS], b: &[f64; TERMS], k: usize) -> f64 {
+    let mut sums = [0.0; 4];
+    for j in 0..=k {
+        sums[j % 4] += a[j] * b[k - j];
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
+}
+
+/// Bound of the sum of the sizes of the coefficients of orders from `first` on of a polynomial of
+/// x, if |xₖ| ≤ `scale` ratio⁻ᵏ: those of xᵐ are at most scaleᵐ C(k + m - 1, m - 1) ratio⁻ᵏ.
+pub(super) fn tail(curved: &Curved, scale: f64, ratio: f64, first: usize) -> f64 {
+    let mut sum = 0.0;
+    for (i, c) in curved.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+        let m = i + LOWEST;
+        let binomial = (1..m).fold(1.0, |b, j| b * (first + j) as f64 / j as f64);
+        // The ratio of one term to the one before falls with the order.
+        let next = (first + m) as f64 / (first + 1) as f64 / ratio;
+        let begin = c.abs() * scale.powi(m as i32) * binomial * ratio.powi(-(first as i32));
+        sum += if next < 1.0 { begin / (1.0 - next) } else { f64::INFINITY };
+    }
+    sum
+}

@@ -1,0 +1,165 @@
+//! Curved forces in a mode, and the power series of a state under them.
+
+use super::ahead::{Ahead, HeadAhead, Series};
+use super::{FlowTable, ORDERS};
+use crate::curved::{CurveSeries, CurveSizes, CurveTerms, Curved, Remainder};
+use crate::kernel::{Sparse, SparseMatrix};
+use crate::law::ZERO;
+use crate::system::System;
+
+/// Order of the last term of a series with curved forces. Vectors make orders cheap; a fixed
+/// number keeps the bits of a motion independent of luck.
+const LAST_ORDER: usize = 28;
+/// Rate times length of the longest series.
+const REACH: f64 = 4.0;
+/// Factor by which the span of a series is shortened if its terms overflow.
+const OVERFLOW: f64 = 1e-3;
+
+/// A curved force in a mode.
+#[derive(Clone, Debug)]
+pub(super) struct CurveInMode {
+    /// The force.
+    pub(super) curved: Curved,
+    /// Its argument as a row.
+    pub(super) argument: Sparse,
+    /// Norm of the argument's row: Σ |ℓᵢ| wᵢ.
+    pub(super) reach: f64,
+    /// Norm of the column by which φ acts on z': max |yᵢ| / wᵢ.
+    pub(super) effect: f64,
+}
+
+impl CurveInMode {
+    /// The curved forces in a mode with matrix A and 1/w of its norm.
+    pub(super) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
+        let columns = if system.curved.is_empty() { SparseMatrix::default() } else { a.transpose() };
+        let in_mode = |curved: &Curved| {
+            let argument: Sparse = AsRef::<Sparse>::as_ref(&curved.argument).clone();
+            let reach = argument.terms().iter().map(|&(j, x)| x.abs() / weights[j]).sum();
+            let column = columns.row(curved.place).iter();
+            let effect = column.map(|&(i, y)| y.abs() * weights[i]).fold(0.0, f64::max);
+            Self { curved: curved.clone(), argument, reach, effect }
+        };
+        system.curved.iter().map(in_mode).collect()
+    }
+}
+
+impl Series {
+    /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
+    #[inline(never)]
+    pub(super) fn curve(&mut self, table: &FlowTable, k: usize) {
+        self.curves.resize(table.curves.len(), CurveSeries::default());
+        for (curve, series) in table.curves.iter().zip(&mut self.curves) {
+            let terms = &mut self.terms[k * self.size..][..self.size];
+            let value = series.next(&curve.curved, k, curve.argument.dot(terms));
+            terms[curve.curved.place] = value;
+        }
+    }
+}
+
+impl Ahead {
+    /// Expands the states ahead of `z` over the longest time, at most `most`, for which the
+    /// remainder of the series is proved to be rounding.
+    #[inline(never)]
+    pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
+        let mut slope = table.rate;
+        for curve in &table.curves {
+            let x = curve.argument.dot(z).abs();
+            slope += curve.effect * curve.reach * curve.curved.majorant().derivative(x);
+        }
+        let mut scale = most.min(REACH / slope);
+        let series = &mut self.series;
+        loop {
+            series.expand(table, z, scale, LAST_ORDER);
+            if scale < f64::MIN_POSITIVE || series.term(LAST_ORDER).iter().all(|x| x.is_finite()) {
+                break;
+            }
+            scale *= OVERFLOW;
+        }
+        let part = table.proved_part(series, scale, most / scale);
+        let mut power = 1.0;
+        for k in 1..=LAST_ORDER {
+            power *= part;
+            series.scale(k, power);
+        }
+        self.span = if part * scale >= most { most } else { part * scale };
+        self.heads.clear();
+        for w in &table.watched {
+            let of = |k: usize| w.row.dot(series.term(k));
+            self.heads.push(HeadAhead { value: of(0), slope: of(1), behind: 0.0 });
+        }
+        self.sum_behind(table);
+    }
+}
+
+impl FlowTable {
+    /// Whether the mode has curved forces.
+    pub(crate) fn is_curved(&self) -> bool {
+        !self.curves.is_empty()
+    }
+
+    /// Replaces a state by its time derivative of an order below [`TERMS`].
+    pub(crate) fn derivative(&self, order: usize, z: &mut [f64]) {
+        let mut series = Series::default();
+        series.expand(self, z, 1.0, order);
+        z.copy_from_slice(series.term(order));
+        let factorial = (1..=order).fold(1.0, |product, k| product * k as f64);
+        z.iter_mut().for_each(|x| *x *= factorial);
+    }
+
+    /// The longest fraction of the span of a series, at most `most`, over which its remainder is
+    /// proved to be rounding.
+    fn proved_part(&self, series: &Series, span: f64, most: f64) -> f64 {
+        let straight = self.a.len() - self.curves.len();
+        let norms: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(self, k, straight)).collect();
+        let sizes: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(self, k, self.one)).collect();
+        let pairs = self.curves.iter().zip(&series.curves);
+        let curves: Vec<CurveTerms> = pairs
+            .map(|(own, series)| CurveTerms {
+                curved: &own.curved,
+                series,
+                reach: own.reach,
+                effect: own.effect,
+            })
+            .collect();
+        let remainder = Remainder { span, rate: self.rate, norms: &norms, sizes: &sizes, curves: &curves };
+        remainder.longest(most)
+    }
+
+    /// For each watched functional: order and value of its first nonzero derivative, as
+    /// [`departure`](Self::departure) finds it for straight laws.
+    pub(crate) fn curved_departures(
+        &self,
+        z: &[f64],
+        sizes: &[f64],
+        doubt: f64,
+    ) -> Vec<Option<(usize, f64)>> {
+        let mut series = Series::default();
+        series.expand(self, z, self.length, ORDERS - 1);
+        let all = self.sizes_of_terms(z, sizes, ORDERS - 1);
+        let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
+        let of = |row: &Sparse| {
+            (0..ORDERS).find_map(|k| {
+                let value = row.dot(series.term(k));
+                leaves(value, row.size(&all[k])).then_some((k, value))
+            })
+        };
+        self.watched.iter().map(|w| of(&w.row)).collect()
+    }
+
+    /// Sizes of the terms of a series over a sub-step, by order, from the coordinates' sizes.
+    fn sizes_of_terms(&self, z: &[f64], sizes: &[f64], last: usize) -> Vec<Vec<f64>> {
+        let own = self.sizes.as_ref().unwrap_or(&self.a);
+        let mut all = vec![sizes.to_vec()];
+        let mut majorants: Vec<CurveSizes> =
+            self.curves.iter().map(|curve| CurveSizes::of(&curve.curved, curve.argument.dot(z).abs(), curve.argument.size(sizes))).collect();
+        for k in 1..=last {
+            let mut next = vec![0.0; sizes.len()];
+            own.sizes_rows_times_to(0, &all[k - 1], self.length / k as f64, &mut next);
+            for (curve, majorant) in self.curves.iter().zip(&mut majorants) {
+                next[curve.curved.place] = majorant.next(k, curve.argument.size(&next));
+            }
+            all.push(next);
+        }
+        all
+    }
+}
