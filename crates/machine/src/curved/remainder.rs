@@ -60,15 +60,16 @@ impl Remainder<'_> {
 
     /// Bound of the error of the series within a fraction of the span, if the error stays below
     /// `margin`: the defect of the polynomial times the growth of an error (S2).
-    pub(crate) fn bound(&self, part: f64, margin: f64) -> f64 {
+    ///
+    /// The coefficients of an argument are at most C radius⁻ᵏ, with a `radius` in fractions of the
+    /// span; any radius beyond `part` gives a bound.
+    pub(crate) fn bound(&self, part: f64, radius: f64, margin: f64) -> f64 {
         let last = self.last();
         let h = self.span * part;
-        // The ratio at which the coefficients fall to `LAST` balances the majorant's two ends.
-        let ratio = (1.0 / LAST).powf(1.0 / last as f64);
         let (mut defect, mut growth) = (self.rate * self.norms[last] * part.powi(last as i32), self.rate);
         for CurveTerms { curved, series, reach, effect } in self.curves {
-            let scale = series.scale(ratio * part, last);
-            defect += effect * tail(curved, scale, ratio, last);
+            let scale = series.scale(radius, last);
+            defect += effect * tail(curved, scale, radius / part, last);
             let most = series.sum_of_sizes(part, last) * (1.0 + ROOM) + reach * margin;
             growth += effect * curved.majorant().derivative(most) * reach;
         }
@@ -91,9 +92,11 @@ impl Remainder<'_> {
                 part = part.min((LAST * size / self.norms[k]).powf(1.0 / k as f64));
             }
         }
+        // At this radius the last coefficients are as large as the first.
+        let radius = part * (1.0 / LAST).powf(1.0 / last as f64);
         for _ in 0..SHORTENINGS {
             let limit = REMAINDER * self.size(part);
-            let bound = self.bound(part, limit);
+            let bound = self.bound(part, radius, limit);
             if bound <= limit {
                 return part;
             }
