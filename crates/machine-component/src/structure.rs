@@ -201,6 +201,7 @@ impl<'a> Structure<'a> {
     fn force(&self, element: Element) -> Knowns {
         match element.action() {
             Action::Linear if slides(&element.series().copied()) => self.elastic(element, Discrete),
+            Action::Linear if element.is_curved() => self.elastic(element, Dependent),
             Action::Linear => self.elastic(element, Tunable),
             Action::Switching => {
                 let mut knowns = self.elastic(element, Discrete);
@@ -218,7 +219,7 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// Returns the knowns of a force linear in elongation and rate, with factors of a kind.
+    /// Returns the knowns of a force of elongation and rate, with derivatives of a kind.
     fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         // The force of a damper does not depend on its elongation.

@@ -85,6 +85,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     check_integrated(machine, &mut problems);
     loads(machine, &mut problems);
     series(machine, &mut problems);
+    curves(machine, &mut problems);
     stepped::check(machine, &mut problems);
     blocks::check(machine, &mut problems);
     if !problems.is_empty() {
@@ -282,6 +283,23 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
             }
             Some(_) => {}
         }
+    }
+}
+
+/// Problems of curved springs: the curve is the whole force next to the dashpot, and the start is
+/// given.
+fn curves(machine: &Description, problems: &mut Vec<Problem>) {
+    for spring in machine.springs.iter().filter(|own| own.is_curved()) {
+        let name = format!("spring.{}", spring.name);
+        if !spring.points.is_empty() || spring.series.is_some() || spring.stepped.is_some() {
+            let text = "a curve cannot be combined with points, a partner in series or a stiffness that \
+                        steps: use two springs side by side";
+            problems.push(Problem::new(name, None, text));
+        }
+    }
+    if let (true, Some(element)) = (machine.starts_at_rest, crate::system::first_curved(machine)) {
+        let text = "the equilibrium is not computed for curved forces; use the body's own `start`";
+        problems.push(Problem::new("start", Some("\"rest\"".into()), format!("{element}: {text}")));
     }
 }
 

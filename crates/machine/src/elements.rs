@@ -43,7 +43,8 @@ pub enum Element<'a> {
 /// How the force of an element follows from the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// A single linear function of elongation and rate.
+    /// A single function of elongation and rate: linear, unless the element is
+    /// [curved](Element::is_curved).
     Linear,
     /// A linear function of elongation and rate in each state of the element.
     Switching,
@@ -156,6 +157,15 @@ impl<'a> Element<'a> {
             Self::Load(_) => Action::Driving,
             Self::Source(_) => Action::Giving,
             Self::Block(_) => Action::Computing,
+        }
+    }
+
+    /// Whether the force is a curve of the elongation or of its rate.
+    pub fn is_curved(self) -> bool {
+        match self {
+            Self::Spring(spring) => spring.is_curved(),
+            Self::Damper(damper) => damper.cubic.is_some(),
+            _ => false,
         }
     }
 

@@ -116,6 +116,14 @@ pub enum Error {
         /// End of the step, s.
         end: f64,
     },
+    /// A computation that is not available for machines with curved forces.
+    #[error("{what} requires straight laws: {element} has a curved force")]
+    Curved {
+        /// The computation, such as "a derivative by a parameter".
+        what: &'static str,
+        /// Dotted name of the first element with a curved force.
+        element: String,
+    },
     /// A name or a number that the machine refuses.
     #[error(transparent)]
     Refused(#[from] Refusal),

@@ -50,11 +50,14 @@ impl Neutral {
             let all = system.springs.iter().filter(|s| acts(s));
             all.map(|s| along(&s.elongation)).collect::<Vec<_>>()
         };
-        let mut rows = springs(&|s| s.stiffness != 0.0);
+        let is_curved = |s: &crate::system::SpringRows, of_rate: bool| {
+            s.curve.is_some_and(|i| system.curved[i].is_of_rate == of_rate)
+        };
+        let mut rows = springs(&|s| s.stiffness != 0.0 || is_curved(s, false));
         rows.extend(system.stops[..system.first_freewheel].iter().map(|s| along(&s.elongation)));
         rows.extend(read(system, 0));
         let places = null_space(rows.clone(), system.coordinates);
-        rows.extend(springs(&|s| s.damping != 0.0));
+        rows.extend(springs(&|s| s.damping != 0.0 || is_curved(s, true)));
         rows.extend(gyroscopic(system));
         rows.extend(read(system, system.coordinates));
         rows.extend(system.stops[system.freewheels()].iter().map(|s| along(&s.elongation)));

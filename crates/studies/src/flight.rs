@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
 use std::sync::Arc;
-use vibro_machine::flow::{ORDERS, Sparse, SparseMatrix};
+use vibro_machine::flow::{Ahead, FlowTable, ORDERS, Sparse, SparseMatrix};
 use vibro_machine::functional::StateRow;
 use vibro_machine::linear::Linear;
 use vibro_machine::mode::{Mode, Watch};
@@ -26,6 +26,9 @@ const REMAINDER: f64 = 1e-19;
 
 /// Bound of the norm of A times the fraction of a span whose series is squared.
 const PART: f64 = 0.5;
+
+/// Fraction of a series with curved forces that a stretch has: 0.7²⁶ < 1e-4 of its last terms.
+const CURVED_PART: f64 = 0.7;
 
 /// Number of stretches of a flight above which variations are carried by a matrix, by squaring.
 const MANY: f64 = 64.0;
@@ -59,6 +62,8 @@ pub struct Flow {
     pub lambda: Vec<Sparse>,
     /// Event functions that end the mode, each negative inside it.
     pub watched: Vec<(Watch, StateRow)>,
+    /// With curved forces: the flow of the engine, whose series has them.
+    curved: Option<FlowTable>,
 }
 
 impl Flow {
@@ -68,11 +73,17 @@ impl Flow {
         let rate = rate_bound(&a, system.signals.one);
         let dense = |row: &Sparse| StateRow::from_vec(row.dense(system.signals.size));
         let watched = watched.into_iter().map(|(watch, row)| (watch, dense(&row))).collect();
-        Self { mode: mode.clone(), a, rate, lambda, watched }
+        let curved = (!system.curved.is_empty()).then(|| FlowTable::of_mode(system, mode));
+        Self { mode: mode.clone(), a, rate, lambda, watched, curved }
     }
 
     /// z' at a state.
     pub fn derivative(&self, z: &[f64]) -> Vec<f64> {
+        if let Some(table) = &self.curved {
+            let mut rates = z.to_vec();
+            table.derivative(1, &mut rates);
+            return rates;
+        }
         self.a.rows_times(0..z.len(), z).as_slice().to_vec()
     }
 
@@ -151,6 +162,9 @@ impl Flow {
 
     /// Calls `visit` with the series and length, s, of each stretch. Returns the state at the end.
     pub fn stretches(&self, z: &[f64], span: f64, visit: &mut dyn FnMut(&Series, f64)) -> Vec<f64> {
+        if let Some(table) = &self.curved {
+            return curved_stretches(table, z, span, visit);
+        }
         let count = self.stretches_of(span);
         let part = span / count;
         let (mut state, mut series) = (z.to_vec(), Series::default());
@@ -165,9 +179,20 @@ impl Flow {
         state
     }
 
-    /// Carries variations over a flight: each by its series or, over many stretches, all by the
-    /// matrix exp(A t), computed by squaring.
-    pub fn carry(&self, variations: &mut [Vec<f64>], span: f64) {
+    /// Carries variations, and with curved forces the state, over a part of a flight.
+    pub fn carry_along(&self, state: &mut [f64], variations: &mut [Vec<f64>], span: f64) {
+        match &self.curved {
+            Some(table) => table.carry_along(state, variations, span),
+            None => variations.iter_mut().for_each(|v| *v = self.stretches(v, span, &mut |_, _| ())),
+        }
+    }
+
+    /// Carries variations over a flight that begins in the state `start`: each by its series or,
+    /// over many stretches, all by the matrix exp(A t), computed by squaring.
+    pub fn carry(&self, start: &[f64], variations: &mut [Vec<f64>], span: f64) {
+        if let Some(table) = &self.curved {
+            return table.carry_along(&mut start.to_vec(), variations, span);
+        }
         let (count, size) = (self.stretches_of(span), variations.first().map_or(0, Vec::len));
         if count <= MANY || size > LARGE {
             for v in variations.iter_mut() {
@@ -215,6 +240,34 @@ impl Flow {
         }
         change.transpose()
     }
+}
+
+/// [`Flow::stretches`] with curved forces. A stretch is shorter than the engine's series, so that
+/// its [`ORDERS`] terms suffice.
+fn curved_stretches(
+    table: &FlowTable,
+    z: &[f64],
+    span: f64,
+    visit: &mut dyn FnMut(&Series, f64),
+) -> Vec<f64> {
+    let (mut state, mut ahead, mut left) = (z.to_vec(), Ahead::default(), span);
+    let mut series = Series { size: z.len(), terms: Vec::new() };
+    while left > 0.0 {
+        ahead.find(table, &state, left / CURVED_PART, |_| (0, 0.0));
+        let is_last = ahead.span >= left / CURVED_PART;
+        series.terms.clear();
+        let mut power = 1.0;
+        for term in ahead.series.terms().take(ORDERS) {
+            series.terms.extend(term.iter().map(|x| x * power));
+            power *= CURVED_PART;
+        }
+        let length = if is_last { left } else { ahead.span * CURVED_PART };
+        visit(&series, length);
+        ahead.series.at(CURVED_PART, &mut state);
+        table.fill_curves(&mut state);
+        left = if is_last { 0.0 } else { left - length };
+    }
+    state
 }
 
 /// Number of rows up to which a product is summed in place: a library's product first packs its

@@ -9,7 +9,7 @@
 //! On a periodic orbit the exponents are ln|μ|/T, with the orbit's multipliers μ over its period
 //! T. The growth over n periods differs from them by up to about 1/(n T).
 
-use super::flight::{Flow, Flows, ObservedFlight, Observer, Passage};
+use super::flight::{Flows, ObservedFlight, Observer, Passage};
 use super::growth::{ALIGN, Growth};
 use super::settled::multipliers;
 use super::variation::{Metric, hold, pass};
@@ -110,9 +110,10 @@ impl Observer for Orthogonal {
     fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         let ObservedFlight { flow, span, .. } = flight;
         let parts = (flow.stretches_of(span) / STRETCHES).ceil();
+        let mut state = flight.start.to_vec();
         for _ in 0..parts as u64 {
+            flow.carry_along(&mut state, &mut self.columns, span / parts);
             for v in &mut self.columns {
-                *v = Flow::stretches(flow, v, span / parts, &mut |_, _| ());
                 hold(system, &flow.mode, v, &self.metric);
             }
             self.orthogonalize();

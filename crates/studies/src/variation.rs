@@ -5,7 +5,7 @@
 //! Directions that contacts constrain, and neutral directions, are removed from a variation; only
 //! the remainder can grow or shrink.
 
-use super::flight::{Flow, ObservedFlight, Observer, Passage, dot};
+use super::flight::{ObservedFlight, Observer, Passage, dot};
 use nalgebra::DVector;
 use vibro_machine::mode::Mode;
 use vibro_machine::motion::{Crossing, keep};
@@ -94,6 +94,7 @@ pub(super) fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<
     let crossing = Crossing { modes, states, rates, row, events };
     let before: Vec<f64> = variations.iter().map(|v| metric.length(v)).collect();
     crossing.carry(system, variations.iter_mut().map(Vec::as_mut_slice));
+    variations.iter_mut().for_each(|v| system.vary_curved(states[1], v));
     for (v, before) in variations.iter_mut().zip(before) {
         if metric.length(v) <= HELD * before {
             v.fill(0.0);
@@ -126,7 +127,7 @@ impl Frame {
 
 impl Observer for Frame {
     fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
-        flight.flow.carry(&mut self.columns, flight.span);
+        flight.flow.carry(flight.start, &mut self.columns, flight.span);
         for v in &mut self.columns {
             hold(system, &flight.flow.mode, v, &self.metric);
         }
@@ -185,8 +186,9 @@ impl Observer for Variation {
     fn flight(&mut self, system: &System, flight: ObservedFlight<'_>) {
         let ObservedFlight { flow, span, .. } = flight;
         let parts = (flow.stretches_of(span) / STRETCHES).ceil();
+        let mut state = flight.start.to_vec();
         for _ in 0..parts as u64 {
-            self.v[0] = Flow::stretches(flow, &self.v[0], span / parts, &mut |_, _| ());
+            flow.carry_along(&mut state, &mut self.v, span / parts);
             hold(system, &flow.mode, &mut self.v[0], &self.metric);
             // With a slow drive, dampers can shrink the variation to nothing within one return.
             if !SCALED.contains(&self.metric.length(&self.v[0])) {

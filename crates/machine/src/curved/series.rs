@@ -35,6 +35,13 @@ impl CurveSeries {
         sum
     }
 
+    /// Coefficient of order `k` of φ'(x).
+    pub fn slope(&self, curved: &Curved, k: usize) -> f64 {
+        let [c2, c3, c4, c5] = curved.coefficients;
+        let [square, cube, fourth, _] = &self.powers;
+        2.0 * c2 * self.x[k] + 3.0 * c3 * square[k] + 4.0 * c4 * cube[k] + 5.0 * c5 * fourth[k]
+    }
+
     /// Σ over the orders from 0 to `last` of the sizes of the coefficients of x, each times
     /// `part` to its order.
     pub fn sum_of_sizes(&self, part: f64, last: usize) -> f64 {

@@ -83,6 +83,9 @@ pub(super) struct Varied<'a> {
 
 impl Machine {
     pub fn new(assembly: Arc<Assembly>, columns: Vec<By>) -> Result<Self, Error> {
+        if !columns.is_empty() {
+            assembly.check_straight("a derivative by a parameter")?;
+        }
         let d = &assembly.description;
         let columns = columns.into_iter().map(|by| by.by_usual_name(d)).collect::<Result<Vec<_>, _>>()?;
         let follow = columns.iter().flat_map(|by| d.named.numbers_of(by.parameter()));

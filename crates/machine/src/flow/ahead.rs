@@ -152,6 +152,8 @@ pub struct Ahead {
     pub series: Series,
     /// Length of the span, s.
     pub span: f64,
+    /// With curved forces: the span of their series, s.
+    pub(super) expanded: f64,
     /// Head of each watched functional.
     pub(super) heads: Vec<HeadAhead>,
     /// For each coordinate, the sum of the sizes of its terms of order 2 and above.

@@ -82,6 +82,7 @@ impl Ahead {
             series.scale(k, power);
         }
         self.span = if part * scale >= most { most } else { part * scale };
+        self.expanded = scale;
         self.heads.clear();
         for w in &table.watched {
             let of = |k: usize| w.row.dot(series.term(k));
@@ -93,12 +94,12 @@ impl Ahead {
 
 impl FlowTable {
     /// Whether the mode has curved forces.
-    pub(crate) fn is_curved(&self) -> bool {
+    pub fn is_curved(&self) -> bool {
         !self.curves.is_empty()
     }
 
     /// Replaces a state by its time derivative of an order below [`TERMS`].
-    pub(crate) fn derivative(&self, order: usize, z: &mut [f64]) {
+    pub fn derivative(&self, order: usize, z: &mut [f64]) {
         let mut series = Series::default();
         series.expand(self, z, 1.0, order);
         z.copy_from_slice(series.term(order));
@@ -123,6 +124,57 @@ impl FlowTable {
             .collect();
         let remainder = Remainder { span, rate: self.rate, norms: &norms, sizes: &sizes, curves: &curves };
         remainder.longest(most)
+    }
+
+    /// Advances a state by a time within the mode, and variations with it.
+    pub fn carry_along(&self, z: &mut [f64], variations: &mut [Vec<f64>], time: f64) {
+        let (mut ahead, mut left) = (Ahead::default(), time);
+        let mut terms = vec![vec![0.0; z.len()]; LAST_ORDER + 1];
+        while left > 0.0 {
+            ahead.find(self, z, left, |_| (0, 0.0));
+            let part = ahead.span / ahead.expanded;
+            for variation in variations.iter_mut() {
+                self.vary(&ahead, variation, &mut terms, part);
+            }
+            ahead.series.at(1.0, z);
+            self.fill_curves(z);
+            variations.iter_mut().for_each(|variation| self.vary_curves(z, variation));
+            left = if ahead.span >= left { 0.0 } else { left - ahead.span };
+        }
+    }
+
+    /// Advances a variation along a series, by a fraction of the span of the curved forces.
+    fn vary(&self, ahead: &Ahead, variation: &mut [f64], terms: &mut [Vec<f64>], part: f64) {
+        terms[0].copy_from_slice(variation);
+        for k in 0..=LAST_ORDER {
+            let (known, later) = terms.split_at_mut(k + 1);
+            for (curve, series) in self.curves.iter().zip(&ahead.series.curves) {
+                let product = |j: usize| series.slope(&curve.curved, j) * curve.argument.dot(&known[k - j]);
+                let value = (0..=k).map(product).sum();
+                known[k][curve.curved.place] = value;
+            }
+            if let Some(next) = later.first_mut() {
+                self.rows_times_to(0, &known[k], ahead.expanded / (k + 1) as f64, next);
+            }
+        }
+        variation.copy_from_slice(&terms[LAST_ORDER]);
+        for term in terms[..LAST_ORDER].iter().rev() {
+            variation.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
+        }
+    }
+
+    /// Writes the curved forces into a state.
+    pub fn fill_curves(&self, z: &mut [f64]) {
+        for CurveInMode { curved, argument, .. } in &self.curves {
+            z[curved.place] = curved.value(argument.dot(z));
+        }
+    }
+
+    /// Writes the variations of the curved forces into a variation of a state.
+    fn vary_curves(&self, z: &[f64], variation: &mut [f64]) {
+        for CurveInMode { curved, argument, .. } in &self.curves {
+            variation[curved.place] = curved.derivative(argument.dot(z)) * argument.dot(variation);
+        }
     }
 
     /// For each watched functional: order and value of its first nonzero derivative, as

@@ -33,10 +33,7 @@ impl Motion {
             }
         }
         self.assembly.system.take_given(z.as_mut_slice());
-        for curved in &self.assembly.system.curved {
-            let slope = curved.derivative(curved.argument.at(self.hybrid.z.as_slice()));
-            z[curved.place] = slope * curved.argument.at(z.as_slice());
-        }
+        self.assembly.system.vary_curved(self.hybrid.z.as_slice(), z.as_mut_slice());
         self.with_state(z)
     }
 

@@ -127,8 +127,14 @@ impl Motion {
     pub fn advance_with(&mut self, end: f64, variations: &mut [Vec<f64>]) -> Result<Reached, Error> {
         self.pass_event_with(variations)?;
         let (table, from) = (self.tables.at(self.place).table.clone(), self.time());
+        let mut start = if table.is_curved() { self.hybrid.z.as_slice().to_vec() } else { Vec::new() };
         let outcome = self.advance_before_event(end, &mut |_| ())?;
         let span = self.time() - from;
+        if table.is_curved() && span > 0.0 {
+            table.carry_along(&mut start, variations, span);
+            variations.iter_mut().for_each(|own| keep(&self.assembly.system, &self.hybrid.mode, own));
+            return Ok(outcome);
+        }
         for variation in variations.iter_mut().filter(|_| span > 0.0) {
             table.carry(variation, span);
             keep(&self.assembly.system, &self.hybrid.mode, variation);
@@ -146,8 +152,12 @@ impl Motion {
         }
         let before = (self.hybrid.mode.clone(), self.hybrid.z.clone());
         let rate = |motion: &Self| {
-            let z = motion.hybrid.z.as_slice();
-            motion.table().a.rows_times(0..z.len(), z)
+            let mut z = motion.hybrid.z.clone();
+            if motion.table().is_curved() {
+                motion.table().derivative(1, z.as_mut_slice());
+                return z;
+            }
+            motion.table().a.rows_times(0..z.len(), z.as_slice())
         };
         let incoming = rate(self);
         // An `ElastoGap` has two event functions with the same `watch`: take the one at zero.
@@ -167,6 +177,8 @@ impl Motion {
             events: &events,
         };
         crossing.carry(&self.assembly.system, variations.iter_mut().map(Vec::as_mut_slice));
+        let (system, z) = (&self.assembly.system, self.hybrid.z.as_slice());
+        variations.iter_mut().for_each(|variation| system.vary_curved(z, variation));
         Ok(())
     }
 }

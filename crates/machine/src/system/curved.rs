@@ -16,12 +16,7 @@ pub fn count(d: &Description) -> usize {
 
 /// The first element with a curved force, by its dotted name.
 pub fn first(d: &Description) -> Option<String> {
-    let is_curved = |element: &Element| match element {
-        Element::Spring(spring) => spring.is_curved(),
-        Element::Damper(damper) => damper.cubic.is_some(),
-        _ => false,
-    };
-    d.elements().find(is_curved).map(Element::dotted)
+    d.elements().find(|element| element.is_curved()).map(Element::dotted)
 }
 
 impl System {
@@ -41,6 +36,14 @@ impl System {
     pub(crate) fn fill_curved(&self, z: &mut [f64]) {
         for curved in &self.curved {
             z[curved.place] = curved.value(curved.argument.at(z));
+        }
+    }
+
+    /// Writes the variations of the curved forces into a variation of the state `z`.
+    pub fn vary_curved(&self, z: &[f64], variation: &mut [f64]) {
+        for curved in &self.curved {
+            let slope = curved.derivative(curved.argument.at(z));
+            variation[curved.place] = slope * curved.argument.at(variation);
         }
     }
 

@@ -97,7 +97,7 @@ fn second_method_variations_are_carried_by_a_matrix_as_each_by_its_series() {
     for span in [0.1, 6.0, 30.0] {
         let mut all = [unit(0), unit(1), motion.state().as_slice().to_vec()];
         let alone = all.clone().map(|v| flow.stretches(&v, span, &mut |_, _| ()));
-        flow.carry(&mut all, span);
+        flow.carry(motion.state().as_slice(), &mut all, span);
         for (carried, alone) in all.iter().zip(&alone) {
             for (a, b) in carried.iter().zip(alone) {
                 assert!((a - b).abs() <= ROUNDING * b.abs().max(1.0), "{span}: {a} {b}");
