@@ -26,6 +26,7 @@ DEFINITIONS: Dict[int, str] = {
     48: "defines a mode's coordinate with its node",
     50: "says which part of a stepped stiffness acts",
     52: "defines a freewheel",
+    57: "defines a curved force and its coordinate",
 }
 
 ROUNDING = mpf(10) ** -30
@@ -937,3 +938,52 @@ def test_law_56_variations_over_a_sample() -> None:
         exact = [(c * moved[0] + d * moved[1]) * inside, a * moved[0] + b * moved[1]]
         for found, wanted in zip([(p - q) / (2 * h) for p, q in zip(after, before)], exact):
             assert abs(found - wanted) < mpf("1e-9")
+
+
+def curve(c: Dict[int, mpf], x: mpf) -> mpf:
+    return sum(value * x**m for m, value in c.items())
+
+
+def coefficients_of_power(x: Sequence[mpf], m: int, count: int) -> List[mpf]:
+    """Coefficients of x(u)^m by repeated products of whole polynomials."""
+    power = [mpf(1)]
+    for _ in range(m):
+        product = [mpf(0)] * (len(power) + len(x) - 1)
+        for i, a in enumerate(power):
+            for j, b in enumerate(x):
+                product[i + j] += a * b
+        power = product
+    return (power + [mpf(0)] * count)[:count]
+
+
+def test_law_58_coefficients_of_a_motion_on_a_curved_spring() -> None:
+    """q'' = -k q - c3 q^3 by (A58), against derivatives of the right side found by differentiation in time."""
+    r = random.Random(58)
+    for _ in range(5):
+        k, c, h = abs(number(r)), number(r), mpf("0.1")
+        q, v = [number(r)], [number(r)]
+        for n in range(12):
+            cube = coefficients_of_power(q, 3, n + 1)[n]
+            q.append(h / (n + 1) * v[n])
+            v.append(h / (n + 1) * (-k * q[n] - c * cube))
+        # Energy along the polynomial is constant up to the order that was left out.
+        small = mpf("1e-4")
+        place = sum(x * small**i for i, x in enumerate(q))
+        rate = sum(x * small**i for i, x in enumerate(v))
+        energy = [y * y / 2 + k * x * x / 2 + c * x**4 / 4 for x, y in ((q[0], v[0]), (place, rate))]
+        assert abs(energy[0] - energy[1]) < mpf("1e-38")
+
+
+def test_law_59_the_tail_of_a_power_is_bounded() -> None:
+    r = random.Random(59)
+    order = 10
+    for _ in range(20):
+        x = [number(r) / mpf(2) ** i for i in range(order + 1)]
+        rho = mpf(2)
+        scale = max(abs(a) * rho**i for i, a in enumerate(x))
+        for m in range(2, 6):
+            all_terms = coefficients_of_power(x, m, m * order + 1)
+            tail = sum(abs(a) for a in all_terms[order:])
+            ratio = mpf(order + m) / ((order + 1) * rho)
+            bound = scale**m * mp.binomial(order + m - 1, m - 1) * rho**-order / (1 - ratio)
+            assert tail <= bound

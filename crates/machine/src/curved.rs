@@ -20,13 +20,55 @@ pub const LOWEST: usize = 2;
 /// Number of powers: 2 to 5.
 pub const POWERS: usize = 4;
 
-/// A curved force φ(x) = Σ cₘ xᵐ.
+/// A polynomial φ(x) = Σ cₘ xᵐ without constant and linear terms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polynomial {
+    /// Coefficients of x², x³, x⁴, x⁵.
+    pub coefficients: [f64; POWERS],
+}
+
+impl Polynomial {
+    /// φ(x).
+    #[inline(always)]
+    pub fn value(&self, x: f64) -> f64 {
+        let [c2, c3, c4, c5] = self.coefficients;
+        x * x * (c2 + x * (c3 + x * (c4 + x * c5)))
+    }
+
+    /// φ'(x).
+    #[inline(always)]
+    pub fn derivative(&self, x: f64) -> f64 {
+        let [c2, c3, c4, c5] = self.coefficients;
+        x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+    }
+
+    /// The integral of φ from 0 to x.
+    pub fn integral(&self, x: f64) -> f64 {
+        let [c2, c3, c4, c5] = self.coefficients;
+        x * x * x * (c2 / 3.0 + x * (c3 / 4.0 + x * (c4 / 5.0 + x * c5 / 6.0)))
+    }
+
+    /// The polynomial with the coefficients' absolute values: it bounds φ and its derivatives.
+    #[inline(always)]
+    pub fn majorant(&self) -> Self {
+        Self { coefficients: self.coefficients.map(f64::abs) }
+    }
+
+    /// Smallest x > 0 at which one of the terms reaches a given size.
+    pub(crate) fn reaching(&self, size: f64) -> f64 {
+        let root = |(i, c): (usize, &f64)| (size / c.abs()).powf(1.0 / (i + LOWEST) as f64);
+        let all = self.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0).map(root);
+        all.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// A curved force.
 #[derive(Clone, Debug)]
 pub struct Curved {
     /// x: an elongation e or its rate e'.
     pub argument: Functional,
-    /// Coefficients of x², x³, x⁴, x⁵, N/m² to N/m⁵ (or with rad, or with m/s).
-    pub coefficients: [f64; POWERS],
+    /// φ, N or N m; its coefficients are in N/m² to N/m⁵, or with rad, or with m/s.
+    pub force: Polynomial,
     /// Index of φ in the augmented state.
     pub place: usize,
     /// Whether x is a rate: φ then dissipates; otherwise it stores energy.
@@ -37,47 +79,11 @@ pub struct Curved {
 }
 
 impl Curved {
-    /// φ(x).
-    #[inline(always)]
-    pub fn value(&self, x: f64) -> f64 {
-        let [c2, c3, c4, c5] = self.coefficients;
-        x * x * (c2 + x * (c3 + x * (c4 + x * c5)))
-    }
-
-    /// φ'(x).
-    pub fn derivative(&self, x: f64) -> f64 {
-        let [c2, c3, c4, c5] = self.coefficients;
-        x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
-    }
-
-    /// φ' as a curve: its linear term, 2 c₂, is the `slope`.
-    pub(crate) fn differentiated(&self) -> Self {
-        let [c2, c3, c4, c5] = self.coefficients;
-        Self { coefficients: [3.0 * c3, 4.0 * c4, 5.0 * c5, 0.0], slope: 2.0 * c2, ..self.clone() }
-    }
-
-    /// The integral of φ from 0 to x.
-    pub fn integral(&self, x: f64) -> f64 {
-        let [c2, c3, c4, c5] = self.coefficients;
-        x * x * x * (c2 / 3.0 + x * (c3 / 4.0 + x * (c4 / 5.0 + x * c5 / 6.0)))
-    }
-
-    /// The same curve with the coefficients' absolute values: it bounds φ and its derivatives.
-    pub fn majorant(&self) -> Self {
-        Self { coefficients: self.coefficients.map(f64::abs), ..self.clone() }
-    }
-
     /// The size of φ by which its rounding is measured: the sizes of its terms, and the change of φ
     /// by the rounding of the terms of x.
+    #[inline(always)]
     pub fn size(&self, z: &[f64], sizes: &[f64]) -> f64 {
-        let (x, majorant) = (self.argument.at(z).abs(), self.majorant());
+        let (x, majorant) = (self.argument.at(z).abs(), self.force.majorant());
         majorant.value(x) + majorant.derivative(x) * self.argument.size(sizes)
-    }
-
-    /// Smallest x at which one of the terms reaches a given force.
-    pub(crate) fn reaching(&self, force: f64) -> f64 {
-        let root = |(i, c): (usize, &f64)| (force / c.abs()).powf(1.0 / (i + LOWEST) as f64);
-        let all = self.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0).map(root);
-        all.fold(f64::INFINITY, f64::min)
     }
 }

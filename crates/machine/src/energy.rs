@@ -136,7 +136,7 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
         let e = spring.elongation.e.dot(z);
         stored += e * (0.5 * spring.stiffness * e + spring.preload);
         if let Some(curved) = spring.curve.map(|i| &system.curved[i]).filter(|own| !own.is_of_rate) {
-            stored += curved.integral(e);
+            stored += curved.force.integral(e);
         }
     }
     for branch in &system.branches {

@@ -4,12 +4,21 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 use vibro_machine::Assembly;
 use vibro_machine::file::{no_records, parse};
-use vibro_machine::motion::Motion;
+use vibro_machine::Differentiated;
+use vibro_machine::motion::{Event, EventKind, Motion, Reached};
 
 fn machine(text: &str) -> Arc<Assembly> {
     let description = parse(text, "m.toml", &no_records).expect("a machine");
     Arc::new(Assembly::new(description).expect("an assembly"))
 }
+
+/// Largest difference from 50 digits, over the factor by which the motion magnifies a change of its
+/// start: some tens of roundings of coordinates and rates of order 1 to 10.
+const ROUNDINGS: f64 = 1e-13;
+
+/// Shift of a start for a difference of motions: its square and the rounding of 1e-15 over it
+/// are below the tolerance of 1e-6.
+const DIFFERENCE: f64 = 1e-6;
 
 /// Complete elliptic integral of the first kind by the arithmetic-geometric mean.
 fn complete(m: f64) -> f64 {
@@ -76,28 +85,86 @@ fn invariant_energy_accounts_balance() {
     }
 }
 
+/// Random chains against Taylor series in 50 digits (`data/make_curved.py`): the number of impacts,
+/// and the states within roundings that the motion has magnified.
 #[test]
-fn speed_of_one() {
-    for n in [1usize, 2, 5, 20] {
-        let mut text = String::from("name = \"Chain\"\n");
-        for i in 0..n {
-            let before = if i == 0 { "ground".to_owned() } else { format!("b{}", i - 1) };
-            let start = if i + 1 == n { ", start = { s = 0.5 }" } else { "" };
-            text += &format!("body.b{i} = {{ mass = 1.0{start} }}\nspring.k{i} = {{ between = [\"{before}\", \"b{i}\"], stiffness = 1.0, cubic = 1.0, damping = 0.02 }}\n");
-        }
-        text += &format!("stop.s = {{ between = [\"ground\", \"b{}\"], gap = 0.9, restitution = 0.8 }}\nload.l = {{ on = \"b0\", amplitude = 0.8, frequency = {:?}, phase = 0.0 }}\n", n - 1, 0.9 / 6.283185307179586);
-        for kept in [false, true] {
-            let mut best = f64::INFINITY;
-            let mut count = 0;
-            for _ in 0..5 {
-                let mut motion = Motion::new(machine(&text)).expect("a motion");
-                if !kept { motion = motion.without_energy_accounts(); }
-                count = 0;
-                let began = std::time::Instant::now();
-                motion.advance_observed(100.0, &mut |_| count += 1).expect("an end");
-                best = best.min(began.elapsed().as_secs_f64());
-            }
-            println!("n {n} accounts {kept}: {:.2} us per s, {count} events", best * 1e4);
+fn second_method_random_chains_in_fifty_digits() {
+    let all = include_str!("data/curved.txt");
+    let mut worst = 0.0f64;
+    for row in all.lines() {
+        let fields: Vec<&str> = row.split(';').collect();
+        let number = |text: &str| text.trim().parse::<f64>().expect("a number");
+        let (end, impacts, factor) = (number(fields[1]), number(fields[2]), number(fields[3]));
+        let mut motion = Motion::new(machine(&fields[0].replace('|', "\n"))).expect("a motion");
+        let mut count = 0.0;
+        let mut observer = |event: &Event| count += f64::from(u8::from(matches!(event.kind, EventKind::Impact { .. })));
+        motion.advance_observed(end, &mut observer).expect("an end");
+        assert_eq!(count, impacts, "{row}");
+        let bodies = fields[4].split(',').count() / 2;
+        for (k, x) in fields[4].split(',').map(number).enumerate() {
+            let own = motion.body(k % bodies)[k / bodies];
+            let off = (own - x).abs() / factor.max(1.0);
+            worst = worst.max(off);
+            assert!(off < ROUNDINGS, "{own} {x} of {row}");
         }
     }
+    println!("worst {worst:e}");
+}
+
+/// Variations over flights and impacts against differences of motions.
+#[test]
+fn second_method_variations_are_differences_of_motions() {
+    let text = |shift: f64| {
+        format!(
+            "name = \"V\"\nbody.a = {{ mass = 1.0, start = {{ s = {:?}, v = 1.0 }} }}\n\
+             body.b = {{ mass = 0.6, start = {{ v = -0.5 }} }}\n\
+             spring.a = {{ between = [\"ground\", \"a\"], stiffness = 10.0, cubic = 60.0, damping = 0.1 }}\n\
+             spring.b = {{ between = [\"a\", \"b\"], quadratic = -5.0, cubic = 90.0, quintic = 40.0 }}\n\
+             damper.d = {{ between = [\"ground\", \"b\"], cubic = 0.2 }}\n\
+             stop.s = {{ between = [\"ground\", \"b\"], gap = 0.3, restitution = 0.8 }}\n\
+             load.l = {{ on = \"a\", amplitude = 4.0, frequency = 0.7 }}\n",
+            0.1 + shift
+        )
+    };
+    let end = |shift: f64| {
+        let mut motion = Motion::new(machine(&text(shift))).expect("a motion");
+        motion.advance_to(3.0).expect("an end");
+        motion.states()
+    };
+    let mut motion = Motion::new(machine(&text(0.0))).expect("a motion");
+    let mut variations = vec![motion.unit_variations()[0].clone()];
+    let mut events = 0;
+    while motion.advance_with(3.0, &mut variations).expect("an end") == Reached::Event {
+        motion.pass_event_with(&mut variations).expect("a law");
+        events += 1;
+    }
+    let (above, below) = (end(DIFFERENCE), end(-DIFFERENCE));
+    assert!(events >= 2, "{events}");
+    for (k, (a, b)) in above.iter().zip(&below).enumerate() {
+        let (difference, own) = ((a - b) / (2.0 * DIFFERENCE), variations[0][k]);
+        assert!((difference - own).abs() < 1e-6 * own.abs().max(1.0), "{k}: {difference} {own}");
+    }
+}
+
+/// What is not computed for curved forces is refused with the element.
+#[test]
+fn refusals_name_the_element() {
+    let duffing = "name = \"D\"\nbody.b = { mass = 1.0 }\n\
+                   spring.k = { between = [\"ground\", \"b\"], cubic = 5.0 }\n";
+    let found = Differentiated::new(machine(duffing), &["spring.k.cubic"]);
+    let text = found.map(drop).expect_err("no derivative").to_string();
+    assert_eq!(text, "a derivative by a parameter requires straight laws: spring.k has a curved force");
+    let refused = |from: &str, to: &str| {
+        let text = duffing.replace(from, to);
+        assert_ne!(text, duffing);
+        parse(&text, "m.toml", &no_records).map(drop).expect_err("a refusal").to_string()
+    };
+    let found = refused("body.b", "start = \"rest\"\nbody.b");
+    assert!(found.contains("start = \"rest\": spring.k: the equilibrium is not computed"), "{found}");
+    let found = refused("cubic = 5.0", "cubic = \"5 N/m2\"");
+    assert!(found.contains("spring.k.cubic = \"5 N/m2\"") && found.contains("N/m3"), "{found}");
+    let found = refused("cubic = 5.0", "cubic = 5.0, slip = 3.0, stiffness = 1.0");
+    assert!(found.contains("spring.k.cubic = 5.0: cannot be combined with `slip`"), "{found}");
+    let found = refused("cubic = 5.0", "cubik = 5.0");
+    assert!(found.contains("cubic"), "{found}");
 }

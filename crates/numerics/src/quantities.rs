@@ -48,7 +48,16 @@ impl Unit {
 
     /// Symbol in labels.
     pub fn symbol(&self) -> String {
-        self.symbol.replace('.', "·").replace("um", "µm").replace("m2", "m²").replace("s2", "s²").replace("m3", "m³").replace("s3", "s³").replace("rad2", "rad²")
+        let symbol = self.symbol.replace('.', "·").replace("um", "µm");
+        // Digits of a symbol are exponents, but for the 1 of 1/s.
+        let raised = |c: char| match c {
+            '2' => '²',
+            '3' => '³',
+            '4' => '⁴',
+            '5' => '⁵',
+            c => c,
+        };
+        symbol.chars().map(raised).collect()
     }
 
     /// Symbol in files and on the command line.
@@ -169,9 +178,17 @@ pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     if symbol.is_empty() {
         return Some(Quantity { value: number, unit: None });
     }
-    let plain =
-        symbol.replace(['·', '*', ' ', '⋅'], ".").replace(['µ', 'μ'], "u").replace('²', "2").replace('^', "");
-    let unit = UNITS.iter().find(|u| u.si == si && u.symbol == plain)?;
+    let plain = |c: char| match c {
+        '·' | '*' | ' ' | '⋅' => '.',
+        'µ' | 'μ' => 'u',
+        '²' => '2',
+        '³' => '3',
+        '⁴' => '4',
+        '⁵' => '5',
+        c => c,
+    };
+    let symbol: String = symbol.chars().filter(|c| *c != '^').map(plain).collect();
+    let unit = UNITS.iter().find(|u| u.si == si && u.symbol == symbol)?;
     Some(Quantity { value: unit.si(number), unit: Some(unit) })
 }
 

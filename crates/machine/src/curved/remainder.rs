@@ -1,7 +1,7 @@
 //! The remainder of a power series with curved forces (docs/assembly-law.md, section 17).
 
 use super::series::tail;
-use super::{CurveSeries, Curved};
+use super::{CurveSeries, Polynomial};
 
 /// Largest error of a series, relative to its largest term in the norm of (A6): half a rounding.
 const REMAINDER: f64 = 1e-16;
@@ -18,7 +18,7 @@ const GROWTH: f64 = 20.0;
 /// A curved force with its series and its place in the norm of (A6).
 pub(crate) struct CurveTerms<'a> {
     /// The force.
-    pub(crate) curved: &'a Curved,
+    pub(crate) force: Polynomial,
     /// Its series.
     pub(crate) series: &'a CurveSeries,
     /// Norm of the row of its argument: Σ |ℓᵢ| wᵢ.
@@ -67,11 +67,11 @@ impl Remainder<'_> {
         let last = self.last();
         let h = self.span * part;
         let (mut defect, mut growth) = (self.rate * self.norms[last] * part.powi(last as i32), self.rate);
-        for CurveTerms { curved, series, reach, effect } in self.curves {
+        for CurveTerms { force, series, reach, effect } in self.curves {
             let scale = series.scale(radius, last);
-            defect += effect * tail(curved, scale, radius / part, last);
+            defect += effect * tail(force, scale, radius / part, last);
             let most = series.sum_of_sizes(part, last) * (1.0 + ROOM) + reach * margin;
-            growth += effect * curved.majorant().derivative(most) * reach;
+            growth += effect * force.majorant().derivative(most) * reach;
         }
         let exponent = growth * h;
         if exponent > GROWTH {

@@ -1,6 +1,6 @@
 //! Power series of curved forces, order by order.
 
-use super::{Curved, LOWEST, POWERS};
+use super::{LOWEST, POWERS, Polynomial};
 
 /// Largest number of coefficients of a series.
 pub const TERMS: usize = 40;
@@ -9,35 +9,38 @@ pub const TERMS: usize = 40;
 #[derive(Clone, Copy, Debug)]
 pub struct CurveSeries {
     x: [f64; TERMS],
+    /// x backwards, from the end, followed by zeros: products then run forwards in both factors.
+    back: [f64; 2 * TERMS],
     powers: [[f64; TERMS]; POWERS],
 }
 
 impl Default for CurveSeries {
     fn default() -> Self {
-        Self { x: [0.0; TERMS], powers: [[0.0; TERMS]; POWERS] }
+        Self { x: [0.0; TERMS], back: [0.0; 2 * TERMS], powers: [[0.0; TERMS]; POWERS] }
     }
 }
 
 impl CurveSeries {
     /// Sets the coefficient of x of order `k`, given all lower ones, and returns that of φ(x).
     #[inline(always)]
-    pub fn next(&mut self, curved: &Curved, k: usize, x: f64) -> f64 {
+    pub fn next(&mut self, force: &Polynomial, k: usize, x: f64) -> f64 {
         self.x[k] = x;
-        let Some(highest) = curved.coefficients.iter().rposition(|c| *c != 0.0) else { return 0.0 };
+        self.back[TERMS - 1 - k] = x;
+        let Some(highest) = force.coefficients.iter().rposition(|c| *c != 0.0) else { return 0.0 };
         let mut sum = 0.0;
         for m in 0..=highest {
             let (known, later) = self.powers.split_at_mut(m);
             let factor = known.last().unwrap_or(&self.x);
-            let power = product(factor, &self.x, k);
+            let power = product(factor, &self.back, k);
             later[0][k] = power;
-            sum += curved.coefficients[m] * power;
+            sum += force.coefficients[m] * power;
         }
         sum
     }
 
     /// Coefficient of order `k` of φ'(x).
-    pub fn slope(&self, curved: &Curved, k: usize) -> f64 {
-        let [c2, c3, c4, c5] = curved.coefficients;
+    pub fn slope(&self, force: &Polynomial, k: usize) -> f64 {
+        let [c2, c3, c4, c5] = force.coefficients;
         let [square, cube, fourth, _] = &self.powers;
         2.0 * c2 * self.x[k] + 3.0 * c3 * square[k] + 4.0 * c4 * cube[k] + 5.0 * c5 * fourth[k]
     }
@@ -63,8 +66,10 @@ impl CurveSeries {
 /// its argument, and the change of the majorant by the rounding of the argument.
 #[derive(Clone, Debug)]
 pub struct CurveSizes {
-    majorant: Curved,
-    slope: Curved,
+    majorant: Polynomial,
+    /// The derivative of the majorant without its linear term, and the coefficient of the latter.
+    slope: Polynomial,
+    linear: f64,
     /// Size of the rounding of the argument.
     shift: f64,
     value: CurveSeries,
@@ -73,12 +78,13 @@ pub struct CurveSizes {
 
 impl CurveSizes {
     /// The sizes for an argument and the size of its rounding.
-    pub fn of(curved: &Curved, x: f64, shift: f64) -> Self {
-        let majorant = curved.majorant();
-        let slope = majorant.differentiated();
+    pub fn of(force: &Polynomial, x: f64, shift: f64) -> Self {
+        let majorant = force.majorant();
+        let [c2, c3, c4, c5] = majorant.coefficients;
         let mut own = Self {
             majorant,
-            slope,
+            slope: Polynomial { coefficients: [3.0 * c3, 4.0 * c4, 5.0 * c5, 0.0] },
+            linear: 2.0 * c2,
             shift,
             value: CurveSeries::default(),
             change: CurveSeries::default(),
@@ -90,27 +96,28 @@ impl CurveSizes {
     /// Size of the term of order `k`, given the size of the term of the argument.
     pub fn next(&mut self, k: usize, x: f64) -> f64 {
         let value = self.value.next(&self.majorant, k, x);
-        // The derivative of a curve begins with a term of order 1.
-        let linear = self.slope.slope * x;
-        value + self.shift * (linear + self.change.next(&self.slope, k, x))
+        value + self.shift * (self.linear * x + self.change.next(&self.slope, k, x))
     }
 }
 
-/// Coefficient of order `k` of the product of two series.
+/// Coefficient of order `k` of the product of two series, the second backwards.
 #[inline(always)]
-fn product(a: &[f64; TERMS], b: &[f64; TERMS], k: usize) -> f64 {
+fn product(a: &[f64; TERMS], back: &[f64; 2 * TERMS], k: usize) -> f64 {
+    let back = &back[TERMS - 1 - k..];
     let mut sums = [0.0; 4];
-    for j in 0..=k {
-        sums[j % 4] += a[j] * b[k - j];
+    // Beyond order `k` the second factor is zero.
+    let fours = a.as_chunks::<4>().0.iter().zip(back.as_chunks::<4>().0).take(k / 4 + 1);
+    for (a, b) in fours {
+        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 /// Bound of the sum of the sizes of the coefficients of orders from `first` on of a polynomial of
 /// x, if |xₖ| ≤ `scale` ratio⁻ᵏ: those of xᵐ are at most scaleᵐ C(k + m - 1, m - 1) ratio⁻ᵏ.
-pub(super) fn tail(curved: &Curved, scale: f64, ratio: f64, first: usize) -> f64 {
+pub(super) fn tail(force: &Polynomial, scale: f64, ratio: f64, first: usize) -> f64 {
     let mut sum = 0.0;
-    for (i, c) in curved.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+    for (i, c) in force.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
         let m = i + LOWEST;
         let binomial = (1..m).fold(1.0, |b, j| b * (first + j) as f64 / j as f64);
         // The ratio of one term to the one before falls with the order.

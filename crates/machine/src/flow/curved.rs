@@ -45,12 +45,12 @@ impl CurveInMode {
 
 impl Series {
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn curve(&mut self, table: &FlowTable, k: usize) {
         self.curves.resize(table.curves.len(), CurveSeries::default());
         for (curve, series) in table.curves.iter().zip(&mut self.curves) {
             let terms = &mut self.terms[k * self.size..][..self.size];
-            let value = series.next(&curve.curved, k, curve.argument.dot(terms));
+            let value = series.next(&curve.curved.force, k, curve.argument.dot(terms));
             terms[curve.curved.place] = value;
         }
     }
@@ -59,12 +59,12 @@ impl Series {
 impl Ahead {
     /// Expands the states ahead of `z` over the longest time, at most `most`, for which the
     /// remainder of the series is proved to be rounding.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
         let mut slope = table.rate;
         for curve in &table.curves {
             let x = curve.argument.dot(z).abs();
-            slope += curve.effect * curve.reach * curve.curved.majorant().derivative(x);
+            slope += curve.effect * curve.reach * curve.curved.force.majorant().derivative(x);
         }
         let mut scale = most.min(REACH / slope);
         let series = &mut self.series;
@@ -109,14 +109,15 @@ impl FlowTable {
 
     /// The longest fraction of the span of a series, at most `most`, over which its remainder is
     /// proved to be rounding.
+    #[inline(always)]
     fn proved_part(&self, series: &Series, span: f64, most: f64) -> f64 {
         let straight = self.a.len() - self.curves.len();
-        let norms: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(self, k, straight)).collect();
-        let sizes: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(self, k, self.one)).collect();
+        let norms: [f64; LAST_ORDER + 1] = std::array::from_fn(|k| series.norm(self, k, straight));
+        let sizes: [f64; LAST_ORDER + 1] = std::array::from_fn(|k| series.norm(self, k, self.one));
         let pairs = self.curves.iter().zip(&series.curves);
         let curves: Vec<CurveTerms> = pairs
             .map(|(own, series)| CurveTerms {
-                curved: &own.curved,
+                force: own.curved.force,
                 series,
                 reach: own.reach,
                 effect: own.effect,
@@ -149,7 +150,7 @@ impl FlowTable {
         for k in 0..=LAST_ORDER {
             let (known, later) = terms.split_at_mut(k + 1);
             for (curve, series) in self.curves.iter().zip(&ahead.series.curves) {
-                let product = |j: usize| series.slope(&curve.curved, j) * curve.argument.dot(&known[k - j]);
+                let product = |j: usize| series.slope(&curve.curved.force, j) * curve.argument.dot(&known[k - j]);
                 let value = (0..=k).map(product).sum();
                 known[k][curve.curved.place] = value;
             }
@@ -166,14 +167,14 @@ impl FlowTable {
     /// Writes the curved forces into a state.
     pub fn fill_curves(&self, z: &mut [f64]) {
         for CurveInMode { curved, argument, .. } in &self.curves {
-            z[curved.place] = curved.value(argument.dot(z));
+            z[curved.place] = curved.force.value(argument.dot(z));
         }
     }
 
     /// Writes the variations of the curved forces into a variation of a state.
     fn vary_curves(&self, z: &[f64], variation: &mut [f64]) {
         for CurveInMode { curved, argument, .. } in &self.curves {
-            variation[curved.place] = curved.derivative(argument.dot(z)) * argument.dot(variation);
+            variation[curved.place] = curved.force.derivative(argument.dot(z)) * argument.dot(variation);
         }
     }
 
@@ -203,7 +204,7 @@ impl FlowTable {
         let own = self.sizes.as_ref().unwrap_or(&self.a);
         let mut all = vec![sizes.to_vec()];
         let mut majorants: Vec<CurveSizes> =
-            self.curves.iter().map(|curve| CurveSizes::of(&curve.curved, curve.argument.dot(z).abs(), curve.argument.size(sizes))).collect();
+            self.curves.iter().map(|curve| CurveSizes::of(&curve.curved.force, curve.argument.dot(z).abs(), curve.argument.size(sizes))).collect();
         for k in 1..=last {
             let mut next = vec![0.0; sizes.len()];
             own.sizes_rows_times_to(0, &all[k - 1], self.length / k as f64, &mut next);
@@ -215,3 +216,6 @@ impl FlowTable {
         all
     }
 }
+
+#[cfg(test)]
+mod tests;

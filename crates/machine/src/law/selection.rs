@@ -165,8 +165,8 @@ impl<'a> Selection<'a> {
         let curves = system.curved.iter().map(|curved| {
             let x = curved.argument.at(z.as_slice());
             let mut series = CurveSeries::default();
-            series.next(curved, 0, x);
-            (series, CurveSizes::of(curved, x.abs(), curved.argument.size(sizes.0.as_slice())))
+            series.next(&curved.force, 0, x);
+            (series, CurveSizes::of(&curved.force, x.abs(), curved.argument.size(sizes.0.as_slice())))
         });
         let mut selection = Self {
             system,
@@ -432,7 +432,7 @@ impl<'a> Selection<'a> {
         let factorial = (1..=order).fold(1.0, |product, k| product * k as f64);
         for (curved, (series, sizes)) in self.system.curved.iter().zip(&mut self.curves) {
             let x = curved.argument.at(next) / factorial;
-            next[curved.place] = factorial * series.next(curved, order, x);
+            next[curved.place] = factorial * series.next(&curved.force, order, x);
             size[curved.place] = factorial * sizes.next(order, curved.argument.size(size) / factorial);
         }
     }

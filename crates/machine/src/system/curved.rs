@@ -2,7 +2,7 @@
 //! a mode its time scale.
 
 use super::{Elongation, System};
-use crate::curved::{Curved, POWERS};
+use crate::curved::{Curved, POWERS, Polynomial};
 use crate::description::{BodyKind, Description};
 use crate::elements::Element;
 use crate::functional::Functional;
@@ -28,21 +28,22 @@ impl System {
         let argument = if is_of_rate { rate } else { e }.clone();
         spring.force = &spring.force + &Functional::unit(self.signals.size, place, 1.0);
         spring.curve = Some(self.curved.len());
-        self.curved.push(Curved { argument, coefficients, place, is_of_rate, slope: 0.0 });
+        let force = Polynomial { coefficients };
+        self.curved.push(Curved { argument, force, place, is_of_rate, slope: 0.0 });
     }
 
     /// Writes the curved forces into the augmented state, from its coordinates and rates.
     #[inline(always)]
     pub(crate) fn fill_curved(&self, z: &mut [f64]) {
         for curved in &self.curved {
-            z[curved.place] = curved.value(curved.argument.at(z));
+            z[curved.place] = curved.force.value(curved.argument.at(z));
         }
     }
 
     /// Writes the variations of the curved forces into a variation of the state `z`.
     pub fn vary_curved(&self, z: &[f64], variation: &mut [f64]) {
         for curved in &self.curved {
-            let slope = curved.derivative(curved.argument.at(z));
+            let slope = curved.force.derivative(curved.argument.at(z));
             variation[curved.place] = slope * curved.argument.at(variation);
         }
     }
@@ -88,9 +89,9 @@ impl System {
             let arm = curved.argument.terms().iter().map(|term| term.1.abs()).fold(0.0, f64::max);
             let reached = if curved.is_of_rate { speeds } else { places } * arm;
             // A body with this speed is stopped where the work of φ is its kinetic energy.
-            let stopping = curved.reaching(force + inertia * speeds * speeds / reached.max(1e-9));
+            let stopping = curved.force.reaching(force + inertia * speeds * speeds / reached.max(1e-9));
             let x = reached.max(if stopping.is_finite() { stopping } else { 0.0 });
-            curved.slope = curved.majorant().derivative(x);
+            curved.slope = curved.force.majorant().derivative(x);
         }
     }
 

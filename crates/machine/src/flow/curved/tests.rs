@@ -1,0 +1,103 @@
+use super::*;
+use crate::file::{no_records, parse};
+use crate::mode::Mode;
+
+/// Number of random states.
+const STATES: usize = 1000;
+/// Fractions of the proved span, beyond 1, over which the bound is compared with the error: near 1
+/// the error is rounding.
+const BEYOND: [f64; 4] = [1.5, 2.0, 2.5, 3.0];
+/// Rounding of the compared states, relative to the largest.
+const ROUNDING: f64 = 1e-14;
+/// Largest bound that is compared: far beyond, the bound of the growth has no meaning.
+const LARGEST: f64 = 1e-2;
+
+/// Numbers between 0 and 1, by a linear congruence.
+struct Chance(u64);
+
+impl Chance {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        low + (high - low) * ((self.0 >> 11) as f64 / (1u64 << 53) as f64)
+    }
+}
+
+/// A chain of three bodies with curves of all powers.
+fn table() -> (System, FlowTable) {
+    let text = "name = \"C\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 2.0 }\nbody.c = { mass = 0.5 }\n\
+        spring.a = { between = [\"ground\", \"a\"], stiffness = 3.0, cubic = 5.0, damping = 0.1 }\n\
+        spring.b = { between = [\"a\", \"b\"], stiffness = -1.0, quadratic = 2.0, cubic = 4.0, quintic = 3.0 }\n\
+        spring.c = { between = [\"b\", \"c\"], quartic = 2.0, cubic = 6.0 }\n\
+        damper.d = { between = [\"ground\", \"c\"], damping = 0.1, cubic = 0.3 }\n\
+        load.l = { on = \"a\", amplitude = 2.0, frequency = 0.4 }\n";
+    let system = System::new(&parse(text, "c.toml", &no_records).expect("a machine")).expect("a system");
+    let mode = Mode { stops: Vec::new(), frictions: Vec::new(), sliders: Vec::new(), basis: Vec::new() };
+    let table = FlowTable::of_mode(&system, &mode);
+    (system, table)
+}
+
+fn state(system: &System, chance: &mut Chance) -> Vec<f64> {
+    let mut z = vec![0.0; system.signals.size];
+    (0..6).for_each(|k| z[k] = chance.between(-2.0, 2.0));
+    let turn: f64 = chance.between(0.0, 6.0);
+    (z[6], z[7], z[8]) = (1.0, turn.cos(), turn.sin());
+    system.fill_curved(&mut z);
+    z
+}
+
+/// The terms of a series and the remainder's bound over a fraction of its span.
+fn bound(table: &FlowTable, series: &Series, span: f64, part: f64) -> (f64, f64) {
+    let straight = table.a.len() - table.curves.len();
+    let norms: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(table, k, straight)).collect();
+    let sizes: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(table, k, table.one)).collect();
+    let curves: Vec<CurveTerms> = table
+        .curves
+        .iter()
+        .zip(&series.curves)
+        .map(|(own, series)| CurveTerms {
+            force: own.curved.force,
+            series,
+            reach: own.reach,
+            effect: own.effect,
+        })
+        .collect();
+    let remainder = Remainder { span, rate: table.rate, norms: &norms, sizes: &sizes, curves: &curves };
+    let size = sizes.iter().enumerate().map(|(k, size)| size * part.powi(k as i32)).fold(0.0, f64::max);
+    // The radius of the search, and the margin that the bound itself may take.
+    let found = (1..40).map(|k| remainder.bound(part, part * (1.05 + 0.1 * f64::from(k)), LARGEST * size));
+    (found.fold(f64::INFINITY, f64::min), size)
+}
+
+#[test]
+fn second_method_the_remainder_is_below_its_bound() {
+    let (system, table) = table();
+    let (mut chance, mut compared, mut sharpest) = (Chance(7), 0, f64::INFINITY);
+    for _ in 0..STATES {
+        let z = state(&system, &mut chance);
+        let mut ahead = Ahead::default();
+        ahead.find_curved(&table, &z, 100.0);
+        let (span, part) = (ahead.expanded, ahead.span / ahead.expanded);
+        let mut series = Series::default();
+        series.expand(&table, &z, span, LAST_ORDER);
+        for beyond in BEYOND {
+            let (limit, size) = bound(&table, &series, span, part * beyond);
+            if !(limit.is_finite() && limit < LARGEST * size) {
+                continue;
+            }
+            let mut by_series = vec![0.0; z.len()];
+            series.at(part * beyond, &mut by_series);
+            let mut true_end = z.clone();
+            table.carry_along(&mut true_end, &mut [], span * part * beyond);
+            let off = (0..table.one).map(|i| (by_series[i] - true_end[i]).abs() * table.weights[i]);
+            let off = off.fold(0.0, f64::max);
+            assert!(off <= limit + ROUNDING * size, "{off:e} above {limit:e} at {beyond} of {z:?}");
+            compared += 1;
+            if off > ROUNDING * size {
+                sharpest = sharpest.min(limit / off);
+            }
+        }
+    }
+    // The bound is compared where it is far above rounding, and is not idle.
+    assert!(compared > STATES && sharpest < 1e4, "{compared} {sharpest:e}");
+    println!("{compared} compared, the bound is {sharpest:e} times the error at least");
+}
