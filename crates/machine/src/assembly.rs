@@ -47,8 +47,9 @@ impl Assembly {
     /// The bodies' coordinates in static equilibrium under the signals of time 0, m or rad.
     ///
     /// # Errors
-    /// [`Error::NoEquilibrium`], [`Error::GivesWay`].
+    /// [`Error::NoEquilibrium`], [`Error::GivesWay`]; [`Error::Curved`] with curved forces.
     pub fn equilibrium(&self) -> Result<Vec<f64>, Error> {
+        self.check_straight("an equilibrium")?;
         let (system, q) = (&self.system, equilibrium(&self.description, &self.system)?);
         let z = system.at_rest(Some(&q));
         Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())

@@ -73,8 +73,7 @@ pub const CURVE: [(&str, NumberKind); 4] = [
     ("quintic", kind("Coefficient of the fifth power of e", "N/m5", "N.m/rad5", Range::FINITE)),
 ];
 /// The damping of a dashpot with a curve.
-pub const CURVED_DAMPING: NumberKind =
-    kind("Viscous damping at e' = 0", "N.s/m", "N.m.s/rad", Range::FINITE);
+pub const CURVED_DAMPING: NumberKind = kind("Viscous damping at e' = 0", "N.s/m", "N.m.s/rad", Range::FINITE);
 pub const CUBIC_DAMPING: NumberKind =
     kind("Coefficient of the cube of e'", "N.s3/m3", "N.m.s3/rad3", Range::FINITE);
 pub const SERIES_STIFFNESS: NumberKind =

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 use vibro_machine::Assembly;
-use vibro_machine::file::{no_records, parse};
 use vibro_machine::Differentiated;
+use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion, Reached};
 
 fn machine(text: &str) -> Arc<Assembly> {
@@ -68,7 +68,10 @@ fn invariant_energy_accounts_balance() {
         friction.f = { between = [\"ground\", \"c\"], force = 0.6, static = 0.9 }\n\
         load.l = { on = \"a\", amplitude = 30.0, frequency = 2.3 }\n";
     let mut motion = Motion::new(machine(text)).expect("a motion");
-    let energy = |motion: &Motion| { let (k, p) = motion.kinetic_and_stored(); k + p };
+    let energy = |motion: &Motion| {
+        let (k, p) = motion.kinetic_and_stored();
+        k + p
+    };
     let first = energy(&motion);
     let mut count = 0;
     let began = std::time::Instant::now();
@@ -97,7 +100,8 @@ fn second_method_random_chains_in_fifty_digits() {
         let (end, impacts, factor) = (number(fields[1]), number(fields[2]), number(fields[3]));
         let mut motion = Motion::new(machine(&fields[0].replace('|', "\n"))).expect("a motion");
         let mut count = 0.0;
-        let mut observer = |event: &Event| count += f64::from(u8::from(matches!(event.kind, EventKind::Impact { .. })));
+        let mut observer =
+            |event: &Event| count += f64::from(u8::from(matches!(event.kind, EventKind::Impact { .. })));
         motion.advance_observed(end, &mut observer).expect("an end");
         assert_eq!(count, impacts, "{row}");
         let bodies = fields[4].split(',').count() / 2;

@@ -97,7 +97,9 @@ pub fn summary(machine: Description) -> Result<String> {
         return Ok(lines.join("\n"));
     }
     lines.push(equilibrium(&assembly));
-    lines.push(format!("natural frequencies in the start's mode{}", of_blocks(d)));
+    let small =
+        if d.elements().any(|element| element.is_curved()) { ", of small motions about e = 0" } else { "" };
+    lines.push(format!("natural frequencies in the start's mode{}{small}", of_blocks(d)));
     lines.extend(frequencies(&assembly, &motion));
     Ok(lines.join("\n"))
 }

@@ -108,7 +108,9 @@ fn product(a: &[f64; TERMS], back: &[f64; 2 * TERMS], k: usize) -> f64 {
     // Beyond order `k` the second factor is zero.
     let fours = a.as_chunks::<4>().0.iter().zip(back.as_chunks::<4>().0).take(k / 4 + 1);
     for (a, b) in fours {
-        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
+        for i in 0..4 {
+            sums[i] += a[i] * b[i];
+        }
     }
     (sums[0] + sums[2]) + (sums[1] + sums[3])
 }

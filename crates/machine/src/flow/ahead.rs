@@ -50,7 +50,10 @@ impl Series {
         if !table.curves.is_empty() {
             self.curve(table, 0);
         }
-        (1..=orders).for_each(|k| self.next(table, k, dt / k as f64));
+        // Not by `for_each`, whose closure is compiled without the computer's vectors.
+        for k in 1..=orders {
+            self.next(table, k, dt / k as f64);
+        }
         self.orders = orders;
     }
 

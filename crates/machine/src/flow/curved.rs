@@ -112,8 +112,10 @@ impl FlowTable {
     #[inline(always)]
     fn proved_part(&self, series: &Series, span: f64, most: f64) -> f64 {
         let straight = self.a.len() - self.curves.len();
-        let norms: [f64; LAST_ORDER + 1] = std::array::from_fn(|k| series.norm(self, k, straight));
-        let sizes: [f64; LAST_ORDER + 1] = std::array::from_fn(|k| series.norm(self, k, self.one));
+        let (mut norms, mut sizes) = ([0.0; LAST_ORDER + 1], [0.0; LAST_ORDER + 1]);
+        for k in 0..=LAST_ORDER {
+            (norms[k], sizes[k]) = (series.norm(self, k, straight), series.norm(self, k, self.one));
+        }
         let pairs = self.curves.iter().zip(&series.curves);
         let curves: Vec<CurveTerms> = pairs
             .map(|(own, series)| CurveTerms {
@@ -150,7 +152,8 @@ impl FlowTable {
         for k in 0..=LAST_ORDER {
             let (known, later) = terms.split_at_mut(k + 1);
             for (curve, series) in self.curves.iter().zip(&ahead.series.curves) {
-                let product = |j: usize| series.slope(&curve.curved.force, j) * curve.argument.dot(&known[k - j]);
+                let product =
+                    |j: usize| series.slope(&curve.curved.force, j) * curve.argument.dot(&known[k - j]);
                 let value = (0..=k).map(product).sum();
                 known[k][curve.curved.place] = value;
             }
@@ -203,8 +206,13 @@ impl FlowTable {
     fn sizes_of_terms(&self, z: &[f64], sizes: &[f64], last: usize) -> Vec<Vec<f64>> {
         let own = self.sizes.as_ref().unwrap_or(&self.a);
         let mut all = vec![sizes.to_vec()];
-        let mut majorants: Vec<CurveSizes> =
-            self.curves.iter().map(|curve| CurveSizes::of(&curve.curved.force, curve.argument.dot(z).abs(), curve.argument.size(sizes))).collect();
+        let mut majorants: Vec<CurveSizes> = self
+            .curves
+            .iter()
+            .map(|curve| {
+                CurveSizes::of(&curve.curved.force, curve.argument.dot(z).abs(), curve.argument.size(sizes))
+            })
+            .collect();
         for k in 1..=last {
             let mut next = vec![0.0; sizes.len()];
             own.sizes_rows_times_to(0, &all[k - 1], self.length / k as f64, &mut next);

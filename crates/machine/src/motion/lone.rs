@@ -35,7 +35,11 @@ impl Motion {
     /// bodies back onto their gaps.
     pub(super) fn lone_knot(&mut self) -> bool {
         let mode = &self.hybrid.mode;
-        if self.is_general || self.table().is_curved() || !mode.is_independent() || mode.stops.contains(&StopState::Closed) {
+        if self.is_general
+            || self.table().is_curved()
+            || !mode.is_independent()
+            || mode.stops.contains(&StopState::Closed)
+        {
             return false;
         }
         self.scratch.start.copy_from(&self.hybrid.z);

@@ -98,7 +98,17 @@ pub fn arms(terms: &[(usize, f64)]) -> Arms {
 pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
     let name = format!("spring{}", terms[0].0);
     let (points, stepped, series) = (Vec::new(), None, None);
-    Spring { name, arms: arms(terms), stiffness, stepped, damping, preload: 0.0, curve: Default::default(), points, series }
+    Spring {
+        name,
+        arms: arms(terms),
+        stiffness,
+        stepped,
+        damping,
+        preload: 0.0,
+        curve: Default::default(),
+        points,
+        series,
+    }
 }
 
 /// A rigid stop.
