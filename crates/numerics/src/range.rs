@@ -24,7 +24,7 @@ pub struct Range {
 
 /// Error for a value outside its range (also NaN and infinities).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{name} = {value}: allowed is {allowed}")]
+#[error("{name} = {value}: expected {allowed}")]
 pub struct OutOfRange {
     /// Name of the quantity.
     pub name: &'static str,
