@@ -127,7 +127,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi2, "nominal is not positive", |m| set(m, "box.s", "nominal", "0")),
     (Fmi2, "declared type Some(\"Weight\")", |m| set(m, "box.m", "declaredType", "Weight")),
     (Fmi2, "start inf is outside", |m| set(m, "drive.phase", "start", "inf")),
-    (Fmi2, "min is no number", |m| set(m, "stop.restitution", "min", "low")),
+    (Fmi2, "min is not a number", |m| set(m, "stop.restitution", "min", "low")),
     (Fmi2, "factor -1 is not positive", |m| {
         let units = within(m, "UnitDefinitions").iter_mut();
         let mut displays = units.flat_map(|unit| &mut unit.children).filter(|c| c.name == "DisplayUnit");
@@ -201,25 +201,25 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi3, "start 2 is outside", |m| set(m, "stop.restitution", "start", "2")),
     (Fmi3, "start yes is outside", |m| set(m, "startOnOrbit", "start", "yes")),
     (Fmi3, "nominal is not positive", |m| put(variable(m, "box.s"), "nominal", "-1")),
-    (Fmi3, "allowed are local arrays", |m| {
+    (Fmi3, "expected local arrays", |m| {
         let array = variable(m, "motion.s").children.clone();
         variable(m, "box.a").children = array;
     }),
-    (Fmi3, "allowed are local arrays", |m| put(&mut variable(m, "motion.s").children[0], "start", "0")),
+    (Fmi3, "expected local arrays", |m| put(&mut variable(m, "motion.s").children[0], "start", "0")),
     (Fmi3, "intermediateUpdate", |m| set(m, "impacts.lastTime", "intermediateUpdate", "true")),
     (Fmi3, "aliases are for what is set", |m| {
         let aliases = variable(m, "box.s").children.split_off(0);
         variable(m, "stop.s").children = aliases;
     }),
-    (Fmi3, "allowed are clocks", |m| {
+    (Fmi3, "expected clocks", |m| {
         let time = reference(m, "time");
         set(m, "impacts.clocked.time", "clocks", &time);
     }),
-    (Fmi3, "is no other Real variable", |m| {
+    (Fmi3, "is not another Real variable", |m| {
         let side = reference(m, "impacts.clocked.side");
         set(m, "box.a", "derivative", &side);
     }),
-    (Fmi3, "is no state", |m| {
+    (Fmi3, "is not a state", |m| {
         let derivative = reference(m, "block.a");
         set(m, "box.a", "derivative", &derivative);
     }),
@@ -244,7 +244,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
         let row = rows.find(|row| row.attribute("valueReference") == Some(&*ratio)).unwrap();
         put(row, "dependenciesKind", "fixed fixed");
     }),
-    (Fmi3, "allowed are continuous locals", |m| {
+    (Fmi3, "expected continuous locals", |m| {
         let mode = reference(m, "mode");
         put(row(m, "EventIndicator", 0), "valueReference", &mode);
     }),

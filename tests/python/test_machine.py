@@ -60,7 +60,7 @@ def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
     for output in ("floor.impacts", "class"):
         with pytest.raises(KeyError, match=f"{output}: has no derivative; allowed are ball.s"):
             run.derivative(output, "stop.floor.gap")
-    with pytest.raises(ValueError, match="ball.s: no parameter has this name; valid are gravity, body.ball.mass"):
+    with pytest.raises(ValueError, match="ball.s: no parameter has this name; expected one of gravity, body.ball.mass"):
         machine.simulate(1.5, derivatives=["ball.s"])
     with pytest.raises(KeyError, match="stop.floor.gap"):
         run.derivative("ball.s", "gravity")
@@ -251,7 +251,7 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: damper().simulate(times=[0.5], start={"time": 2.0}), ValueError, "ascending finite times from 2 on"),
         (lambda: damper().start("nowhere.toml"), ValueError, "nowhere.toml: cannot be read"),
         (lambda: damper().transition(0.0), ValueError, "until = 0.0"),
-        (lambda: damper().simulate(1.0, derivatives=["start.bx.v"]), ValueError, "start.bx.v: no number of a start has this name; the nearest is `box.v`"),
+        (lambda: damper().simulate(1.0, derivatives=["start.bx.v"]), ValueError, "start.bx.v: no start value has this name; the nearest is `box.v`"),
         (lambda: vi.simulate_many([damper()], until=1.0, derivatives=["gravity"]), TypeError, "derivatives: allowed for described machines, with `times`"),
         (lambda: vi.simulate_many([damper()], times=[1.0], derivatives=["grvity"]), ValueError, "the nearest is `gravity`"),
         (lambda: vi.simulate_many([damper()] * 2, starts=[None] * 3, until=1.0), ValueError, "starts has 3 starts: allowed is one, or one for each of 2"),

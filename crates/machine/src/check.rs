@@ -38,7 +38,7 @@ impl Description {
     /// ```
     /// let machine = vibro_machine::Description { name: "Nothing".into(), ..Default::default() };
     /// let refused = machine.check().unwrap_err();
-    /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies");
+    /// assert_eq!(refused.to_string(), "body: expected at least one body");
     /// ```
     ///
     /// # Errors

@@ -131,7 +131,7 @@ fn the_main_description_has_no_clock_and_no_clock_is_an_input() {
     unsafe {
         assert_eq!(fmi3GetClock(main.c, &r, 1, &mut active), ERROR);
         assert!(
-            main.last().contains("is no Clock variable: allowed are those of the model"),
+            main.last().contains("is not a variable of type Clock: expected a value reference of the model"),
             "{}",
             main.last()
         );

@@ -130,7 +130,7 @@ fn what_would_not_be_seen_is_played_with_a_warning() {
 fn loads_are_refused_where_a_closed_form_is_played() {
     let mut fmu = closed(3.0);
     let error = set(&mut fmu, "box.f", 0.1).unwrap_err().to_string();
-    assert_eq!(error, "box.f = 0.1: allowed is 0 in a closed-form mode");
+    assert_eq!(error, "box.f = 0.1: expected 0 in a closed-form mode");
     set(&mut fmu, "box.f", 0.0).unwrap();
     assert!(fmu.set_input_derivatives(&[reference("box.f")], &[1], &[0.1]).is_err());
     let mut fmu = instance();
