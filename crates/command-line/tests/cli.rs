@@ -88,9 +88,9 @@ fn errors_name_the_nearest_name_and_the_range() {
         ),
         (
             ["--set", "stop.restitution=2"],
-            "error: stop.restitution = 2: allowed is 0 <= stop.restitution <= 1",
+            "error: stop.restitution = 2: expected 0 <= stop.restitution <= 1",
         ),
-        (["--set", "epsilon=0"], "error: epsilon = 0: allowed is 0 < epsilon <= 1"),
+        (["--set", "epsilon=0"], "error: epsilon = 0: expected 0 < epsilon <= 1"),
         (["--set", "kappa=high"], "error: kappa = `high` is not a number: allowed is 0 <= kappa <= 1"),
         (["--set", "kappa"], "error: `kappa`: expected name=value, e.g. kappa=0.75"),
     ] {
@@ -103,14 +103,14 @@ fn errors_name_the_nearest_name_and_the_range() {
         (vec!["plane", "--pair", "f10,f10"], "two independent parameters"),
         (
             vec!["plane", "--pair", "f10,kappa", "--range", "kappa=0:2"],
-            "kappa = 2: allowed is 0 <= kappa <= 1",
+            "kappa = 2: expected 0 <= kappa <= 1",
         ),
         (
             vec!["plane", "--pair", "f10,kappa", "--range", "sigma1=0:2"],
             "a range of a parameter that is on an axis",
         ),
         (vec!["response", "--values", "gama1=0.1"], "the nearest is `gamma1`"),
-        (vec!["compare", "--values", "epsilon=0.1,2"], "epsilon = 2: allowed is 0 < epsilon <= 1"),
+        (vec!["compare", "--values", "epsilon=0.1,2"], "epsilon = 2: expected 0 < epsilon <= 1"),
         (vec!["stedy"], "steady"),
     ] {
         let (code, error) = refused(&arguments);
