@@ -289,9 +289,9 @@ pub(crate) fn output(cargo: &mut Command) -> Result<String> {
     let command = line(cargo);
     let failed = |problem: String| Error::Cargo { command: command.clone(), problem };
     cargo.stdin(Stdio::null()).stderr(Stdio::inherit());
-    let output = cargo
-        .output()
-        .map_err(|e| failed(format!("cannot be run: {e}; install the Rust toolchain or the program named")))?;
+    let output = cargo.output().map_err(|e| {
+        failed(format!("cannot be run: {e}; install the Rust toolchain or the program named"))
+    })?;
     if !output.status.success() {
         return Err(failed(format!("failed ({}); its messages are above", output.status)));
     }

@@ -169,7 +169,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
         let unknown = with(initial, "dependenciesKind", |kinds| kinds == "dependent dependent");
         put(unknown, "dependenciesKind", "fixed fixed");
     }),
-    (Fmi3, "is no variable", |m| within(m, "ModelVariables")[3].name = "Float63".into()),
+    (Fmi3, "is not a variable", |m| within(m, "ModelVariables")[3].name = "Float63".into()),
     (Fmi3, "fmiVersion", |m| put(m, "fmiVersion", "3.0.2")),
     (Fmi3, "instantiationToken is empty", |m| put(m, "instantiationToken", "")),
     (Fmi3, "modelIdentifier", |m| {

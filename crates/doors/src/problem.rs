@@ -83,9 +83,7 @@ pub enum Problem {
         own: f64,
     },
     /// A step beyond the stop time.
-    #[error(
-        "step to t = {end} s: must end by the stop time {stop} s, which was given before initialization"
-    )]
+    #[error("step to t = {end} s: must end by the stop time {stop} s, which was given before initialization")]
     StopTime {
         /// End of the step.
         end: f64,

@@ -116,7 +116,10 @@ impl<T: Tabular> FromTable<T> {
         row.map(|row| (row, place)).ok_or_else(|| Problem::Reference {
             reference,
             wanted: bases.name,
-            found: format!("expected a value reference of the model description, from 1 to {}", T::ROWS.len()),
+            found: format!(
+                "expected a value reference of the model description, from 1 to {}",
+                T::ROWS.len()
+            ),
         })
     }
 

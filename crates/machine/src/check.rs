@@ -112,11 +112,7 @@ fn refused(name: impl Into<String>, value: f64, text: impl Into<String>) -> Prob
 
 fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec<Problem>) {
     if arms.terms.is_empty() {
-        problems.push(Problem::new(
-            format!("{name}.arms"),
-            None,
-            "names no body; expected at least one",
-        ));
+        problems.push(Problem::new(format!("{name}.arms"), None, "names no body; expected at least one"));
     }
     let signs: Vec<_> = arms.terms.iter().map(|term| term.1).collect();
     if !arms.levers && ![&[-1.0][..], &[1.0], &[-1.0, 1.0]].contains(&&signs[..]) {
@@ -127,9 +123,11 @@ fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec
     for &(body, arm) in &arms.terms {
         let of = |body: &Body| format!("{name}.arms.{}", body.name);
         match machine.bodies.get(body) {
-            None => {
-                problems.push(Problem::new(name, None, format!("no body has the index {body}, counted from 0")))
-            }
+            None => problems.push(Problem::new(
+                name,
+                None,
+                format!("no body has the index {body}, counted from 0"),
+            )),
             Some(found) if std::mem::replace(&mut seen[body], true) => {
                 problems.push(refused(of(found), arm, "the body is named twice"));
             }
@@ -322,7 +320,8 @@ fn check_follows(machine: &Description, name: &str, follows: &Follows, problems:
             format!("no stop has the index {stop}, counted from 0"),
         )),
         Some(Stop { name: rigid, law: StopLaw::Rigid { .. }, .. }) => {
-            let text = "this stop is rigid, and impacts with friction are not supported; use a compliant stop";
+            let text =
+                "this stop is rigid, and impacts with friction are not supported; use a compliant stop";
             problems.push(Problem::new(format!("{name}.follows"), Some(format!("{rigid:?}")), text));
         }
         Some(_) => {}

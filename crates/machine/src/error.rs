@@ -21,7 +21,9 @@ pub enum Error {
     )]
     Inertia,
     /// A rate above 1e100 rad/s, whose powers would overflow.
-    #[error("{name} = {value:e}: the rate that it gives with the moving inertias must be at most 1e100 rad/s")]
+    #[error(
+        "{name} = {value:e}: the rate that it gives with the moving inertias must be at most 1e100 rad/s"
+    )]
     TooFast {
         /// Dotted name of the parameter.
         name: String,
@@ -29,9 +31,7 @@ pub enum Error {
         value: f64,
     },
     /// Prescribed bodies drive stops together, and no body can yield.
-    #[error(
-        "jammed at t = {time} s: {stops} cannot give way; a body between them must be able to"
-    )]
+    #[error("jammed at t = {time} s: {stops} cannot give way; a body between them must be able to")]
     Jammed {
         /// Time, s.
         time: f64,

@@ -138,9 +138,13 @@ fn too_many_events_in_a_call_are_told_with_what_helps() {
     motion.advance_to(1e-4).unwrap();
     let Err(Error::Stuck { time, cause }) = motion.advance_to(1.0) else { panic!("{}", motion.time()) };
     assert!(time == motion.time() && (0.005..0.5).contains(&time), "{time}");
-    for part in
-        ["sub-steps in one call", "from t = 0.0001 s", "lower restitution", "stop.floor", "another call continues"]
-    {
+    for part in [
+        "sub-steps in one call",
+        "from t = 0.0001 s",
+        "lower restitution",
+        "stop.floor",
+        "another call continues",
+    ] {
         assert!(cause.contains(part), "{part}: {cause}");
     }
     motion.advance_to(time + 1e-3).unwrap();

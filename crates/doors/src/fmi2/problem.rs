@@ -69,7 +69,10 @@ impl<P: Refusal> From<Fault> for CallProblem<P> {
 fn way_on(stage: Stage, early: &EarlyEnd) -> String {
     match stage {
         Stage::StepFailed => {
-            format!(": restore the state saved before the {}, or continue from lastSuccessfulTime", early.event)
+            format!(
+                ": restore the state saved before the {}, or continue from lastSuccessfulTime",
+                early.event
+            )
         }
         _ => String::new(),
     }

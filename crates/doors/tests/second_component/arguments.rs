@@ -81,12 +81,16 @@ fn wrong_calls_are_errors_of_fmi3_that_terminate_and_are_named() {
                 "value reference 0 is not a variable of type Float64: expected a value reference of the model",
                 &|c| fmi3GetFloat64(c, &0, 1, v, 1),
             ),
-            ("GetFloat64", "value reference 4294967295 is no Float64", &|c| {
+            ("GetFloat64", "value reference 4294967295 is not a variable of type Float64", &|c| {
                 fmi3GetFloat64(c, &u32::MAX, 1, v, 1)
             }),
-            ("GetFloat64", "value reference 8 is no Float64", &|c| fmi3GetFloat64(c, &BOUNCES, 1, v, 1)),
-            ("GetFloat32", "is no Float32", &|c| fmi3GetFloat32(c, &HEIGHT, 1, &mut 0.0, 1)),
-            ("GetBinary", "is no Binary", &|c| {
+            ("GetFloat64", "value reference 8 is not a variable of type Float64", &|c| {
+                fmi3GetFloat64(c, &BOUNCES, 1, v, 1)
+            }),
+            ("GetFloat32", "is not a variable of type Float32", &|c| {
+                fmi3GetFloat32(c, &HEIGHT, 1, &mut 0.0, 1)
+            }),
+            ("GetBinary", "is not a variable of type Binary", &|c| {
                 fmi3GetBinary(c, &HEIGHT, 1, &mut 0, [null()].as_mut_ptr(), 1)
             }),
             ("GetFloat64", "nValues = 2: expected 1", &|c| fmi3GetFloat64(c, &HEIGHT, 1, v, 2)),

@@ -41,10 +41,7 @@ fn instantiations_of_fmi3_that_cannot_be_are_null_and_logged() {
             fmi3InstantiateCoSimulation(name, token, null(), 0, logging, 0, 0, list, count, host, keep, None)
         };
         for (c, text) in [
-            (
-                make(name, c"{no}".as_ptr(), 1, &[]),
-                "CoSimulation: instantiationToken = \"{no}\": expected {",
-            ),
+            (make(name, c"{no}".as_ptr(), 1, &[]), "CoSimulation: instantiationToken = \"{no}\": expected {"),
             (make(c" ".as_ptr(), token, 1, &[]), "CoSimulation: instanceName = \" \": expected text"),
             (make(null(), token, 1, &[]), "CoSimulation: instanceName is null"),
             (make(name, null(), 1, &[]), "CoSimulation: instantiationToken is null"),
@@ -96,7 +93,11 @@ fn messages_are_finished_text() {
     let refusal = "fmi2DoStep: cannot be called in state Instantiated of Co-Simulation";
     assert_eq!(host.last(), format!("ball %d 3 logStatusError {refusal}"));
     assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 1, 1, &category) }, ERROR);
-    assert!(host.last().contains("category = \"100 %% ##1\": expected one of logEvents, "), "{}", host.last());
+    assert!(
+        host.last().contains("category = \"100 %% ##1\": expected one of logEvents, "),
+        "{}",
+        host.last()
+    );
     let host = Host::of_fmi3(Interface::CoSimulation);
     assert_eq!(unsafe { fmi3SetDebugLogging(host.c, 1, 1, &category) }, ERROR);
     assert!(host.last().contains("category = \"100 % ##1\": expected one of logEvents, "), "{}", host.last());

@@ -24,15 +24,18 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             let name = Description::name_of_coordinate(&matrix.name, i);
             let own = machine.bodies.get(body).filter(|own| own.name == name);
             if !matches!(own.map(|own| &own.kind), Some(BodyKind::Free(free)) if free.inertia == 1.0) {
-                problems.push(Problem::new(name, None, "expected the body that Description::add_matrix makes"));
+                problems.push(Problem::new(
+                    name,
+                    None,
+                    "expected the body that Description::add_matrix makes",
+                ));
             }
         }
     }
     let owned: usize = machine.elements().map(|element| element.coordinates().len()).sum();
     if problems.is_empty() && owned != inner {
-        let text = format!(
-            "{inner} bodies are named as coordinates; expected {owned}, one for each coordinate"
-        );
+        let text =
+            format!("{inner} bodies are named as coordinates; expected {owned}, one for each coordinate");
         problems.push(Problem::new("modal", None, text));
     }
     for body in &machine.bodies {

@@ -17,8 +17,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         let terms = coordinates(machine, &link.arms.terms);
         let terms: Vec<_> = terms.into_iter().filter(|term| free[term.0]).collect();
         if terms.is_empty() {
-            let text =
-                "connects only bodies with prescribed motion; requires a body with mass or inertia";
+            let text = "connects only bodies with prescribed motion; requires a body with mass or inertia";
             problems.push(Problem::new(name, None, text));
         } else if !ties.add(free.len(), &terms) {
             let text =

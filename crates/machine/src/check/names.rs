@@ -31,11 +31,7 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     unique(machine.elements().map(|e| (e.section(), e.name())), &mut problems);
     apart(machine, &mut problems);
     if machine.bodies.iter().any(|b| b.name == "ground") {
-        problems.push(Problem::new(
-            "body.ground",
-            None,
-            "`ground` is the fixed frame; use another name",
-        ));
+        problems.push(Problem::new("body.ground", None, "`ground` is the fixed frame; use another name"));
     }
     let counts = [
         ("body", machine.bodies.len()),

@@ -58,7 +58,8 @@ impl Reporter {
         let sampled = reports.origin < f64::INFINITY;
         let numbers = [simulator.time(), end].map(|time| (time - reports.origin) / reports.step);
         if sampled && !(reports.step > 0.0 && numbers.iter().all(|n| n.abs() < f64::from(u32::MAX))) {
-            let allowed = "a time > 0 with fewer than 2^32 steps from the first sample to the start and to the end";
+            let allowed =
+                "a time > 0 with fewer than 2^32 steps from the first sample to the start and to the end";
             return Err(Error::OutOfRange { name: "time between samples", value: reports.step, allowed });
         }
         simulator.keeps_energy_accounts = false;

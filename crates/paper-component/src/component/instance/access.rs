@@ -166,8 +166,10 @@ pub(super) fn jet_of(variable: &Variable) -> Outcome<fn(&OutputValues<Jet>) -> J
         }
         _ => None,
     };
-    reading
-        .ok_or(ComponentProblem::NoDerivative { name: variable.name, allowed: "derivatives of continuous outputs" })
+    reading.ok_or(ComponentProblem::NoDerivative {
+        name: variable.name,
+        allowed: "derivatives of continuous outputs",
+    })
 }
 
 pub(super) fn check_order(variable: &Variable, order: i32, highest: i32, allowed: &'static str) -> Outcome {

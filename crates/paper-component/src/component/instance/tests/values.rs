@@ -69,8 +69,12 @@ fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
     }
     let (integers, strings) = (Bases::new("Integer", &[Base::Integer]), Bases::new("String", &[]));
     for (bases, reference, text) in [
-        (integers, reference("mode"), "value reference 14 is no Integer variable: mode is Enumeration"),
-        (strings, 0, "value reference 0 is no String variable: time is Real"),
+        (
+            integers,
+            reference("mode"),
+            "value reference 14 is not a variable of type Integer: mode is Enumeration",
+        ),
+        (strings, 0, "value reference 0 is not a variable of type String: time is Real"),
     ] {
         assert_eq!(fmu.set(bases, &[reference], |_| 0.0).unwrap_err().to_string(), text);
         assert_eq!(fmu.get(bases, &[reference], |_, _| ()).unwrap_err().to_string(), text);
@@ -80,7 +84,9 @@ fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
     let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
     for name in ["der(box.s)", "motion.s"] {
         let beyond = reference(name);
-        let start = format!("value reference {beyond} is not a variable of type Real: expected a value reference of the model");
+        let start = format!(
+            "value reference {beyond} is not a variable of type Real: expected a value reference of the model"
+        );
         for error in [
             fmu.set(Bases::REAL, &[beyond], |_| 0.0).unwrap_err(),
             fmu.get(Bases::REAL, &[beyond], |_, _| ()).unwrap_err(),
