@@ -147,7 +147,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi2, "dependencies of", |m| {
         put(with(structure(m, "Outputs"), "dependencies", |_| true), "dependencies", "999");
     }),
-    (Fmi2, "no item of Mode", |m| set(m, "mode", "start", "9")),
+    (Fmi2, "not an item of Mode", |m| set(m, "mode", "start", "9")),
     (Fmi2, "do not go together", |m| set(m, "box.m", "initial", "calculated")),
     (Fmi2, "a start value belongs", |m| drop(variable(m, "box.m").children[0].attributes.remove("start"))),
     (Fmi2, "only a Real", |m| set(m, "impacts.upper", "variability", "continuous")),
@@ -190,7 +190,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi3, "has no description", |m| set(m, "box.k", "description", "")),
     (Fmi3, "is not a defined type", |m| drop(variable(m, "mode").attributes.remove("declaredType"))),
     (Fmi3, "is not a defined type", |m| set(m, "impacts.clock", "declaredType", "Time")),
-    (Fmi3, "left to its declared type", |m| set(m, "box.m", "unit", "m")),
+    (Fmi3, "belong to its declared type", |m| set(m, "box.m", "unit", "m")),
     (Fmi3, "unit kg of", |m| {
         within(m, "UnitDefinitions").retain(|unit| unit.attribute("name") != Some("kg"))
     }),

@@ -284,7 +284,7 @@ impl<T: Tabular> Model for FromTable<T> {
     fn deserialize(&self, bytes: &[u8]) -> Result<Saved, Problem> {
         let (written_by, saved): (String, Saved) = postcard::from_bytes(bytes).map_err(refused)?;
         if written_by != Self::token() {
-            return Err(Problem::SavedState { what: "it is not of this FMU".into() });
+            return Err(Problem::SavedState { what: "it is not from this FMU".into() });
         }
         Self::check(&saved)?;
         Ok(saved)

@@ -35,10 +35,10 @@ fn refusals_say_what_a_stiffness_may_be() {
     says("{ constant = 2.0 }", &["does not step"]);
     says("{ constant = 2.0, steps = [[0.1, -3.0]] }", &["-1.0", "after steps[0]", "must be at least 0"]);
     says("{ constant = -2.0, steps = [[0.1, 3.0]] }", &["before the first step"]);
-    says("{ table = [[0.0, -1.0], [1.0, 2.0]], interpolation = \"hold\" }", &["a value of the table"]);
+    says("{ table = [[0.0, -1.0], [1.0, 2.0]], interpolation = \"hold\" }", &["this value of the table"]);
     says(
         "{ constant = 1.0, steps = [[0.1, 1.0]], table = [[0.0, 1.0], [1.0, 2.0]], interpolation = \"hold\" }",
-        &["stand beside a table"],
+        &["cannot be combined with `table`"],
     );
     let many = (0..64).map(|k| format!("[{k}.5, 1.0]")).collect::<Vec<_>>().join(", ");
     says(&format!("{{ constant = 1.0, steps = [{many}] }}"), &["has 65 levels; the limit is 64"]);
