@@ -74,7 +74,8 @@ pub enum Problem {
     },
     /// The host's time is not the component's.
     #[error(
-        "currentCommunicationPoint = {given} s, but the instance is at t = {own} s: the difference must be at most 1e-9 max(1, |t|)"
+        "currentCommunicationPoint = {given} s, but the instance is at t = {own} s: the difference \
+         must be at most 1e-9 max(1, |t|)"
     )]
     Time {
         /// The host's time.

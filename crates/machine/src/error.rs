@@ -9,7 +9,8 @@ use crate::refusal::Refusal;
 pub enum Error {
     /// A link that follows from the other links, or that moves no free body.
     #[error(
-        "link.{link}: it follows from the other links, or moves no free body; each link must remove one coordinate"
+        "link.{link}: it follows from the other links, or moves no free body; each link must remove \
+         one coordinate"
     )]
     Redundant {
         /// Name of the link.
@@ -17,7 +18,8 @@ pub enum Error {
     },
     /// An inertia matrix that is not positive in double precision.
     #[error(
-        "the inertias: not positive in double precision after the links; their ratios must be at most about 1e15"
+        "the inertias: not positive in double precision after the links; their ratios must be at \
+         most about 1e15"
     )]
     Inertia,
     /// A rate above 1e100 rad/s, whose powers would overflow.
@@ -41,7 +43,8 @@ pub enum Error {
     /// A rigid stop violated by a jump of a prescribed motion or an input, by a changed parameter
     /// or by a start.
     #[error(
-        "{stop} at t = {time} s: e - gap = {excess}; must be at most 0 at a start, after a jump of a prescribed motion and after a \
+        "{stop} at t = {time} s: e - gap = {excess}; must be at most 0 at a start, after a jump of \
+         a prescribed motion and after a \
          change of parameters"
     )]
     Violated {
@@ -54,7 +57,8 @@ pub enum Error {
     },
     /// A machine that starts at rest without an equilibrium.
     #[error(
-        "start = \"rest\": no equilibrium; body.{body} has the acceleration {acceleration:?} (SI) at every position; \
+        "start = \"rest\": no equilibrium; body.{body} has the acceleration {acceleration:?} (SI) \
+         at every position; \
          springs, stops and friction must be able to bear weight and loads at time 0"
     )]
     NoEquilibrium {
@@ -65,7 +69,8 @@ pub enum Error {
     },
     /// A machine that starts at rest and gives way while its loads grow.
     #[error(
-        "start = \"rest\": spring.{spring} has a falling line and gives way at {factor:?} of the loads, where no force that grows with them \
+        "start = \"rest\": spring.{spring} has a falling line and gives way at {factor:?} of the \
+         loads, where no force that grows with them \
          balances the rest; give start values instead"
     )]
     GivesWay {
@@ -93,7 +98,8 @@ pub enum Error {
     },
     /// A coordinate or rate above 1e100, whose energy would overflow.
     #[error(
-        "the motion cannot continue at t = {time} s: {name} = {value:e} (SI); its size must be at most 1e100, so that energies are finite"
+        "the motion cannot continue at t = {time} s: {name} = {value:e} (SI); its size must be at \
+         most 1e100, so that energies are finite"
     )]
     Beyond {
         /// Time, s.

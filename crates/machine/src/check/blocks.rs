@@ -20,7 +20,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         // Feeds are in the order of their loads, at most one for each load.
         let is_next = i == 0 || machine.feeds[i - 1].load < feed.load;
         if !is_there || !is_next || feed.load >= machine.loads.len() {
-            let text = "no load or output has this index, counted from 0, or the feeds are not in the order of their loads";
+            let text = "no load or output has this index, counted from 0, or the feeds are not in \
+                the order of their loads";
             problems.push(Problem::new(format!("feeds[{i}]"), None, text));
         }
     }
@@ -39,7 +40,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             let names: Vec<String> =
                 way.iter().chain(&way[..1]).map(|own| machine.name_of_output(*own)).collect();
             let text = format!(
-                "an algebraic loop through `d`: {}; put a state, or a sampled block with a delay, into the loop",
+                "an algebraic loop through `d`: {}; put a state, or a sampled block with a delay, \
+                 into the loop",
                 names.join(" reads ")
             );
             problems.push(Problem::new(format!("block.{}.d", machine.blocks[way[0].0].name), None, text));
@@ -56,7 +58,8 @@ fn check_limited(machine: &Description, place: (usize, usize), problems: &mut Ve
     }
     if let Some(other) = machine.limit_behind(place) {
         let text = format!(
-            "depends through `d` on {}, which has limits, too; give only one of them limits, put a state between \
+            "depends through `d` on {}, which has limits, too; give only one of them limits, put a \
+             state between \
              them, or use a sampled block",
             machine.name_of_output(other)
         );
@@ -121,7 +124,8 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
 pub(super) fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
     if let Some((block, read)) = machine.feedback() {
         let text = format!(
-            "cannot be combined with a block that feeds motion back to loads: block.{} reads {read}; give the \
+            "cannot be combined with a block that feeds motion back to loads: block.{} reads \
+             {read}; give the \
              bodies and the block start values instead",
             block.name
         );

@@ -7,7 +7,8 @@ use crate::refusal::Problem;
 use crate::stepped::{MOST_LEVELS, count, given, zero};
 
 /// Allowed parts of a stiffness that steps, in words.
-const ALLOWED: &str = "is not supported in a stiffness, which is constant between its steps; use constant, steps or a table with \
+const ALLOWED: &str = "is not supported in a stiffness, which is constant between its steps; use \
+    constant, steps or a table with \
     interpolation = \"hold\", and repeat";
 
 /// Problems of all stiffnesses that step in time.
@@ -32,7 +33,9 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         any = true;
         match stop.law {
             StopLaw::Rigid { .. } => {
-                problems.push(Problem::new(&name, None, "cannot be combined with `restitution`: use `restitution` for a rigid stop, or `stiffness` for a compliant one"));
+                let text = "cannot be combined with `restitution`: use `restitution` for a rigid stop, or \
+                            `stiffness` for a compliant one";
+                problems.push(Problem::new(&name, None, text));
             }
             StopLaw::Compliant { stiffness, .. } => check_signal(&name, signal, stiffness, problems),
         }
@@ -76,7 +79,8 @@ fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Pro
     let count = count(signal);
     if count > MOST_LEVELS {
         let text = format!(
-            "has {count} levels; the limit is {MOST_LEVELS}, counting one before the first step and one after each step, \
+            "has {count} levels; the limit is {MOST_LEVELS}, counting one before the first step and \
+             one after each step, \
              or one for each value of a table"
         );
         problems.push(Problem::new(name, None, text));

@@ -64,7 +64,8 @@ impl By {
                 match has_derivative(&assembly.description, &name) {
                     true => Ok(()),
                     false => {
-                        let text = "a motion has no derivative with respect to a period or a time between samples; use one of \
+                        let text = "a motion has no derivative with respect to a period or a time \
+                            between samples; use one of \
                             the machine's other numbers";
                         Err(Refusal::one(Problem::new(name, None, text)).into())
                     }

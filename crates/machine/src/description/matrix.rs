@@ -188,7 +188,8 @@ fn symmetric(name: &str, a: &mut DMatrix<f64>, sign: f64) -> Option<Problem> {
             if (x - y).abs() > DIGITS * size {
                 let what = if sign > 0.0 { "symmetric" } else { "skew" };
                 let text = format!(
-                    "is not {what}: the entry in row {i} and column {j}, counted from 0, is {x:?}, the entry across the \
+                    "is not {what}: the entry in row {i} and column {j}, counted from 0, is {x:?}, \
+                     the entry across the \
                      diagonal is {:?}; expected a {what} matrix",
                     a[(j, i)]
                 );
@@ -216,7 +217,8 @@ fn not_negative(name: &str, values: &mut [f64]) -> Result<(), Problem> {
     let largest = values.last().map_or(0.0, |last| last.abs()).max(f64::MIN_POSITIVE);
     if let Some(least) = values.first().filter(|least| **least < -DIGITS * largest) {
         let text = format!(
-            "its smallest eigenvalue is {least:?}, its largest is {largest:?}; expected a positive semidefinite matrix"
+            "its smallest eigenvalue is {least:?}, its largest is {largest:?}; expected a positive \
+             semidefinite matrix"
         );
         return Err(Problem::new(name, None, text));
     }

@@ -30,7 +30,8 @@ pub enum ComponentProblem {
     },
     /// A number of the motion is not a finite double.
     #[error(
-        "{name} = {value} at t = {time} s: expected a finite number; parameters, start values, states or loads are too \
+        "{name} = {value} at t = {time} s: expected a finite number; parameters, start values, \
+         states or loads are too \
          large together"
     )]
     Overflow {
@@ -43,7 +44,8 @@ pub enum ComponentProblem {
     },
     /// A derivative that is not a finite double.
     #[error(
-        "derivative of {name} = {value}: expected a finite number; seed, parameters, start values, states or loads are too \
+        "derivative of {name} = {value}: expected a finite number; seed, parameters, start values, \
+         states or loads are too \
          large together"
     )]
     Derivative {

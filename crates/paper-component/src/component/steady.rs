@@ -227,7 +227,8 @@ fn approximate(parameters: &Parameters) -> Result<Solution, ComponentProblem> {
     let unit = parameters.box_stiffness * parameters.stop_gap * groups.epsilon;
     Err(ComponentProblem::ClosedForm {
         what: format!(
-            "drive.amplitude = {} N: must be at least {} N for the steady state by multiple scales (groups.f10 = {}, at least {from})",
+            "drive.amplitude = {} N: must be at least {} N for the steady state by multiple scales \
+             (groups.f10 = {}, at least {from})",
             parameters.drive_amplitude,
             from * unit,
             groups.f10

@@ -51,7 +51,8 @@ impl Reporter {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(simulator.hybrid.loads) {
             if let Some(&value) = derivatives.iter().find(|d| **d != 0.0) {
-                let allowed = "0 with all its derivatives if samples, events or maxima are requested; constant loads are parameters";
+                let allowed = "0 with all its derivatives if samples, events or maxima are \
+                    requested; constant loads are parameters";
                 return Err(Error::OutOfRange { name, value, allowed });
             }
         }
