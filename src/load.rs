@@ -91,7 +91,7 @@ impl Load {
             return refuse(index, "a finite time and a finite force");
         }
         if let Some(index) = samples.windows(2).position(|pair| pair[1].0 <= pair[0].0) {
-            return refuse(index + 1, "a time after the time of the previous sample");
+            return refuse(index + 1, "a time later than the time of the previous sample");
         }
         const STEEP: &str = "a finite slope to the next sample";
         let chord = |pair: &[(f64, f64)]| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);

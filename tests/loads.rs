@@ -195,7 +195,7 @@ fn what_is_no_record_is_refused_by_index() {
     let text = refused(&[(0.0, 1.0), (0.0, 2.0)]).to_string();
     assert!(
         text.starts_with("sample 1 ")
-            && text.contains("expected a time after the time of the previous sample"),
+            && text.contains("expected a time later than the time of the previous sample"),
         "{text}"
     );
 }

@@ -61,7 +61,7 @@ REFUSED = [
     (lambda: vi.simulate_many([M.replace(drive_frequency=0.0)]), ValueError, r"machines\[0\]: drive_frequency = 0.0"),
     (lambda: vi.Load("boxx", [0, 1], [0, 1]), ValueError, "body = 'boxx': allowed is one of 'box', 'block', 'secondary'; the nearest is 'box'"),
     (lambda: vi.Load("box", [0, 1], [0, 1, 2]), ValueError, r"force has the shape \(3,\): allowed is that of t, \(2,\)"),
-    (lambda: vi.Load("box", [0, 0], [0, 1]), ValueError, "a time after the time of the previous sample"),
+    (lambda: vi.Load("box", [0, 0], [0, 1]), ValueError, "a time later than the time of the previous sample"),
     (lambda: vi.Load("box", [0], [0]), ValueError, "samples"),
     (lambda: vi.Load("box", [0, 1], [0, 1], "spline"), ValueError, "interpolation = 'spline'"),
     (lambda: vi.simulate_many([M, 1]), TypeError, r"machines\[1\] is of type int: allowed is PaperMachine"),

@@ -192,7 +192,7 @@ mod tests {
         for (text, line) in [
             ("t,f\n0,1\n1,NaN\n2,0", "line 3: `NaN` is not a number; expected a finite number"),
             ("t,f\n\n0,1\n1,inf\n2,0", "line 4: `inf` "),
-            ("0,1\n1,2\n1,3\n", "line 3, time 1 s, force 3 N: allowed is a time after"),
+            ("0,1\n1,2\n1,3\n", "line 3, time 1 s, force 3 N: expected a time later"),
             ("0,1\n2,2\n1,3\n", "line 3, "),
             ("0,1\n1,\n", "line 2: `` is not a number"),
             ("0,1\n1,2,3\n", "line 2: `1,2,3` has 3 cells; expected 2 cells"),
