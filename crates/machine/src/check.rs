@@ -112,7 +112,11 @@ fn refused(name: impl Into<String>, value: f64, text: impl Into<String>) -> Prob
 
 fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec<Problem>) {
     if arms.terms.is_empty() {
-        problems.push(Problem::new(format!("{name}.arms"), None, "names no body; expected at least one"));
+        problems.push(Problem::new(
+            format!("{name}.arms"),
+            None,
+            "names no body; expected one or more bodies",
+        ));
     }
     let signs: Vec<_> = arms.terms.iter().map(|term| term.1).collect();
     if !arms.levers && ![&[-1.0][..], &[1.0], &[-1.0, 1.0]].contains(&&signs[..]) {
@@ -208,7 +212,7 @@ fn check_integrated(machine: &Description, problems: &mut Vec<Problem>) {
             let name = of_sweep(&named.name, i, named.signal.sweeps.len());
             if sweep.turns() > MOST_TURNS {
                 let text = format!(
-                    "the sweep makes {:.0} turns; in a rate or an acceleration the limit is {MOST_TURNS:.0}",
+                    "the sweep makes {:.0} turns; expected at most {MOST_TURNS:.0} in a rate or an acceleration",
                     sweep.turns()
                 );
                 problems.push(refused(format!("{name}.duration"), sweep.duration, text));
@@ -320,8 +324,8 @@ fn check_follows(machine: &Description, name: &str, follows: &Follows, problems:
             format!("no stop has the index {stop}, counted from 0"),
         )),
         Some(Stop { name: rigid, law: StopLaw::Rigid { .. }, .. }) => {
-            let text =
-                "this stop is rigid, and impacts with friction are not supported; use a compliant stop";
+            let text = "friction at a rigid stop is not supported: its impacts would have friction; \
+                        use a compliant stop";
             problems.push(Problem::new(format!("{name}.follows"), Some(format!("{rigid:?}")), text));
         }
         Some(_) => {}

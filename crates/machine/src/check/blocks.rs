@@ -31,7 +31,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let kept: usize = machine.blocks.iter().map(|block| block.start.len() + block.kept()).sum();
     if kept > MOST_STATES {
         let text = format!(
-            "blocks keep {kept} numbers (states, outputs and delayed outputs); the limit is {MOST_STATES}"
+            "blocks keep {kept} numbers (states, outputs and delayed outputs); expected at most {MOST_STATES}"
         );
         problems.push(Problem::new("block", None, text));
     }

@@ -12,7 +12,7 @@ pub(crate) const MOST_COORDINATES: usize = 500;
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let inner = machine.bodies.iter().filter(|body| body.is_inner()).count();
     if inner > MOST_COORDINATES {
-        let text = format!("there are {inner} coordinates in all; the limit is {MOST_COORDINATES}");
+        let text = format!("there are {inner} coordinates in all; expected at most {MOST_COORDINATES}");
         problems.push(Problem::new("modal", None, text));
     }
     for modal in &machine.modals {

@@ -46,7 +46,7 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     ];
     for (name, count) in counts {
         if count > MOST {
-            problems.push(Problem::new(name, None, format!("there are {count}; the limit is {MOST}")));
+            problems.push(Problem::new(name, None, format!("there are {count}; expected at most {MOST}")));
         }
     }
     problems
@@ -62,7 +62,7 @@ fn made_names<'a>(bodies: impl Iterator<Item = &'a Body>, problems: &mut Vec<Pro
         if let Some(text) = problem_of(of).or_else(|| problem_of(last)) {
             problems.push(Problem::new(format!("body.{}", body.name), None, text));
         } else if !seen.insert(&body.name) {
-            problems.push(Problem::new(&body.name, None, "is defined twice"));
+            problems.push(Problem::new(&body.name, None, "is given twice; keep one of them"));
         }
     }
 }
@@ -78,7 +78,7 @@ fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &m
         } else if let Some(other) = first.insert(name, section) {
             let same = other == section;
             let text = if same {
-                "is defined twice".into()
+                "is given twice; keep one of them".into()
             } else {
                 format!("another element has this name: {other}.{name}")
             };
@@ -100,7 +100,7 @@ fn apart(machine: &Description, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(
                 format!("signal.{name}"),
                 None,
-                "has another meaning; use another name",
+                "this name is reserved; use another name",
             ));
         }
     }

@@ -50,15 +50,15 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
 fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
     for spring in &machine.springs {
         let Some(series) = spring.series.filter(|own| own.slider != 0.0) else { continue };
-        let text = "cannot be combined with `start = \"rest\"`, which determines the inner place";
+        let text = "cannot be combined with `start = \"rest\"`, the start of the machine: remove one of them";
         problems.push(refused(format!("spring.{}.slider", spring.name), series.slider, text));
     }
     for body in &machine.bodies {
         let BodyKind::Free(free) = &body.kind else { continue };
         for (key, value) in [("s", free.s), ("v", free.v)] {
             if value != 0.0 {
-                let text =
-                    "cannot be combined with `start = \"rest\"`, which determines the start of every body";
+                let text = "cannot be combined with `start = \"rest\"`, the start of the machine: \
+                            remove one of them";
                 problems.push(refused(format!("body.{}.start.{key}", body.name), value, text));
             }
         }

@@ -22,7 +22,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(
                 &name,
                 None,
-                "cannot step if the spring has points or a partner in series; expected a number",
+                "cannot step in time with points or a partner in series; expected a number",
             ));
         }
         check_signal(&name, signal, spring.stiffness, problems);
@@ -65,7 +65,7 @@ fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Pro
         problems.push(Problem::new(format!("{name}.steps"), None, text));
     }
     if beside != 0.0 {
-        problems.push(refused(name, beside, "must be 0 if the stiffness steps"));
+        problems.push(refused(name, beside, "must be 0 if the stiffness steps in time"));
     }
     if problems.len() > count_before {
         return;
@@ -79,7 +79,7 @@ fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Pro
     let count = count(signal);
     if count > MOST_LEVELS {
         let text = format!(
-            "has {count} levels; the limit is {MOST_LEVELS}, counting one before the first step and \
+            "has {count} levels; expected at most {MOST_LEVELS}, counting one before the first step and \
              one after each step, \
              or one for each value of a table"
         );
