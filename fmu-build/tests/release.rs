@@ -417,9 +417,7 @@ fn a_folder_with_anything_else_in_it_is_not_replaced() {
         .args(["release", "--preview", "--platform", "vax"])
         .output()
         .unwrap();
-    assert!(
-        String::from_utf8_lossy(&output.stderr).contains("--platform = vax: expected one of x86_64-linux")
-    );
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--platform = vax: expected one of x86_64-"));
 }
 
 /// The whole release for this machine, without release optimisations; then the user's steps:
