@@ -139,7 +139,7 @@ def test_a_row_that_is_refused_says_why_and_the_others_have_numbers():
 @pytest.mark.parametrize(
     ("call", "kind", "words"),
     [
-        (lambda: vi.measure_many(damper(), {"stop.stel.gap": [1.0]}, NAMES), ValueError, "the nearest is `stop.steel.gap`"),
+        (lambda: vi.measure_many(damper(), {"stop.stel.gap": [1.0]}, NAMES), ValueError, "did you mean `stop.steel.gap`"),
         (lambda: vi.measure_many([damper()] * 2, {STEEL: [1.0]}, NAMES), TypeError, "with 2 machines: allowed is one machine"),
         (lambda: vi.measure_many(damper(), {STEEL: [1.0, 2.0], BUFFER: [1.0] * 3}, NAMES), ValueError, "can be broadcast"),
         (lambda: vi.measure_many(damper(), {STEEL: [np.nan]}, NAMES), ValueError, r"stop.steel.gap\[0\] = nan"),

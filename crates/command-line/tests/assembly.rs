@@ -214,7 +214,7 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         let (code, error) = refused(&command);
         assert!(code == 2, "{error}");
         for words in [
-            "assembly-bad.toml:5: spring.mount.between[1] = \"boks\": no body has this name; the nearest is `box`",
+            "assembly-bad.toml:5: spring.mount.between[1] = \"boks\": no body has this name; did you mean `box`",
             "assembly-bad.toml:6: spring.mount.stiffness = \"5 mN\": allowed is",
         ] {
             assert!(error.contains(words), "{words}: {error}");
@@ -222,7 +222,7 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
     }
     let ball = machine("bouncing_ball.toml");
     for (set, words) in [
-        ("stop.flor.restitution=0.5", "the nearest is `stop.floor.restitution`"),
+        ("stop.flor.restitution=0.5", "did you mean `stop.floor.restitution`"),
         ("stop.floor.restitution=1.5", "stop.floor.restitution = \"1.5\": allowed is a number from 0 to 1"),
         ("stop.floor.restitution", "NAME=VALUE"),
     ] {
@@ -325,7 +325,7 @@ fn numbers_beyond_doubles_end_the_run_by_name_and_what_was_computed_is_written()
     let run = command(&out, &["run", &path, "--until", "1", "--samples", "4"]).output().unwrap();
     let error = String::from_utf8(run.stderr).unwrap();
     assert!(run.status.code() == Some(1) && error.contains("body.a"), "{error}");
-    assert!(error.contains("allowed are sizes up to 1e100"), "{error}");
+    assert!(error.contains("its size must be at most 1e100"), "{error}");
     let rows = table(&out, "states.csv");
     assert_eq!(rows.len(), 2, "{rows:?}");
     let account = std::fs::read_to_string(out.join("account.txt")).unwrap();

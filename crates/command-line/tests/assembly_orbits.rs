@@ -123,7 +123,7 @@ fn what_has_no_orbit_is_refused_by_name() {
         ("orbits examples/assembly/impact_pair.toml", "expected one parameter"),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.amplitude=1:2",
-            "the nearest is `body.base.motion.amplitude`",
+            "did you mean `body.base.motion.amplitude`",
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=2:3",

@@ -181,7 +181,7 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
         diagram(&[&ranges[..], rest].concat())
     };
     for ((code, error), words) in [
-        (diagram(&["--vary", "stop.stel.gap=1mm:2mm"]), "the nearest is `stop.steel.gap`"),
+        (diagram(&["--vary", "stop.stel.gap=1mm:2mm"]), "did you mean `stop.steel.gap`"),
         (
             diagram(&["--vary", "stop.steel.gap=2mm:1mm"]),
             "`stop.steel.gap=2mm:1mm`: expected NAME=FROM:TO with FROM < TO",

@@ -86,11 +86,8 @@ fn errors_name_the_nearest_name_and_the_range() {
             ["--set", "sigma=1"],
             "error: no parameter is named `sigma`; the nearest is `sigma1`: detuning of the excitation",
         ),
-        (
-            ["--set", "stop.restitution=2"],
-            "error: stop.restitution = 2: allowed is 0 <= stop.restitution <= 1",
-        ),
-        (["--set", "epsilon=0"], "error: epsilon = 0: allowed is 0 < epsilon <= 1"),
+        (["--set", "stop.restitution=2"], "error: stop.restitution = 2: expected 0 <= stop.restitution <= 1"),
+        (["--set", "epsilon=0"], "error: epsilon = 0: expected 0 < epsilon <= 1"),
         (["--set", "kappa=high"], "error: kappa = `high` is not a number: allowed is 0 <= kappa <= 1"),
         (["--set", "kappa"], "error: `kappa`: expected name=value, e.g. kappa=0.75"),
     ] {
@@ -101,16 +98,13 @@ fn errors_name_the_nearest_name_and_the_range() {
     for (arguments, expected) in [
         (vec!["plane", "--pair", "sigma1,f1"], "the nearest is `f10`"),
         (vec!["plane", "--pair", "f10,f10"], "two independent parameters"),
-        (
-            vec!["plane", "--pair", "f10,kappa", "--range", "kappa=0:2"],
-            "kappa = 2: allowed is 0 <= kappa <= 1",
-        ),
+        (vec!["plane", "--pair", "f10,kappa", "--range", "kappa=0:2"], "kappa = 2: expected 0 <= kappa <= 1"),
         (
             vec!["plane", "--pair", "f10,kappa", "--range", "sigma1=0:2"],
             "a range of a parameter that is on an axis",
         ),
         (vec!["response", "--values", "gama1=0.1"], "the nearest is `gamma1`"),
-        (vec!["compare", "--values", "epsilon=0.1,2"], "epsilon = 2: allowed is 0 < epsilon <= 1"),
+        (vec!["compare", "--values", "epsilon=0.1,2"], "epsilon = 2: expected 0 < epsilon <= 1"),
         (vec!["stedy"], "steady"),
     ] {
         let (code, error) = refused(&arguments);

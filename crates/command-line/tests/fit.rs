@@ -168,7 +168,7 @@ fn what_is_no_record_is_refused_by_name_and_row() {
         ),
         (table("empty.csv", "time,mass.s\n"), "friction.floor.force", "no sample"),
         (table("near.csv", "time,mas.s\n0,1\n1,2\n"), "friction.floor.force", "the nearest is `mass.s`"),
-        (sound.clone(), "friction.floor.forc", "the nearest is `friction.floor.force`"),
+        (sound.clone(), "friction.floor.forc", "did you mean `friction.floor.force`"),
         (sound.clone(), "friction.floor.force,record.offset.floor.f", "the record has no such column"),
         (
             sound.clone(),

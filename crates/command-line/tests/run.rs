@@ -119,7 +119,7 @@ fn what_cannot_be_run_is_refused_by_name_and_nothing_is_written() {
     let units = file("run-units.csv", "t [kg],f [N]\n0,1\n1,3\n");
     let (bad, units) = (format!("box={}", bad.display()), format!("box={}", units.display()));
     for (arguments, words) in [
-        (vec!["--load", &bad], "run-bad.csv: line 4, time 0.25 s, force 3 N: allowed is a time later"),
+        (vec!["--load", &bad], "run-bad.csv: line 4, time 0.25 s, force 3 N: expected a time later"),
         (vec!["--load", &units], "line 1: `t` has the unit `kg`; expected one of s, ms"),
         (vec!["--load", "lid=a.csv"], "a body of box, block, secondary"),
         (vec!["--load", "box=no-such.csv"], "--load: reading no-such.csv"),

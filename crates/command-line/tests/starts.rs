@@ -85,10 +85,10 @@ fn closed_form_numbers_of_a_start_have_units_and_what_is_not_named_is_the_files(
 fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     let damper = damper();
     for (start, words) in [
-        ("bix.s=1mm", "--start bix.s=1mm: bix.s: no number of a start has this name; the nearest is `box.s`"),
+        ("bix.s=1mm", "--start bix.s=1mm: bix.s: no start value has this name; did you mean `box.s`"),
         ("box.s=1N", "--start box.s=1N: box.s = \"1N\": allowed is a finite number, in m, cm, mm, um, in"),
         ("box.s=1,body.box.s=2", "box.s stands there twice; allowed is each number once"),
-        ("block.s=1m", "stop.steel.gap = 0.004: the start at t = 0.0 s violates it by e - gap = "),
+        ("block.s=1m", "stop.steel.gap = 0.004: the start at t = 0.0 s violates the stop by e - gap = "),
         ("nowhere.toml", "nowhere.toml: cannot be read"),
         ("box.s=1,nowhere.toml", "expected NAME=VALUE,…, a start's file, or FILE,NAME=VALUE,…"),
         ("time=2s", "--until 1.0: allowed is a time after that of the start, 2.0 s"),
@@ -99,12 +99,12 @@ fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     let vary = ["--vary", "body.box.mass=11kg:12kg:2", "--discard", "2"];
     for command in ["bifurcation", "lyapunov"] {
         let (code, error) = refused(&[&[command, &damper][..], &vary, &["--start", "block.s=1m"]].concat());
-        assert!(code == 2 && error.contains("the start at t = 0.0 s violates it"), "{error}");
+        assert!(code == 2 && error.contains("the start at t = 0.0 s violates the stop"), "{error}");
     }
     let (code, error) = refused(&["lyapunov", &damper, "--start", "block.s=1m"]);
-    assert!(code == 2 && error.contains("the start at t = 0.0 s violates it"), "{error}");
+    assert!(code == 2 && error.contains("the start at t = 0.0 s violates the stop"), "{error}");
     let (code, error) = refused(&["sweep", &damper, "--start", "boks.s=1m"]);
-    assert!(code == 2 && error.contains("the nearest is `box.s`"), "{error}");
+    assert!(code == 2 && error.contains("did you mean `box.s`"), "{error}");
 }
 
 /// A machine's file in the test's folder.
@@ -131,12 +131,12 @@ fn set_mends_a_file_whose_start_violates_a_gap() {
     // A remaining error is reported with its line, and a new error without one.
     let (_, error) = refused(&["check", &path, "--set", "body.b.start.s=4mm"]);
     assert!(
-        error.contains("m.toml:10: stop.w.gap = 0.002: the start violates it with e = 0.004 m"),
+        error.contains("m.toml:10: stop.w.gap = 0.002: the start violates the stop with e = 0.004 m"),
         "{error}"
     );
     let sound = written("starts-within", &BEYOND.replace("5 mm", "1 mm"));
     let (_, error) = refused(&["check", &sound, "--set", "body.b.start.s=4mm"]);
-    assert!(error.contains("error: stop.w.gap = 0.002: the start violates it"), "{error}");
+    assert!(error.contains("error: stop.w.gap = 0.002: the start violates the stop"), "{error}");
 }
 
 /// A record of 20 mm/s² moves a table by ½ 0.02 10² = 1 m in its 10 s, at 0.1 m/s on average; a

@@ -87,7 +87,7 @@ fn second_method_the_table_is_the_same_in_both_formats() {
     }
     // Two designs are bad: rows with their reasons and without values.
     assert_eq!(csv[0]["stop.gap"], "1");
-    for (index, reason) in [(1, "stop.restitution = 1.5: allowed is"), (2, "stop.gap = -1: allowed is")] {
+    for (index, reason) in [(1, "stop.restitution = 1.5: expected"), (2, "stop.gap = -1: expected")] {
         let row = &csv[index];
         assert!(row["reason"].starts_with(reason), "{row:?}");
         assert!(row.iter().filter(|c| c.0.starts_with("amplitude")).all(|c| c.1.is_empty()), "{row:?}");
@@ -240,7 +240,7 @@ fn bad_input_is_refused_by_name() {
         (vec!["--output", "temperature"], "valid are amplitude.x1"),
         (vec!["--vary", "stop.gape=1:2:3"], "the nearest is `stop.gap`"),
         (vec!["--vary", "stop.gap=1kg:2kg:3"], "`kg` is no unit of it"),
-        (vec!["--vary", "kappa=0.5:1.5:3"], "kappa = 1.5: allowed is 0 <= kappa <= 1"),
+        (vec!["--vary", "kappa=0.5:1.5:3"], "kappa = 1.5: expected 0 <= kappa <= 1"),
         (
             vec!["--vary", "kappa=0.1:0.5:3", "--over", "stop.restitution=0.5"],
             "parameters that vary independently",

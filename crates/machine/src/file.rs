@@ -20,7 +20,7 @@
 //! assert_eq!(
 //!     refused.to_string(),
 //!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; \
-//!      the nearest is `ball`\n\
+//!      did you mean `ball`?\n\
 //!      ball.toml:7: stop.floor.gap = \"1 N\": allowed is a finite number, in m, cm, mm, um, in"
 //! );
 //! ```

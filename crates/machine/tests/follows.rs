@@ -288,12 +288,12 @@ fn golden_following_in_files() {
         (
             "follows = \"pad\"",
             "follows = \"pat\"",
-            "m.toml:18: friction.rub.follows = \"pat\": no stop has this name; the nearest is `pad`",
+            "m.toml:18: friction.rub.follows = \"pat\": no stop has this name; did you mean `pad`?",
         ),
         (
             "static_coefficient = 0.4",
             "static_coefficient = 0.2",
-            "m.toml:20: friction.rub.static_coefficient = 0.2: allowed is a number >= friction.rub.coefficient = 0.3",
+            "m.toml:20: friction.rub.static_coefficient = 0.2: must be at least friction.rub.coefficient = 0.3",
         ),
         (
             "static_coefficient = 0.4",

@@ -247,7 +247,7 @@ fn errors_name_the_value_and_what_is_allowed() {
         (
             "\"beam.middle\", \"mass\"",
             "\"beam.midle\", \"mass\"",
-            "no body has this name; the nearest is `beam.middle`",
+            "no body has this name; did you mean `beam.middle`?",
         ),
         (
             "\"rotation\"",

@@ -223,7 +223,7 @@ fn golden_points_in_files() {
         (
             "[\"20 mm\", \"-2 N\"]",
             "[\"-20 mm\", \"-2 N\"]",
-            "m.toml:11: spring.membrane.points[2].e = -0.02: allowed is an e above -0.01, that of the point before",
+            "m.toml:11: spring.membrane.points[2].e = -0.02: must be greater than -0.01, the e of the previous point",
         ),
         (
             "damping = 0.2",
@@ -247,7 +247,7 @@ fn golden_points_in_files() {
     }
     let mut machine = machine;
     let said = machine.replace("spring.membrane.points[3].e", 0.06).unwrap_err().to_string();
-    assert!(said.contains("spring.membrane.points[4].e") && said.contains("above 0.06"), "{said}");
+    assert!(said.contains("spring.membrane.points[4].e") && said.contains("greater than 0.06"), "{said}");
 }
 
 /// The machine with lines, one of them falling, in place of its springs.

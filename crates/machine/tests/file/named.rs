@@ -160,7 +160,7 @@ fn a_changed_parameter_is_a_file_with_that_value() {
             "ratio = 0.5: then stop.hard.restitution = 1 / ratio = 2.0: allowed is a number from 0 to 1",
         ),
         ("radius", 1e308, "radius = 1e308: then stop.front.arms.wheel = radius * ratio: is not finite"),
-        ("backlas", 1.0, "backlas: no parameter has this name; the nearest is `backlash`"),
+        ("backlas", 1.0, "backlas: no parameter has this name; did you mean `backlash`?"),
     ] {
         assert_eq!(machine.replace(name, value).unwrap_err().to_string(), said);
     }
@@ -179,8 +179,8 @@ fn refusals_name_the_expression_and_its_line() {
     const VALUE: &str =
         "allowed is a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
     for (parameters, gap, said) in [
-        ("a = 1.0", "\"= b\"", "6: stop.s.gap = \"= b\": no parameter is called `b`; the nearest is `a`".to_owned()),
-        ("backlash = 1", "\"= backlsh\"", "6: stop.s.gap = \"= backlsh\": no parameter is called `backlsh`; the nearest is `backlash`".into()),
+        ("a = 1.0", "\"= b\"", "6: stop.s.gap = \"= b\": no parameter is called `b`; did you mean `a`?".to_owned()),
+        ("backlash = 1", "\"= backlsh\"", "6: stop.s.gap = \"= backlsh\": no parameter is called `backlsh`; did you mean `backlash`?".into()),
         ("a = 1.0", "\"a\"", "6: stop.s.gap = \"a\": is a parameter's name; write \"= a\"".into()),
         ("a = 0.0", "\"= 1 / a\"", "6: stop.s.gap = \"= 1 / a\": divides by zero".into()),
         ("a = 1e200", "\"= a * a\"", "6: stop.s.gap = \"= a * a\": is not finite".into()),

@@ -147,7 +147,7 @@ const tests = {
   async "a value that is refused is told beside its field, and the machine stays"() {
     const { tab, wrong, close } = await browser.tab();
     await tab.fill("#field-kappa", "2");
-    assert.equal(await tab.textContent("#field-kappa-why"), "kappa = 2: allowed is 0 ≤ kappa ≤ 1");
+    assert.equal(await tab.textContent("#field-kappa-why"), "kappa = 2: expected 0 ≤ kappa ≤ 1");
     assert.equal(await tab.getAttribute("#field-kappa", "aria-invalid"), "true");
     assert.deepEqual((await state(tab)).set, []);
     await tab.fill("#field-kappa", "abc");
@@ -160,7 +160,7 @@ const tests = {
     assert.deepEqual(wrong, []);
     await close();
     const linked = await browser.tab({}, "#kappa=3");
-    assert.match(await linked.tab.textContent("#status"), /kappa = 3: allowed is/);
+    assert.match(await linked.tab.textContent("#status"), /kappa = 3: expected/);
     await linked.close();
     const unreadable = await browser.tab({}, "#box.m=heavy");
     assert.match(await unreadable.tab.textContent("#status"), /box.m = `heavy` is not a number: allowed is/);

@@ -57,7 +57,7 @@ fn tied_groups_follow_in_any_order() {
     }
     // Values that are valid together may be given in any order: 1 + ε σ̂1 > 0.
     assert_eq!(with(&["sigma1=-12", "epsilon=0.05"]).groups().sigma1, -12.0);
-    assert_eq!(error(&["sigma1=-12"]), "sigma1 = -12: allowed is a finite number > -1/epsilon");
+    assert_eq!(error(&["sigma1=-12"]), "sigma1 = -12: expected a finite number > -1/epsilon");
 }
 
 #[test]
@@ -79,9 +79,9 @@ fn errors_name_the_nearest_and_the_range() {
     ] {
         assert!(error(&[&format!("{wrong}=1")]).contains(&format!("the nearest is `{right}`")), "{wrong}");
     }
-    assert_eq!(error(&["kappa=1.5"]), "kappa = 1.5: allowed is 0 <= kappa <= 1");
-    assert_eq!(error(&["box.c=-1"]), "box.c = -1: allowed is a finite number >= 0");
-    assert_eq!(error(&["kappa=NaN"]), "kappa = NaN: allowed is 0 <= kappa <= 1");
+    assert_eq!(error(&["kappa=1.5"]), "kappa = 1.5: expected 0 <= kappa <= 1");
+    assert_eq!(error(&["box.c=-1"]), "box.c = -1: expected a finite number >= 0");
+    assert_eq!(error(&["kappa=NaN"]), "kappa = NaN: expected 0 <= kappa <= 1");
     assert_eq!(error(&["kappa=x"]), "kappa = `x` is not a number: allowed is 0 <= kappa <= 1");
     assert_eq!(error(&["kappa"]), "`kappa`: expected name=value, e.g. kappa=0.75");
     assert!(error(&["box.k=0"]).contains("box.k > 0"));
