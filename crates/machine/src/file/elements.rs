@@ -328,7 +328,7 @@ fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
         terms.push((body, arm));
     }
     if terms.is_empty() && sound {
-        reading.refuse(entry, "names no body; expected one or more bodies");
+        reading.refuse(entry, "names no body; expected at least one");
     }
     let (dimension, _) = first.filter(|_| sound)?;
     Some(Arms { terms, dimension, levers: true })

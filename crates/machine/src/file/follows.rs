@@ -40,7 +40,7 @@ fn stop(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> Option<usiz
         return None;
     };
     if matches!(stops[found].law, StopLaw::Rigid { .. }) {
-        let text = "friction at a rigid stop is not supported: its impacts would have friction; \
+        let text = "this stop is rigid, and impacts with friction are not supported; \
                     use a compliant stop, with `stiffness`";
         reading.refuse(&entry, text);
         return None;

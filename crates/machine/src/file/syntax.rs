@@ -55,7 +55,11 @@ fn problem(text: &str, span: &Range<usize>, said: &str) -> Problem {
         return here(format!("missing quotation mark `{quote}`"));
     }
     if start.open.is_empty() && line.trim_start().starts_with('[') && said.starts_with("unclosed") {
-        return here("missing closing bracket `]`".into());
+        let text = match line.contains(']') {
+            true => "expected a heading such as [body.NAME]",
+            false => "missing closing bracket `]`",
+        };
+        return here(text.into());
     }
     if let Some((bracket, opened)) = unclosed(text, (begin, at), line, said) {
         let name = Place::after(&text[..opened]).name();
@@ -123,9 +127,10 @@ fn unclosed(text: &str, (begin, at): (usize, usize), line: &str, said: &str) -> 
     }
     open.retain(|own| own.1 < begin);
     let (bracket, opened) = open.pop()?;
-    // Within braces that end their line, the next lines are keys.
+    // Braces may hold keys on several lines.
     let is_full = !text[opened + 1..].lines().next().unwrap_or("").trim().is_empty();
-    let is_outside = is_heading(line) || (is_assignment(line) && (bracket == ']' || is_full));
+    let ends = bracket == ']' || (is_full && said.starts_with("missing comma"));
+    let is_outside = is_heading(line) || (is_assignment(line) && ends);
     is_outside.then_some((bracket, opened))
 }
 
