@@ -421,7 +421,7 @@ def test_a_named_parameter_moves_all_that_follows_from_it():
     slope = (end(1e-4 + step) - end(1e-4 - step)) / (2 * step)
     found = machine.simulate(0.05, derivatives=["backlash"]).derivative("wheel.s", "backlash")[-1]
     assert abs(found - slope) < 1e-4 * abs(slope)
-    with pytest.raises(ValueError, match=r"stop\.drive_flank\.gap: follows from `backlash`.*allowed is `backlash`"):
+    with pytest.raises(ValueError, match=r"stop\.drive_flank\.gap: follows from `backlash`.*change `backlash` instead"):
         machine.replace({"stop.drive_flank.gap": 1e-4})
 
 

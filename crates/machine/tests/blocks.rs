@@ -609,7 +609,7 @@ fn golden_refusals_of_blocks() {
         ),
         ("from = \"pp.u\"", "from = \"pp.u\"\nconstant = 1.0", "cannot be combined with `from`"),
         ("a = [[0.0]]", "a = [[0.0, 1.0]]", "block.pp.a[0]"),
-        ("constant = 0.1", "constant = \"2 g\"", "gram or 9.80665 m/s2?"),
+        ("constant = 0.1", "constant = \"2 g\"", "gram or 9.80665 m/s2"),
         ("name = \"Drive\"", "name = \"Drive\"\nstart = \"rest\"", "block.pp reads cart.s"),
         ("sample =", "smaple =", "did you mean `sample`?"),
     ];
