@@ -590,7 +590,7 @@ fn golden_refusals_of_blocks() {
         (
             "\"cart.s\", \"wanted\"",
             "\"dry.f\", \"wanted\"",
-            "block.pp.inputs[0] = \"dry.f\": is a force, which contacts",
+            "block.pp.inputs[0] = \"dry.f\": is a force; forces of contact",
         ),
         ("\"cart.s\", \"wanted\"", "\"cart.x\", \"wanted\"", "did you mean `cart.s`?"),
         ("\"cart.s\", \"wanted\"", "\"cart.s\", \"wantd\"", "did you mean `wanted`?"),

@@ -99,7 +99,7 @@ fn market(text: &str) -> Result<DMatrix<f64>, String> {
     if let Some([rows, columns, ..]) = sizes.as_deref().filter(|_| across != Across::Given)
         && rows != columns
     {
-        return Err(format!("{number}: a {symmetry} matrix must have as many rows as columns"));
+        return Err(format!("{number}: a {symmetry} matrix must be square"));
     }
     match (layout, sizes.as_deref()) {
         ("coordinate", Some(&[rows, columns, count])) => {

@@ -39,7 +39,7 @@ fn given(reading: &mut Reading, table: &FileTable, at_rest: bool) -> Option<Give
         let found = matrices::read(reading, &entry)?;
         if !found.is_square() {
             let (rows, columns) = found.shape();
-            let text = format!("has {rows} rows and {columns} columns; must have as many rows as columns");
+            let text = format!("has {rows} rows and {columns} columns; must be square");
             reading.refuse(&entry, text);
             return None;
         }
