@@ -359,6 +359,6 @@ fn invariant_what_is_refused_of_sweeps() {
                 [body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"p\", \"b\"]\nstiffness = 1.0\n";
     assert_eq!(
         parse(toml, "r.toml", &no_records).unwrap_err().to_string(),
-        "r.toml:3: body.p.motion.rate.sweep.duration = 1.0: the sweep makes 505000 turns; in a rate or an acceleration the limit is 100000"
+        "r.toml:3: body.p.motion.rate.sweep.duration = 1.0: the sweep makes 505000 turns; expected at most 100000 in a rate or an acceleration"
     );
 }

@@ -112,7 +112,7 @@ fn free(
             // after a change of a parameter.
             reading.refuse_table(
                 &start,
-                "cannot be combined with `start = \"rest\"`, which determines the start of every body",
+                "cannot be combined with `start = \"rest\"`, the start of the machine: remove one of them",
             );
         }
     }

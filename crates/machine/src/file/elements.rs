@@ -123,7 +123,7 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
             if let Some(entry) = reading.optional(table, key) {
                 alone = false;
                 let text = "cannot be combined with `restitution`: use `restitution` for a rigid stop, \
-                            or `stiffness` for a compliant stop";
+                            or `stiffness` for a compliant one";
                 reading.refuse(&entry, text);
             }
         }
@@ -328,7 +328,7 @@ fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
         terms.push((body, arm));
     }
     if terms.is_empty() && sound {
-        reading.refuse(entry, "names no body; expected at least one");
+        reading.refuse(entry, "names no body; expected one or more bodies");
     }
     let (dimension, _) = first.filter(|_| sound)?;
     Some(Arms { terms, dimension, levers: true })

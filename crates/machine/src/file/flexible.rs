@@ -68,7 +68,7 @@ pub(super) fn start(
     let Some(entry) = reading.optional(table, "start") else { return Some([zero.clone(), zero]) };
     let start = reading.table(&entry, "expected a table such as { q = [0.0, 0.1], v = [0.0, 0.0] }")?;
     if at_rest {
-        let text = "cannot be combined with `start = \"rest\"`, which determines the start of every body";
+        let text = "cannot be combined with `start = \"rest\"`, the start of the machine: remove one of them";
         reading.refuse_table(&start, text);
         return None;
     }

@@ -17,7 +17,7 @@ pub(super) fn read(reading: &mut Reading, entry: &Entry) -> Option<DMatrix<f64>>
     };
     let found = found.and_then(|own| match own.nrows().max(own.ncols()) {
         size if size > MOST_COORDINATES => {
-            Err(format!("has {size} rows or columns; the limit is {MOST_COORDINATES}"))
+            Err(format!("has {size} rows or columns; expected at most {MOST_COORDINATES}"))
         }
         _ => Ok(own),
     });

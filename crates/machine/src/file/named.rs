@@ -31,7 +31,7 @@ fn all(reading: &mut Reading, root: &FileTable) -> NamedParameters {
     let Some(table) = reading.table(&whole, allowed) else { return none };
     let entries = reading.all(&table);
     if entries.len() > MOST {
-        let text = format!("there are {}; the limit is {MOST}", entries.len());
+        let text = format!("there are {}; expected at most {MOST}", entries.len());
         reading.refuse_table(&table, text);
         return none;
     }

@@ -139,7 +139,7 @@ fn golden_refusals_of_a_program_s_description() {
             "spring.mount.arms = [2.0]: an element without levers must have the arms -1 (first end) and 1 (second end)",
         ),
         (|m| m.links[0].arms.terms[1].0 = 2, "link.gear.arms.wheel = -3.0: the body is named twice"),
-        (|m| m.links[0].arms.terms.clear(), "link.gear.arms: names no body; expected at least one"),
+        (|m| m.links[0].arms.terms.clear(), "link.gear.arms: names no body; expected one or more bodies"),
         (
             |m| m.stops[0].arms.terms[1].0 = 2,
             "stop.upper.arms.wheel = 1.0: an element without levers requires a body of its own dimension",
@@ -149,7 +149,7 @@ fn golden_refusals_of_a_program_s_description() {
             |m| m.loads[0].force.table.as_mut().unwrap().knots[1].1 = f64::NAN,
             "load.shaker.table[1] = [1.0, NaN]: expected finite numbers",
         ),
-        (|m| m.bodies[1].name = "box".into(), "body.box: is defined twice"),
+        (|m| m.bodies[1].name = "box".into(), "body.box: is given twice; keep one of them"),
     ];
     assert_eq!(changed(|_| {}), Ok(()));
     for (change, message) in cases {

@@ -114,7 +114,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = { wheel = 0.05, box = 1.0 }", "m.toml:40: spring.mesh.arms.box = 1.0: its term is a length, but the term of `wheel` is an angle; all terms must be lengths, or all angles: use an arm in m for a rotating body in a translating element, in 1/m for a translating body in a rotating element, and without a unit otherwise"),
     ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = { wheel = \"50 N\", box = 1.0 }", "m.toml:40: spring.mesh.arms.wheel = \"50 N\": expected a finite number other than 0, without a unit or in m, cm, mm, um or in"),
     ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = { wheel = \"0 mm\", box = 1.0 }", "m.toml:40: spring.mesh.arms.wheel = \"0 mm\": expected a finite number other than 0, without a unit or in m, cm, mm, um or in"),
-    ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = {}", "m.toml:40: spring.mesh.arms: names no body; expected at least one"),
+    ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = {}", "m.toml:40: spring.mesh.arms: names no body; expected one or more bodies"),
     ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = [\"wheel\", \"box\"]", "m.toml:40: spring.mesh.arms = [\"wheel\", \"box\"]: expected a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }"),
     // Springs and stops.
     ("stiffness = \"48 kN/m\"", "stiffness = \"-48 kN/m\"", "m.toml:17: spring.mount.stiffness = \"-48 kN/m\": expected a finite number >= 0 in N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m or lbf/in"),
@@ -127,8 +127,8 @@ const CASES: &[(&str, &str, &str)] = &[
     ("gap = \"5 mm\"", "gap = \"-3 mm\"", "m.toml:22: stop.upper.gap = \"-3 mm\": the start violates the stop with e = 0.002 m; expected e <= gap"),
     ("restitution = 0.7", "restitution = -0.1", "m.toml:23: stop.upper.restitution = -0.1: expected a number from 0 to 1"),
     ("restitution = 0.7", "restitution = 1.01", "m.toml:23: stop.upper.restitution = 1.01: expected a number from 0 to 1"),
-    ("restitution = 0.7", "restitution = 0.7\nstiffness = \"1 N/m\"", "m.toml:24: stop.upper.stiffness = \"1 N/m\": cannot be combined with `restitution`: use `restitution` for a rigid stop, or `stiffness` for a compliant stop"),
-    ("restitution = 0.7", "restitution = 0.7\nlaw = \"no-pull\"", "m.toml:24: stop.upper.law = \"no-pull\": cannot be combined with `restitution`: use `restitution` for a rigid stop, or `stiffness` for a compliant stop"),
+    ("restitution = 0.7", "restitution = 0.7\nstiffness = \"1 N/m\"", "m.toml:24: stop.upper.stiffness = \"1 N/m\": cannot be combined with `restitution`: use `restitution` for a rigid stop, or `stiffness` for a compliant one"),
+    ("restitution = 0.7", "restitution = 0.7\nlaw = \"no-pull\"", "m.toml:24: stop.upper.law = \"no-pull\": cannot be combined with `restitution`: use `restitution` for a rigid stop, or `stiffness` for a compliant one"),
     ("restitution = 0.7", "", "m.toml:20: stop.upper: requires `restitution` (rigid stop) or `stiffness` (compliant stop)"),
     ("restitution = 0.7", "damping = 3.0", "m.toml:20: stop.upper: requires `restitution` (rigid stop) or `stiffness` (compliant stop)"),
     ("damping = \"150 N s/m\"", "damping = \"-150 N s/m\"", "m.toml:28: stop.buffer.damping = \"-150 N s/m\": expected a finite number >= 0 in N.s/m, kN.s/m, N.s/mm, kg/s, N/(m/s), Ns/m, kNs/m or Ns/mm"),
@@ -179,7 +179,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("inertia = 1", "inertia = 1\nstart = { v = 0.3 }", "m.toml:43: link.gear: at the start e' = -0.8999999999999999 rad/s; expected e' = 0"),
     ("start = { s = \"2 mm\", v = 0.0 }", "start = { s = \"6 mm\", v = 0.0 }", "m.toml:22: stop.upper.gap = \"5 mm\": the start violates the stop with e = 0.006 m; expected e <= gap"),
     ("start = { s = \"2 mm\", v = 0.0 }", "start = \"rest\"", "m.toml:8: body.block.start = \"rest\": expected a table such as { s = 0.0, v = 0.0 }"),
-    ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s2\"\nstart = \"rest\"", "m.toml:9: body.block.start.s = \"2 mm\": cannot be combined with `start = \"rest\"`, which determines the start of every body"),
+    ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s2\"\nstart = \"rest\"", "m.toml:9: body.block.start.s = \"2 mm\": cannot be combined with `start = \"rest\"`, the start of the machine: remove one of them"),
     ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s2\"\nstart = \"now\"", "m.toml:3: start = \"now\": expected \"rest\"; give any other start in the table of each body"),
     // Invalid TOML.
     ("name = \"Sound\"", "name = Sound", "m.toml:1: name = Sound: must be in quotation marks: \"Sound\""),

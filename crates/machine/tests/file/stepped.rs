@@ -41,6 +41,6 @@ fn refusals_say_what_a_stiffness_may_be() {
         &["cannot be combined with `table`"],
     );
     let many = (0..64).map(|k| format!("[{k}.5, 1.0]")).collect::<Vec<_>>().join(", ");
-    says(&format!("{{ constant = 1.0, steps = [{many}] }}"), &["has 65 levels; the limit is 64"]);
+    says(&format!("{{ constant = 1.0, steps = [{many}] }}"), &["has 65 levels; expected at most 64"]);
     says("{ constant = \"2 N\", steps = [[0.1, 1.0]] }", &["N/m"]);
 }
