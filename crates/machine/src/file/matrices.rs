@@ -141,8 +141,8 @@ fn of_entries<'l>(
             entry.filter(|((i, j), _)| across == Across::Given || j <= i && *i < a.ncols())
         else {
             return Err(format!(
-                "{number}: {line}: expected row, column (both counted from 1) and a finite number; entries of \
-                 a symmetric or skew-symmetric matrix must be on or below the diagonal"
+                "{number}: {line}: expected row, column (both counted from 1) and a finite number; \
+                 entries of a symmetric or skew-symmetric matrix must be on or below the diagonal"
             ));
         };
         if std::mem::replace(&mut seen[i * a.ncols() + j], true) {
