@@ -215,7 +215,7 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         assert!(code == 2, "{error}");
         for words in [
             "assembly-bad.toml:5: spring.mount.between[1] = \"boks\": no body has this name; did you mean `box`",
-            "assembly-bad.toml:6: spring.mount.stiffness = \"5 mN\": allowed is",
+            "assembly-bad.toml:6: spring.mount.stiffness = \"5 mN\": expected a finite number",
         ] {
             assert!(error.contains(words), "{words}: {error}");
         }
@@ -223,7 +223,7 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
     let ball = machine("bouncing_ball.toml");
     for (set, words) in [
         ("stop.flor.restitution=0.5", "did you mean `stop.floor.restitution`"),
-        ("stop.floor.restitution=1.5", "stop.floor.restitution = \"1.5\": allowed is a number from 0 to 1"),
+        ("stop.floor.restitution=1.5", "stop.floor.restitution = \"1.5\": expected a number from 0 to 1"),
         ("stop.floor.restitution", "NAME=VALUE"),
     ] {
         let (code, error) = refused(&["check", &ball, "--set", set]);

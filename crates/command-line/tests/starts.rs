@@ -86,7 +86,7 @@ fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     let damper = damper();
     for (start, words) in [
         ("bix.s=1mm", "--start bix.s=1mm: bix.s: no start value has this name; did you mean `box.s`"),
-        ("box.s=1N", "--start box.s=1N: box.s = \"1N\": allowed is a finite number, in m, cm, mm, um, in"),
+        ("box.s=1N", "--start box.s=1N: box.s = \"1N\": expected a finite number in m, cm, mm, um or in"),
         ("box.s=1,body.box.s=2", "box.s stands there twice; allowed is each number once"),
         ("block.s=1m", "stop.steel.gap = 0.004: the start at t = 0.0 s violates the stop by e - gap = "),
         ("nowhere.toml", "nowhere.toml: cannot be read"),

@@ -287,7 +287,7 @@ fn errors_of_matrices_name_the_entry() {
         (
             "gravity = [1, 1, 1]",
             "rayleigh = [0.1, 1e-4]",
-            "matrix.chain.rayleigh = [0.1, 1e-4]: allowed is one of damping, rayleigh, damping_ratio",
+            "matrix.chain.rayleigh = [0.1, 1e-4]: cannot be combined with `damping`: use one of `damping`, `rayleigh` and `damping_ratio`",
         ),
         (
             "gravity = [1, 1, 1]",
@@ -303,7 +303,7 @@ fn errors_of_matrices_name_the_entry() {
         (
             "mass = [[2, 0, 0], [0, 1, 0], [0, 0, 0.5]]",
             "mass = [[2, 0], [0, 1, 0]]",
-            "allowed is a Matrix Market file",
+            "expected a Matrix Market file",
         ),
     ] {
         assert!(CHAIN.contains(whole), "{whole}");
@@ -312,13 +312,13 @@ fn errors_of_matrices_name_the_entry() {
         assert!(refused.contains(text), "{refused}");
     }
     for (file, text) in [
-        ("complex.mtx", "complex.mtx:1: complex: allowed are real and integer entries"),
-        ("pattern.mtx", "pattern.mtx:1: pattern: allowed are real and integer entries"),
-        ("double.mtx", "double.mtx:4: 1 1 3: this entry is there twice"),
-        ("short.mtx", "short.mtx: it has 1 entries; its sizes say 2"),
+        ("complex.mtx", "complex.mtx:1: complex: expected real or integer entries"),
+        ("pattern.mtx", "pattern.mtx:1: pattern: expected real or integer entries"),
+        ("double.mtx", "double.mtx:4: 1 1 3: this entry is given twice"),
+        ("short.mtx", "short.mtx: it has 1 entries; expected 2, as given with its sizes"),
         ("three.mtx", "has 3 rows and 3 columns; expected as many of each as mass has rows, 2"),
         ("none.mtx", "cannot be read: it is not there"),
-        ("/M.mtx", "allowed is a path below the file's folder"),
+        ("/M.mtx", "expected a path below the file's folder"),
     ] {
         let refused = parse(&FILES.replace("K.mtx", file), "files.toml", &files).unwrap_err().to_string();
         assert!(refused.contains(text), "{refused}");

@@ -186,11 +186,11 @@ fn invariant_what_is_refused_of_repeat() {
         ),
         (
             "steps = [[0.1, 1.0]]\nrepeat = 0",
-            "r.toml:7: load.l.repeat = 0: allowed is a finite number > 0, in s, ms, us, min, h",
+            "r.toml:7: load.l.repeat = 0: expected a finite number > 0 in s, ms, us, min or h",
         ),
         (
             "constant = 1.0\nrepeat = \"20 ms\"",
-            "r.toml:7: load.l.repeat = \"20 ms\": there is nothing to repeat; allowed beside steps or table",
+            "r.toml:7: load.l.repeat = \"20 ms\": requires `steps` or `table`, which it repeats",
         ),
     ] {
         assert_eq!(refused(signal), text);

@@ -333,7 +333,7 @@ fn invariant_what_is_refused_of_sweeps() {
         ),
         (
             "{ amplitude = 1.0, from = 1.0, to = \"5 Hz\", duration = 0.0 }",
-            "r.toml:6: load.l.sweep.duration = 0.0: allowed is a finite number > 0, in s, ms, us, min, h",
+            "r.toml:6: load.l.sweep.duration = 0.0: expected a finite number > 0 in s, ms, us, min or h",
         ),
         (
             "{ amplitude = 1.0, from = 0, to = 0, duration = 1.0 }",
@@ -341,16 +341,16 @@ fn invariant_what_is_refused_of_sweeps() {
         ),
         (
             "{ amplitude = 1.0, from = 1.0, to = 2.0, duration = 1.0, law = \"cubic\" }",
-            "r.toml:6: load.l.sweep.law = \"cubic\": allowed is \"linear\" or \"logarithmic\"",
+            "r.toml:6: load.l.sweep.law = \"cubic\": expected \"linear\" or \"logarithmic\"",
         ),
         (
             "{ amplitude = 1.0, from = 1.0, too = 2.0, duration = 1.0 }",
             "r.toml:6: load.l.sweep.too = 2.0: no such key; did you mean `to`?\n\
-             r.toml:6: load.l.sweep.to: missing; allowed is a finite number >= 0, in Hz, mHz, kHz, MHz, rpm, 1/min, rad/s",
+             r.toml:6: load.l.sweep.to: missing; expected a finite number >= 0 in Hz, mHz, kHz, MHz, rpm, 1/min or rad/s",
         ),
         (
             "3.0",
-            "r.toml:6: load.l.sweep = 3.0: allowed is a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", duration = \"60 s\" }, or a list of them",
+            "r.toml:6: load.l.sweep = 3.0: expected a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", duration = \"60 s\" }, or a list of sweeps",
         ),
     ] {
         assert_eq!(refused(sweep), text);

@@ -133,8 +133,8 @@ fn what_is_no_start_is_refused_by_name() {
         ("pinon.s", "1", "pinon.s: no start value has this name; did you mean `pinion.s`?"),
         ("pinion.a", "1", "pinion.a: no start value has this name; did you mean `pinion.s`?"),
         ("engine.s", "1", "engine.s: its motion is prescribed; use start values of pinion, wheel"),
-        ("pinion.s", "1 mm", "pinion.s = \"1 mm\": allowed is a finite number, in rad, mrad, deg, °"),
-        ("time", "1 m", "time = \"1 m\": allowed is a finite number, in s, ms, us, min, h"),
+        ("pinion.s", "1 mm", "pinion.s = \"1 mm\": expected a finite number in rad, mrad, deg or °"),
+        ("time", "1 m", "time = \"1 m\": expected a finite number in s, ms, us, min or h"),
     ] {
         assert_eq!(told(name, value), expected);
     }
@@ -157,10 +157,10 @@ fn what_is_no_start_is_refused_by_name() {
     assert_eq!(
         Start::parse(file, "s.toml", &d).unwrap_err().to_string(),
         "s.toml:1: tme = 1: no such key; did you mean `time`?\n\
-         s.toml:1: time: missing; allowed is a finite number, in s, ms, us, min, h\n\
+         s.toml:1: time: missing; expected a finite number in s, ms, us, min or h\n\
          s.toml:2: body.pinon: no body has this name; did you mean `pinion`?\n\
-         s.toml:4: body.engine: its motion is prescribed; allowed are bodies with mass or inertia\n\
-         s.toml:7: body.wheel.s = \"1 m\": allowed is a finite number, in rad, mrad, deg, °\n\
+         s.toml:4: body.engine: its motion is prescribed; use a body with mass or inertia\n\
+         s.toml:7: body.wheel.s = \"1 m\": expected a finite number in rad, mrad, deg or °\n\
          s.toml:8: body.wheel.x = 1.0: no such key; did you mean `s`?"
     );
 }

@@ -91,7 +91,7 @@ const tests = {
     await tab.fill("[id='n-stop.steel.restitution']", "7");
     await tab.press("[id='n-stop.steel.restitution']", "Enter");
     await tab.waitForSelector(".field.bad");
-    assert.match(await tab.textContent(".field.bad .why"), /allowed is a number from 0 to 1/);
+    assert.match(await tab.textContent(".field.bad .why"), /expected a number from 0 to 1/);
     // Undo and redo: typed text, numbers, and the example that replaced the text.
     await pick(tab, "gear_backlash.toml");
     await tab.focus("#text");
@@ -315,7 +315,7 @@ const tests = {
     await type("]\nga");
     await offers("gap");
     await tab.keyboard.press("Tab");
-    await tab.waitForFunction("/allowed is a finite number, in m, cm/.test(document.querySelector('#offersWords').textContent)");
+    await tab.waitForFunction("/expected a finite number in m, cm/.test(document.querySelector('#offersWords').textContent)");
     await type("4 m");
     await offers("m,mm");
     await tab.click("#offers li:nth-child(2)");
