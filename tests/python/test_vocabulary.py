@@ -108,9 +108,9 @@ def test_response_of_the_papers_machine_is_the_branches_of_settled_orbits():
 
 def test_wrong_types_name_those_that_are_accepted():
     for call, words in [
-        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: allowed are Machine and PaperMachine"),
-        (lambda: vi.measure_many(3, ["class"]), r"machines\[0\] is of type int: allowed is Machine or PaperMachine"),
-        (lambda: vi.PaperMachine().basins([1]), "ranges is of type list: allowed is a dictionary"),
+        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: expected Machine or PaperMachine"),
+        (lambda: vi.measure_many(3, ["class"]), r"machines\[0\] is of type int: expected Machine or PaperMachine"),
+        (lambda: vi.PaperMachine().basins([1]), "ranges is of type list: expected a dictionary"),
     ]:
         with pytest.raises(TypeError, match=words):
             call()
