@@ -33,7 +33,7 @@ REFUSED = [
     (lambda: M.simulate("9"), ValueError, "until = '9': expected a number in s, or a text with a unit"),
     (lambda: M.replace({1: 2}), TypeError, "1 is not a name: expected the name of a parameter"),
     (lambda: M.replace({"kappa": 0.3, "stop_restitution": 0.6}), TypeError, "kappa cannot be combined with stop_restitution, which it determines"),
-    (lambda: M.sweep(["class"], {"f10": [1.0], "drive.amplitude": [0.1]}), TypeError, "f10 and drive_amplitude are given"),
+    (lambda: M.sweep(["class"], {"f10": [1.0], "drive.amplitude": [0.1]}), TypeError, "f10 cannot be combined with drive_amplitude"),
     (lambda: M.measure(None), TypeError, "measures = None: expected a sequence of names"),
     (lambda: M.orbit(symmetric=True), TypeError, "symmetric = True: requires `word`"),
     (lambda: M.orbit("UL").follow("f10", None, 2), TypeError, "low = None is of type NoneType"),

@@ -77,7 +77,7 @@ def test_only_ratios_are_determined() -> None:
         ({"free": ["spring.k.stiffness"], "within": {"friction.f.force": (0, 1)}}, "is not free"),
         ({"free": ["spring.k.stiffness"], "starts": 2}, "within= in Python"),
         ({"free": ["spring.k.stiffness"], "loss": "cubic"}, "expected one of linear, soft_l1, huber"),
-        ({"free": ["spring.k.stiffness"], "sigma": {"b.s": 1.0}}, "missing or no column"),
+        ({"free": ["spring.k.stiffness"], "sigma": {"b.s": 1.0}}, "missing or is not a column"),
         ({"free": ["spring.k.stiffness"], "sigma": {"a.s": 0}}, r"sigma\['a.s'\] = 0: expected a finite number > 0"),
         ({"free": ["spring.k.stiffness"], "sigma": {"a.s": "1 kg"}}, r"sigma\['a.s'\] = '1 kg': expected"),
         ({"free": ["spring.k.stiffness"], "events": {"a": [1.0]}}, "no stop is named"),

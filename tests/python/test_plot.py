@@ -162,5 +162,5 @@ def test_other_results_are_refused_with_the_kinds_that_are_drawn():
             function(wrong)
     with pytest.raises(TypeError, match="axes is of type str: expected Axes"):
         plot.history(run, "box.s")
-    with pytest.raises(ValueError, match="the nearest is 'box.s'"):
+    with pytest.raises(ValueError, match="did you mean 'box.s'"):
         plot.portrait(run, of="box.v")

@@ -176,7 +176,7 @@ def test_the_papers_arguments_of_machine_name_the_class_that_takes_them():
         (lambda: vi.Machine(gap="4 mm"), r"write vi\.PaperMachine\(gap='4 mm'\)"),
         (lambda: vi.Machine(), r"write vi\.PaperMachine\(\)"),
         (lambda: vi.Machine(DAMPER, kappa=0.5), r"write vi\.PaperMachine\(kappa=0\.5\)"),
-        (lambda: vi.Machine("ball.toml", 3), r"vi\.Machine\('ball\.toml', 3\): expected one value"),
+        (lambda: vi.Machine("ball.toml", 3), r"vi\.Machine\('ball\.toml', 3\): expected one argument"),
         (lambda: vi.PaperMachine("ball.toml"), r"vi\.PaperMachine\('ball\.toml'\): .*write vi\.Machine\('ball\.toml'\)"),
         (lambda: vi.PaperMachine.from_groups("a"), r"from_groups\('a'\): expected groups as keywords"),
     ]:

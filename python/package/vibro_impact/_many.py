@@ -251,7 +251,7 @@ def simulate_many(
     given, shape = _arrays(several, merged(parameters, more, "parameters"))
     if until is not None or times is not None or is_described:
         if (until is None) == (times is None) or periods is not None:
-            raise TypeError("a Machine requires `until` or `times`, and no `periods`; a PaperMachine requires `periods` only")
+            raise TypeError("a Machine requires `until` or `times`, and no `periods`; a PaperMachine takes only `periods`")
     if times is not None:
         if given or (errors, executor, checkpoint) != ("raise", None, None):
             raise TypeError("times: cannot be combined with arrays of parameters, errors, executor or checkpoint: use several machines, or until")
