@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 
 #: Labels of special points of a branch of a machine of your own.
 LABELS = {
-    "LP": "fold: the branch turns round in the parameter",
+    "LP": "fold: the branch reverses in the parameter",
     "BP": "branch point: two branches cross",
     "PD": "period doubling",
     "NS": "Neimark-Sacker: a second frequency appears",
-    "GR": "a stop is touched with speed zero",
-    "ST": "a friction begins or ceases to stick, or slips once more",
-    "CC": "two events of different elements change places",
-    "SA": "an output of a block comes to a limit or leaves it",
-    "CH": "impacts cease to accumulate",
+    "GR": "grazing: a stop is touched at zero speed",
+    "ST": "a friction element starts or stops sticking, or slips once more",
+    "CC": "two events of different elements swap their order",
+    "SA": "an output of a block reaches or leaves a limit",
+    "CH": "impacts stop accumulating",
     "EP": "end of the parameter's range",
-    "MX": "the branch could not be followed on",
+    "MX": "the branch could not be followed further",
 }
 
 #: Labels of points at which curves over two parameters begin.

@@ -25,14 +25,14 @@ _WEIGHTS = {"x1": (1.0, 0.0, 0.0), "x2": (0.0, 1.0, 0.0), "x3": (0.0, 0.0, 1.0),
 
 #: Labels of special points of a branch.
 PAPER_LABELS = {
-    "LP": "fold: the branch turns round in the parameter",
+    "LP": "fold: the branch reverses in the parameter",
     "BP": "branch point: on a symmetric orbit the symmetry breaks",
     "PD": "period doubling",
     "NS": "Neimark-Sacker: a second frequency appears",
-    "GR": "grazing: the block touches a stop with speed zero",
-    "CH": "an impact with speed zero is pressed into its stop: chatter beyond",
+    "GR": "grazing: the block touches a stop at zero speed",
+    "CH": "an impact at zero speed is pressed into its stop: chatter beyond this point",
     "EP": "end of the parameter's range",
-    "MX": "the branch could not be followed on",
+    "MX": "the branch could not be followed further",
 }
 
 

@@ -90,7 +90,7 @@ class ParameterValues(AnyMachine):
             values = ", ".join(f"{name} = {value:.6g}" for name, value in missing)
             warnings.warn(
                 f"the machine is given in SI without {values}: these are values of the default set, a machine of 1 kg, 1 N/m and a "
-                "gap of 1 m. Give them too, or use vi.PaperMachine().replace(...) if they are meant",
+                "gap of 1 m. Give them too, or use vi.PaperMachine().replace(...) if the default values are meant",
                 MixedParametersWarning,
                 stacklevel=2,
             )
@@ -227,10 +227,7 @@ class ParameterValues(AnyMachine):
 
     def _needs_period(self, what: str) -> None:
         if not np.isfinite(self.period):
-            raise ValueError(
-                f"drive_frequency = {self.drive_frequency}: {what} is counted in drive periods and requires drive_frequency > 0 "
-                "with a finite period"
-            )
+            raise ValueError(f"drive_frequency = {self.drive_frequency}: {what} requires drive_frequency > 0 with a finite period")
 
 
 def _unnamed(call: str, given: tuple[Any, ...], expected: str) -> str:
