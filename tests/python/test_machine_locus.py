@@ -99,7 +99,7 @@ def test_points_at_which_no_curve_begins_are_named(branch):
     for point, error, words in [
         (plain, ValueError, f"point = {plain}: no curve begins at this point (not special); expected one of {begins}"),
         (end, ValueError, f"point = {end}: no curve begins at this point (EP); expected one of {begins}"),
-        (len(branch.value), ValueError, f"allowed is a whole number from 0 to {len(branch.value) - 1}"),
+        (len(branch.value), ValueError, f"expected a whole number from 0 to {len(branch.value) - 1}"),
         ("LP", TypeError, "point = 'LP' is of type str"),
     ]:
         with pytest.raises(error, match=re.escape(words)):

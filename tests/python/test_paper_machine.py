@@ -155,7 +155,7 @@ def test_second_method_a_sweep_is_the_measures_of_all_combinations():
     for row in found:
         machine = vi.PaperMachine().replace(f10=row["f10"], kappa=row["kappa"])
         assert machine.measure(["amplitude.x1"], start={"v2": 1.0}, settle=20, periods=4)["amplitude.x1"] == row["amplitude.x1"]
-    with pytest.raises(TypeError, match="f10: allowed is a list or an array"):
+    with pytest.raises(TypeError, match="f10: expected a list or an array"):
         vi.PaperMachine().sweep(["class"], f10=1.0)
 
 
@@ -179,7 +179,7 @@ def test_a_motion_that_is_refused_is_told_in_its_row():
     for row, start in zip(rows[::2], starts[::2]):
         assert {name: row[name] for name in names} == machine.measure(names, start=start, periods=2, settle=2) and row["error"] is None
     assert rows[1]["impacts"] is rows[1]["class"] is None and "block" in rows[1]["error"]
-    with pytest.raises(ValueError, match="allowed is one of 'raise', 'row'"):
+    with pytest.raises(ValueError, match="expected one of 'raise', 'row'"):
         vi.measure_many(machine, names, starts=starts, errors="rows")
     with pytest.raises(ValueError, match="impcts"):
         vi.measure_many(machine, ["impcts"], starts=starts, errors="row")
