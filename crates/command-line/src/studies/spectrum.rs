@@ -27,8 +27,8 @@ pub fn exponent(
     let mut motion = motion.without_energy_accounts();
     settle(&mut motion, &section, discard)?;
     if let Some(why) = runs_on(&machine.description, motion.time()) {
-        let problem =
-            "only what repeats has an exponent; allowed are changes within what is discarded (--discard)";
+        let problem = "an exponent exists only while all loads repeat; increase --discard until \
+                       the change lies in the discarded periods";
         return Err(crate::Error::Refused { what: why, problem: problem.into() });
     }
     let found = settled(&mut motion, &section, Some(periods))?;
@@ -85,7 +85,7 @@ pub fn spectrum(
     name: &str,
 ) -> Result<Study> {
     if let Some(why) = runs_on(&machine.description, 0.0) {
-        let problem = "only what repeats has exponents; allowed are harmonics, constants and uniform motions";
+        let problem = "exponents require loads and motions that are harmonic, constant or uniform";
         return Err(crate::Error::Refused { what: why, problem: problem.into() });
     }
     let found = vibro_studies::spectrum(machine, start, (discard, periods), &mut || {

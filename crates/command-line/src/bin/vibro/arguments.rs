@@ -134,7 +134,7 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
         let taken: Vec<String> = taken.map(option).collect();
         let taken = if taken.is_empty() { "none".into() } else { taken.join(", ") };
         let problem =
-            format!("`vibro {words}` has no use for it; of the options of all commands it takes {taken}");
+            format!("`vibro {words}` does not use it; of the options of all commands it takes {taken}");
         return Err(Error::Refused { what: option(given), problem });
     }
     if !has_file(command) {
@@ -149,7 +149,7 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
     let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
-    let problem = format!("is {whose}; of such options allowed here: {}", names.join(", "));
+    let problem = format!("is {whose}; expected one of {}", names.join(", "));
     Err(Error::Refused { what: option(given), problem })
 }
 
@@ -305,7 +305,9 @@ impl Command {
             Self::Bifurcation(a) | Self::Lyapunov(Lyapunov { sweep: a, .. }) => {
                 if a.vary.len() > 1 {
                     let what = format!("--vary {}", a.vary.join(" --vary "));
-                    let problem = "allowed is one parameter; planes of two: `vibro paper isoperiodic`".into();
+                    let problem = "expected one parameter; use `vibro paper isoperiodic` for \
+                                   planes of two parameters"
+                        .into();
                     return Err(Error::Refused { what, problem });
                 }
                 a.of_paper.range = texts("--vary", &a.vary)?.pop();
@@ -320,7 +322,7 @@ impl Command {
             Self::Orbits(a) => {
                 if a.vary.len() > 1 {
                     let what = format!("--vary {}", a.vary.join(" --vary "));
-                    return Err(Error::Refused { what, problem: "allowed is one parameter".into() });
+                    return Err(Error::Refused { what, problem: "expected one parameter".into() });
                 }
                 a.range = texts("--vary", &a.vary)?.pop();
             }
@@ -341,7 +343,7 @@ fn one_start(given: &[String]) -> Result<Option<StartRule>> {
 pub fn one_of(given: &[String]) -> Result<Option<&String>> {
     if given.len() > 1 {
         let what = format!("--start {}", given.join(" --start "));
-        let problem = "allowed is one start, with commas between its numbers".into();
+        let problem = "expected one start, with commas between its values".into();
         return Err(Error::Refused { what, problem });
     }
     Ok(given.first())

@@ -36,11 +36,12 @@ macro_rules! start_help {
     ($of:literal) => {
         concat!(
             $of,
-            ": coordinates and rates of bodies in SI or with a unit, e.g. block.s=5mm,block.v=1. With FILE also the time \
-             (time=0.2s), or a start's file, such as the end.toml of a run, with numbers behind it that replace its own \
-             (end.toml,block.v=0); what is not named is as the machine's file says. Without FILE also x1 x2 x3 in L, v1 v2 v3 in L \
-             omega10; what is not named is zero; \"orbit\" starts on the exact orbit where it is stable [default: v2=1; with FILE \
-             the machine's own start]"
+            ": coordinates and rates of bodies in SI or with a unit, e.g. block.s=5mm,block.v=1. \
+             With FILE also the time (time=0.2s), or a start's file, such as the end.toml of a \
+             run, with numbers behind it that replace its own (end.toml,block.v=0); what is not \
+             named is as the machine's file says. Without FILE also x1 x2 x3 in L, v1 v2 v3 in L \
+             omega10; what is not named is zero; \"orbit\" starts on the exact orbit where it is \
+             stable [default: v2=1; with FILE the machine's own start]"
         )
     };
 }
@@ -122,15 +123,13 @@ pub struct SectionArguments {
 /// A time above 0, in s.
 pub fn time(text: &str) -> std::result::Result<f64, String> {
     let found = quantity_in("s", text.trim()).map(|q| q.value).filter(|t| t.is_finite() && *t > 0.0);
-    found.ok_or_else(|| {
-        "allowed is a finite time above 0, in s, with a unit of s, ms, us, min, h, e.g. 2s".into()
-    })
+    found.ok_or_else(|| "expected a finite time > 0 in s, ms, us, min or h, e.g. 2s".into())
 }
 
 /// An angle, in rad.
 pub fn angle(text: &str) -> std::result::Result<f64, String> {
     let found = quantity_in("rad", text.trim()).map(|q| q.value).filter(|x| x.is_finite());
-    found.ok_or_else(|| "allowed is a finite angle, in rad or with a unit of rad, deg, e.g. 90deg".into())
+    found.ok_or_else(|| "expected a finite angle in rad or deg, e.g. 90deg".into())
 }
 
 /// Constant loads.

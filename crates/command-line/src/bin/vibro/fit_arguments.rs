@@ -69,7 +69,7 @@ fn segments(text: &str) -> Result<Segments, String> {
         _ => time()
             .filter(|length| *length > 0.0 && length.is_finite())
             .map(Segments::Length)
-            .ok_or_else(|| "allowed are auto, none, and a time above 0 such as 1s".into()),
+            .ok_or_else(|| "expected auto, none, or a time > 0 such as 1s".into()),
     }
 }
 

@@ -171,7 +171,7 @@ impl Progress {
         let bar =
             ProgressBar::with_draw_target(Some(self.total), target.unwrap_or(ProgressDrawTarget::hidden()));
         bar.set_style(style(&match self.unit {
-            TIME => "{bar:40} {elapsed} gone {msg}".into(),
+            TIME => "{bar:40} {elapsed} elapsed, {msg}".into(),
             unit => format!("{{bar:40}} {{pos}}/{{len}} {unit}, {{eta}} left"),
         }));
         // The clock runs while no step ends.

@@ -106,7 +106,8 @@ impl FromStr for Duration {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        const FORM: &str = "a finite time above 0, in s, with a unit of s, ms, us, min, h, or in drive periods, e.g. 2s or 200 periods";
+        const FORM: &str = "a finite time > 0 in s, ms, us, min or h, or in drive periods, e.g. 2s \
+                            or 200 periods";
         let words = text.trim();
         let periods = words.strip_suffix("periods").or_else(|| words.strip_suffix("period"));
         let found = match periods {
@@ -142,7 +143,7 @@ pub enum InterpolationName {
 /// Computes a run; constant loads are among the parameters of the set.
 pub fn run(set: &ParameterSet, RunArguments { samples, of_paper: a, .. }: &RunArguments) -> Result<Study> {
     if *samples > MOST_SAMPLES {
-        let problem = format!("allowed are 1 to {MOST_SAMPLES} in each drive period");
+        let problem = format!("expected 1 to {MOST_SAMPLES} in each drive period");
         return Err(Error::Refused { what: format!("--samples {samples}"), problem });
     }
     let length = match (a.periods, a.duration) {

@@ -170,7 +170,7 @@ impl<M: Labelled> Collected<M> {
             }
         }
         if !self.draws {
-            lines.push(format!("no picture: {} designs, allowed are up to {MOST_DRAWN}", self.count));
+            lines.push(format!("no picture: {} designs, but at most {MOST_DRAWN} are drawn", self.count));
         }
         lines
     }

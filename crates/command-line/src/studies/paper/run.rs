@@ -73,7 +73,7 @@ impl RunRequest {
         }
         Err(Error::Refused {
             what: format!("a run of {duration} s"),
-            problem: "allowed is a finite time above 0".into(),
+            problem: "expected a finite time > 0".into(),
         })
     }
 
