@@ -48,7 +48,7 @@ pub fn exponent(
     let told =
         exponent.map_or("undecided: the motion has not settled".into(), |e| match (e.value, found.period) {
             (f64::NEG_INFINITY, _) => {
-                "-inf: contacts take every direction, or there is none but neutral ones".into()
+                "-inf: contacts remove every direction, or all directions are neutral".into()
             }
             (value, Some(period)) => {
                 format!(
@@ -108,10 +108,10 @@ pub fn spectrum(
     let mut remarks = vec![format!("exponents: {} 1/s, {how}", words.join(", "))];
     remarks.push(match held {
         0 => format!(
-            "sum: {} 1/s, the mean rate at which volumes grow",
+            "sum: {} 1/s, the mean growth rate of volumes",
             significant(found.exponents.iter().map(|e| e.value).sum())
         ),
-        _ => format!("{held} are -inf: contacts, and samples of blocks, take these directions"),
+        _ => format!("{held} are -inf: contacts or samples of blocks remove these directions"),
     });
     let figure = Figure {
         title: format!("{}: Lyapunov exponents on their way", machine.description.name),
