@@ -333,7 +333,7 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
     lines.push(format!(
         "energy: {} J at the start, {} J at the end; work of loads {} J, of prescribed motions {} \
          J; lost in dashpots {} J, in compliant stops {} J, in friction {} J, at impacts {} J; \
-         energy balance error {:.1e} J",
+         balance off by {:.1e} J",
         short(record.energy),
         short(end),
         sum(&energy.loads),

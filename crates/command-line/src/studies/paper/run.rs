@@ -183,8 +183,8 @@ fn account(p: &Parameters, history: &History) -> Vec<String> {
     }
     let e = &history.energy;
     lines.push(format!(
-        "energy: input {} J, damped {} J, lost at impacts {} J, mechanical from {} to {} J; energy \
-         balance error {:.1e} J",
+        "energy: input {} J, damped {} J, lost at impacts {} J, mechanical from {} to {} J; \
+         balance off by {:.1e} J",
         short(e.input),
         short(e.damped),
         short(e.impact),
