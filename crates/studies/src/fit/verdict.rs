@@ -62,7 +62,7 @@ impl fmt::Display for Verdict {
 impl Verdict {
     /// Verdict for a fit that its observer has ended.
     pub(super) fn ended() -> Self {
-        Self::Undecided("interrupted; the values are the best so far".into())
+        Self::Undecided("ended by hand, with the best values so far".into())
     }
 }
 
