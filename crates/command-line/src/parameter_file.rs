@@ -133,7 +133,7 @@ pub fn template(groups: bool) -> String {
         GROUPS.iter().map(Name::Group).collect()
     } else {
         text.push_str(
-            "# A number is in the unit told; another unit goes with it in quotation marks, e.g. \"48 kN/m\", \"2.5 mm\",\n\
+            "# A number is in the unit shown; a number with another unit requires quotation marks, e.g. \"48 kN/m\", \"2.5 mm\",\n\
              # \"350 g\", \"10 Hz\". Dimensionless groups: vibro paper template --groups\n\n[si]\n",
         );
         physical_parameters().map(Name::Si).collect()

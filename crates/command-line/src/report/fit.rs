@@ -171,7 +171,7 @@ fn residuals(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> String {
     let free = measured.samples().saturating_sub(fitted.values.len());
     let cost = request.sigma.as_ref().map_or(String::new(), |_| {
         format!(
-            " Sum of squared residuals, each divided by its noise: {} for {free} degrees of freedom.",
+            " Sum of squares of the residuals, in units of their noise: {} for {free} degrees of freedom.",
             significant(fitted.cost)
         )
     });

@@ -15,7 +15,7 @@ use vibro_studies::{AxisName, ParameterAxis};
 /// A share of a long study.
 #[derive(Args, Debug)]
 pub struct Share {
-    /// Compute only share I of N, e.g. 2/4; `vibro merge` draws the whole
+    /// Compute only share I of N, e.g. 2/4; `vibro merge` combines the shares and draws the study
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
 }
