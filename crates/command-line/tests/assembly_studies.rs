@@ -34,7 +34,7 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
     let out = folder("assembly-sweep");
     let said = drawn(&out, &SWEEP);
     assert!(said.contains("4 designs over stop.steel.gap, stop.buffer.gap"), "{said}");
-    assert!(said.contains("amplitude.box.s: least"), "{said}");
+    assert!(said.contains("amplitude.box.s: smallest"), "{said}");
     let rows = table(&out, "sweep.csv");
     assert_eq!(rows.len(), 4);
     let measures: Vec<_> = SWEEP[7].split(',').map(|name| name.parse().unwrap()).collect();

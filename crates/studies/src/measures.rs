@@ -400,7 +400,7 @@ pub fn measure(
     if let (Some(verdict), Some(why)) = (&verdict, runs_on(d, motion.time())) {
         return Err(Error::Described {
             problem: format!(
-                "{verdict}: {why}, but a {verdict} exists only while all loads repeat; use other outputs"
+                "{verdict}: {why}, but `{verdict}` requires loads that repeat; use other outputs"
             ),
         });
     }

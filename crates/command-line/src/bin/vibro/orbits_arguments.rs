@@ -120,8 +120,8 @@ pub struct Orbits {
     #[arg(long, value_name = "N", default_value = "12", default_value_if("file", IsPresent, "3"))]
     #[arg(hide_default_value = true, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
-    /// Number of parameter values at which settled motions are searched for, in each direction
-    /// [default: 91; with FILE 24]
+    /// Number of parameter values for the search of settled motions, in each direction [default:
+    /// 91; with FILE 24]
     #[arg(long, value_name = "N", default_value = "91", default_value_if("file", IsPresent, "24"))]
     #[arg(hide_default_value = true, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
@@ -157,7 +157,7 @@ pub struct ResponseOfFile {
     /// The motion.
     #[command(flatten)]
     pub settling: Settling,
-    /// Number of parameter values at which settled motions are searched for, rising and falling
+    /// Number of parameter values for the search of settled motions, rising and falling
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
     /// Largest number of changes from one branch to another in a row, at bifurcations and touches

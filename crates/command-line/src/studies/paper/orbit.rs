@@ -36,7 +36,7 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     let own = found.iter().skip(1).filter(|o| o.is_shortest()).count();
     if own > 0 {
         remarks.push(format!(
-            "{own} other orbits of this word were found; this orbit has the smallest largest multiplier"
+            "{own} other orbits of this word were found; the orbit nearest to stability is shown"
         ));
     }
     let short = found.len() - 1 - own;
