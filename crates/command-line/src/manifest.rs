@@ -262,7 +262,7 @@ mod tests {
         let path = folder.path().join("m.toml");
         let other = Manifest { program: "cargo".into(), ..manifest("kappa=0.5") }.text().unwrap();
         for (bytes, word) in
-            [(&b"\xff\xfe"[..], "no text"), (b"study = 1", "damaged"), (other.as_bytes(), "`cargo`")]
+            [(&b"\xff\xfe"[..], "not UTF-8 text"), (b"study = 1", "damaged"), (other.as_bytes(), "`cargo`")]
         {
             std::fs::write(&path, bytes).unwrap();
             let error = Manifest::read(&path).unwrap_err();

@@ -175,7 +175,7 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("lyapunov FILE --periods 7", "--periods 7: expected 8 to 1000000"),
         ("run --samples 10001", "--samples 10001: expected 1 to 10000"),
         ("run FILE", "requires the end of the motion (--until TIME) or a file of times (--times FILE)"),
-        ("paper run FILE --until 2s", "`vibro paper` takes no machine's file: use `vibro run "),
+        ("paper run FILE --until 2s", "`vibro paper` does not take a machine file: use `vibro run "),
         ("basin FILE", "0 ranges of --start: expected two"),
         ("isoperiodic FILE", "unexpected argument"),
         ("assembly run FILE", "`vibro assembly` is not a group of commands: expected `vibro run "),

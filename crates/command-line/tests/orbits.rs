@@ -300,7 +300,7 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         ),
         (&["locus", "--from", "", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "for '--from <"),
         (&["locus", "--from", ":1", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "FILE:LABEL@VALUE"),
-        (&["locus", "--from", "no.csv:1", "--vary", "f10=1:2"], "two, e.g."),
+        (&["locus", "--from", "no.csv:1", "--vary", "f10=1:2"], "two parameters, e.g."),
     ] {
         let (code, message) = refused(arguments);
         assert!(code == 2 && message.contains(words), "{arguments:?}: {code} {message}");

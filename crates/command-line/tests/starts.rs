@@ -176,5 +176,5 @@ fn closed_form_of_where_motions_come_to_rest() {
         .replace("[friction.guide]", "[stop.guide]")
         .replace("force = \"1.2 N\"", "gap = 1e-3\nrestitution = 0.5");
     let (said, _) = basin("damped", &damped);
-    assert!(said.contains("came to rest (at one place): slide.s = −0.00025 m"), "{said}");
+    assert!(said.contains("came to rest (at one position): slide.s = −0.00025 m"), "{said}");
 }

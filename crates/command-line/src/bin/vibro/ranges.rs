@@ -279,7 +279,7 @@ mod tests {
         );
         assert!(error::<ParameterRange>("sigma1=2:-2").contains("from < to"));
         assert!(error::<ParameterRange>("sigma1=-2:2:many").contains("from < to"));
-        assert!(error::<ParameterRange>("drive.frequency=9:11Hz").contains("a unit at every number"));
+        assert!(error::<ParameterRange>("drive.frequency=9:11Hz").contains("a unit on every number"));
         assert_eq!(error::<ParameterValues>("kappa=0.5,1.5"), "kappa = 1.5: expected 0 <= kappa <= 1");
         assert_eq!(
             error::<ParameterValues>("kappa=0.5,high"),
