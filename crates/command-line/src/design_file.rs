@@ -59,7 +59,7 @@ fn parse(text: &str, set: &ParameterSet) -> std::result::Result<Designs<Name>, S
         let values = names.iter().zip(&headings).zip(&row.cells).map(cell);
         rows.push(values.collect::<std::result::Result<Vec<_>, _>>()?);
         if rows.len() > MOST {
-            return Err(format!("more than {MOST} designs; expected at most {MOST}"));
+            return Err(format!("more than {MOST} designs"));
         }
     }
     if rows.is_empty() {

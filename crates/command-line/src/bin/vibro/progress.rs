@@ -51,7 +51,7 @@ impl Clock {
                 let Ok(mut terminal) = TERMINAL.lock() else { return };
                 if terminal.bars == 0 {
                     let clock =
-                        || ProgressBar::with_draw_target(None, target()).with_style(style("{msg} gone"));
+                        || ProgressBar::with_draw_target(None, target()).with_style(style("{msg} elapsed"));
                     let gone = Duration::from_secs(begin.elapsed().as_secs());
                     terminal.clock.get_or_insert_with(clock).set_message(HumanDuration(gone).to_string());
                 }
@@ -230,7 +230,7 @@ mod tests {
         let own = terminal.clone();
         let onto = move || ProgressDrawTarget::term_like(Box::new(own.clone()));
         let clock = Clock::onto(onto, Duration::ZERO);
-        wait(&terminal, |shown| shown.contains("seconds gone"));
+        wait(&terminal, |shown| shown.contains("seconds elapsed"));
         let (other, progress) = after(3, Duration::ZERO);
         wait(&terminal, str::is_empty);
         wait(&other, |shown| shown.contains("3/8 parts"));
