@@ -210,7 +210,7 @@ mod tests {
         );
         assert!(
             error("[si]\nbox.k = 48 kN/m # stiff")
-                .contains("line 2: box.k = 48 kN/m: a number with a unit is")
+                .contains("line 2: box.k = 48 kN/m: a number with a unit requires")
         );
         assert!(
             error("[si]\nbox.m = \"12 mm\"")

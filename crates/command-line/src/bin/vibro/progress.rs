@@ -235,7 +235,7 @@ mod tests {
         wait(&terminal, str::is_empty);
         wait(&other, |shown| shown.contains("3/8 parts"));
         drop(progress);
-        wait(&terminal, |shown| shown.contains("gone"));
+        wait(&terminal, |shown| shown.contains("elapsed"));
         drop(clock);
         assert_eq!(terminal.contents(), "");
     }
