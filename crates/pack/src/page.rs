@@ -9,11 +9,9 @@ use vibro_sketch::Sketch;
 
 /// Style sheet: limited line length, scrolling tables, a dark scheme on request; the sketch stays
 /// on white.
-const STYLE: &str = ":root{color-scheme:light \
-                     dark}body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 \
-                     1rem;line-height:1.4}table{border-collapse:collapse;display:block;overflow-x:auto}td,th{text-align:left;padding:.15rem \
-                     .8rem .15rem 0;border-bottom:1px solid \
-                     #8884}figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto;background:#fff}code{white-space:nowrap}";
+const STYLE: &str = ":root{color-scheme:light dark}body{font-family:sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;line-height:1.4}\
+    table{border-collapse:collapse;display:block;overflow-x:auto}td,th{text-align:left;padding:.15rem .8rem .15rem 0;border-bottom:1px solid #8884}\
+    figure{margin:0;overflow-x:auto}svg{max-width:100%;height:auto;background:#fff}code{white-space:nowrap}";
 
 /// Smallest displayed width of the sketch, as a fraction of its drawn width: its names are then
 /// nine pixels high. On a narrower page the sketch scrolls sideways.
@@ -74,12 +72,11 @@ pub fn page(plan: &Plan) -> Result<String> {
     let counts = machine.counts().into_iter();
     let counts = counts.filter(|(count, _)| *count > 0).map(|(count, what)| format!("{what}: {count}"));
     let mut text = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta \
-         charset=\"utf-8\"><title>{name}</title><style>{STYLE}</style></head>\n<body>\n<h1>{name}</h1>\n<figure>\n{sketch}</figure>\n<p>{}.</p>\n<p>A \
-         piecewise linear machine. In Co-Simulation it is advanced by its exact flow from event to \
-         event: its result does not depend on a tolerance or a step size. In Model Exchange the \
-         solver of the host integrates between events, and the law at events is the same. The \
-         machine's file is <a href=\"../resources/{FILE}\">resources/{FILE}</a>.</p>\n",
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{name}</title><style>{STYLE}</style></head>\n\
+         <body>\n<h1>{name}</h1>\n<figure>\n{sketch}</figure>\n<p>{}.</p>\n\
+         <p>A piecewise linear machine. In Co-Simulation it is advanced by its exact flow from event to event: its result does not \
+         depend on a tolerance or a step size. In Model Exchange the solver of the host integrates between events, and the law at \
+         events is the same. The machine's file is <a href=\"../resources/{FILE}\">resources/{FILE}</a>.</p>\n",
         counts.collect::<Vec<_>>().join(", "),
     );
     for (heading, words, roles) in SECTIONS {
