@@ -330,7 +330,7 @@ fn closed_form_an_unstable_orbit_is_found_by_its_word_and_words_that_cannot_clos
             "close wall requires open wall before the next one",
         ),
         (&["--word", "hit wall"], "`hit` is not a kind of event"),
-        (&["--word", "wall"], "`wall` is no event"),
+        (&["--word", "wall"], "`wall` is not an event"),
         (&["--period", "0.1s"], "a multiple of the drive's period"),
         (&["--period", "33T"], "--period 33T: expected 1T to 32T"),
         (&["--period", "2m"], "--period 2m: expected 1T to 32T, or a finite time > 0"),

@@ -246,7 +246,7 @@ fn refused_records_ranges_and_deviations_are_named_with_their_file() {
             "COLUMN=ORDER,FREQUENCY, e.g. box.a=2,400Hz",
         ),
         ("--data shown.csv --free stop.floor.gap --filter b.a=9,40Hz", "expected an order from 1 to 8"),
-        ("--data sound.csv --free stop.floor.gap --sigma b.s=1,b.s=2", "b.s has two deviations"),
+        ("--data sound.csv --free stop.floor.gap --sigma b.s=1,b.s=2", "b.s has two standard deviations"),
     ];
     for (arguments, words) in cases {
         let (_, text) = said("fit-named", BALL, &tables, arguments);

@@ -103,7 +103,7 @@ fn a_window_is_refused_beyond_a_hundred_times_its_returns() {
     section.advance(&mut motion, &mut |_| ()).unwrap();
     let error = passed.is_enough(&motion, (0, false)).unwrap_err().to_string();
     assert!(error.contains("200 periods (measured, --periods) last 20 s"), "{error}");
-    assert!(error.contains("takes 250000 s") || error.contains("takes 2.5e5 s"), "{error}");
+    assert!(error.contains("oscillation, 250000 s") || error.contains("oscillation, 2.5e5 s"), "{error}");
 }
 
 #[test]
