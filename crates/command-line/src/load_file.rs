@@ -128,7 +128,7 @@ fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::R
     let samples = rows.iter().map(sample).collect::<std::result::Result<Vec<_>, _>>()?;
     Load::new(body, &samples, interpolation).map_err(|error| match error {
         vibro_impact::Error::Sample { index, time, force, allowed } => {
-            format!("line {}, time {time} s, force {force} N: allowed is {allowed}", rows[index].line)
+            format!("line {}, time {time} s, force {force} N: expected {allowed}", rows[index].line)
         }
         other => other.to_string(),
     })

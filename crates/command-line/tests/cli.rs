@@ -53,7 +53,7 @@ fn steady_writes_the_librarys_values() {
 fn steady_without_a_motion_says_so() {
     let out = folder("cli-nothing");
     let text = drawn(&out, &["steady", "--set", "f10=0.01"]);
-    assert!(text.starts_with("no picture, for there is no motion with two symmetric impacts"), "{text}");
+    assert!(text.starts_with("no picture, because there is no motion with two symmetric impacts"), "{text}");
     assert!(out.join("steady.csv").exists() && !out.join("steady.png").exists());
 }
 
@@ -86,9 +86,12 @@ fn errors_name_the_nearest_name_and_the_range() {
             ["--set", "sigma=1"],
             "error: no parameter is named `sigma`; the nearest is `sigma1`: detuning of the excitation",
         ),
-        (["--set", "stop.restitution=2"], "error: stop.restitution = 2: expected 0 <= stop.restitution <= 1"),
+        (
+            ["--set", "stop.restitution=2"],
+            "error: stop.restitution = 2: expected 0 <= stop.restitution <= 1",
+        ),
         (["--set", "epsilon=0"], "error: epsilon = 0: expected 0 < epsilon <= 1"),
-        (["--set", "kappa=high"], "error: kappa = `high` is not a number: allowed is 0 <= kappa <= 1"),
+        (["--set", "kappa=high"], "error: kappa = `high` is not a number: expected 0 <= kappa <= 1"),
         (["--set", "kappa"], "error: `kappa`: expected name=value, e.g. kappa=0.75"),
     ] {
         let (code, error) = refused(&["steady", arguments[0], arguments[1]]);

@@ -87,11 +87,11 @@ fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     for (start, words) in [
         ("bix.s=1mm", "--start bix.s=1mm: bix.s: no start value has this name; did you mean `box.s`"),
         ("box.s=1N", "--start box.s=1N: box.s = \"1N\": expected a finite number in m, cm, mm, um or in"),
-        ("box.s=1,body.box.s=2", "box.s stands there twice; allowed is each number once"),
+        ("box.s=1,body.box.s=2", "box.s is given twice; give it once"),
         ("block.s=1m", "stop.steel.gap = 0.004: the start at t = 0.0 s violates the stop by e - gap = "),
         ("nowhere.toml", "nowhere.toml: cannot be read"),
         ("box.s=1,nowhere.toml", "expected NAME=VALUE,…, a start's file, or FILE,NAME=VALUE,…"),
-        ("time=2s", "--until 1.0: allowed is a time after that of the start, 2.0 s"),
+        ("time=2s", "--until 1.0: must be after 2.0 s, the time of the start"),
     ] {
         let (code, error) = refused(&["run", &damper, "--until", "1s", "--start", start]);
         assert!(code == 2 && error.contains(words), "{start}: {error}");
@@ -146,7 +146,7 @@ fn closed_form_of_the_mean_speed_that_check_says_of_a_record_with_a_mean() {
     let text = "name = \"R\"\n[body.table]\nmotion = { acceleration = { table = [[0, 0.02], [10, 0.02]] } }\n[body.m]\nmass = 1.0\n\
         [spring.k]\nbetween = [\"table\", \"m\"]\nstiffness = 100.0\n[load.f]\non = \"m\"\namplitude = 1.0\nfrequency = 5.0\n";
     let said = drawn(&folder("starts-record-out"), &["check", &written("starts-record", text)]);
-    let words = "table drifts: over its record of 10 s its mean speed is 0.1 m/s and it moves by 1 m; with v = -0.1 m/s it is 0";
+    let words = "table drifts: its mean speed over its record of 10 s is 0.1 m/s and it moves by 1 m; start with v = -0.1 m/s for a mean speed of 0";
     assert!(said.contains(words), "{said}");
 }
 
@@ -163,7 +163,7 @@ fn closed_form_of_where_motions_come_to_rest() {
     };
     let (said, cells) = basin("held", text);
     let (_, places) = said
-        .split_once("all 25 motions came to rest (not at one place: friction holds a range): slide.s from ")
+        .split_once("all 25 motions came to rest (at a range of positions, held by friction): slide.s from ")
         .expect(&said);
     let places = places.replace('−', "-");
     let ends: Vec<f64> = places.split_whitespace().filter_map(|word| word.parse().ok()).take(2).collect();
@@ -176,5 +176,5 @@ fn closed_form_of_where_motions_come_to_rest() {
         .replace("[friction.guide]", "[stop.guide]")
         .replace("force = \"1.2 N\"", "gap = 1e-3\nrestitution = 0.5");
     let (said, _) = basin("damped", &damped);
-    assert!(said.contains("came to rest (at one place): slide.s = −0.00025 m"), "{said}");
+    assert!(said.contains("came to rest (at one position): slide.s = −0.00025 m"), "{said}");
 }

@@ -274,7 +274,7 @@ fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
     let row = swept(&machine, &["peak_to_peak.a.s"], 60, 10);
     let reason = row.reason.unwrap();
     assert!(
-        reason.contains("slowest own oscillation takes 1 s") && reason.contains("4000 periods or more"),
+        reason.contains("slowest natural oscillation, 1 s each") && reason.contains("at least 4000 periods"),
         "{reason}"
     );
 }

@@ -175,7 +175,8 @@ impl ParameterSet {
             None => Ok(()),
             Some(load) => Err(Error::Form {
                 text: load.name().into(),
-                expected: "another parameter: closed forms and theories are those of the machine without constant loads",
+                expected: "another parameter: closed forms and theories describe the machine \
+                           without constant loads",
             }),
         }
     }

@@ -191,7 +191,7 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
         error("amplitud.x1"),
         "no output is named `amplitud.x1`; the nearest is `amplitude.x1`: largest |x1|"
     );
-    assert!(error("temperature").contains("valid are amplitude.x1, amplitude.x2"));
+    assert!(error("temperature").contains("expected one of amplitude.x1, amplitude.x2"));
 }
 
 /// In chaos the spread of one window predicts the scatter of many: of an extreme by (N3), of a

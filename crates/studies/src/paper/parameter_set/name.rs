@@ -256,7 +256,7 @@ fn unknown(name: &str, valid: &[Name]) -> Error {
         Some(n) => format!("the nearest is `{}`: {}, {}", n.name(), n.description(), n.allowed()),
         None => {
             let names: Vec<_> = valid.iter().map(|n| n.name()).collect();
-            format!("valid are {}", names.join(", "))
+            format!("expected one of {}", names.join(", "))
         }
     };
     Error::UnknownName { name: name.into(), advice }
