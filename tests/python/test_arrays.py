@@ -145,7 +145,7 @@ def test_a_row_that_is_refused_says_why_and_the_others_have_numbers():
         (lambda: vi.measure_many(damper(), {STEEL: [np.nan]}, NAMES), ValueError, r"stop.steel.gap\[0\] = nan"),
         (lambda: vi.simulate_many(damper(), {STEEL: [1e-3] * 2}, starts=[None] * 3, until=1.0), ValueError, "starts has 3 rows"),
         (lambda: vi.measure_many(damper(), NAMES, executor=3), TypeError, "executor is of type int: expected an object with `submit`"),
-        (lambda: vi.simulate_many(vi.PaperMachine(), f11=[1.0]), TypeError, "the nearest is `f10`"),
+        (lambda: vi.simulate_many(vi.PaperMachine(), f11=[1.0]), TypeError, "did you mean `f10`?"),
         (lambda: vi.simulate_many(damper(), {STEEL: [1e-3]}, times=[1.0]), TypeError, "cannot be combined with arrays"),
     ],
 )

@@ -257,7 +257,7 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: vi.simulate_many([damper()] * 2, starts=[None] * 3, until=1.0), ValueError, "starts has 3 starts: expected one start, or one for each of 2"),
         (lambda: damper().simulate(-1.0), ValueError, "until"),
         (lambda: damper().simulate(times=[1.0, 0.5]), ValueError, "ascending"),
-        (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "the nearest is `box.s`"),
+        (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "did you mean `box.s`?"),
         (lambda: damper().measure(["class"], section="x"), ValueError, 'section = "x": no stop'),
         (lambda: damper().bifurcation("box.s"), TypeError, "exactly one"),
         (lambda: damper().bifurcation("box.s", periods=3, **{"stop.steel.gap": [1e-3, 2e-3]}), TypeError, "periods = 3: expected a pair"),

@@ -154,7 +154,7 @@ def test_an_unstable_orbit_is_found_by_its_word_and_period():
         (lambda: vi.Machine(OSCILLATOR).basins(**{"box.s": (0, 1, 3), "boz.v": (0, 1, 3)}), "box.v"),
         (lambda: vi.Machine(OSCILLATOR).response("load.shaker.frequency", 3, 1), "the lower end must be less than the upper end"),
         (lambda: example("impact_pair.toml").branches("stop.left.gap", 3, 1), "the lower end must be less than the upper end"),
-        (lambda: example("impact_pair.toml").branches("stop.left.gap", 1, 2, of="amplitude.bal.s"), "the nearest is"),
+        (lambda: example("impact_pair.toml").branches("stop.left.gap", 1, 2, of="amplitude.bal.s"), "did you mean `"),
     ],
 )
 def test_what_is_refused_is_named(call, words):

@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn what_is_no_list_of_designs_is_refused_with_the_line() {
         for (text, expected) in [
-            ("stop.gape\n1\n", "line 1: no parameter is named `stop.gape`; the nearest is `stop.gap`"),
+            ("stop.gape\n1\n", "line 1: no parameter is named `stop.gape`; did you mean `stop.gap`?"),
             ("stop.gap\n1\nwide\n", "line 3: stop.gap = `wide` is not a number"),
             ("stop.gap\n1kg\n", "line 2: stop.gap: `kg` is not a unit of it"),
             ("stop.gap\nNaN\n", "line 2: stop.gap = NaN: expected"),

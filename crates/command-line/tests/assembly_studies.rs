@@ -191,7 +191,7 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
             diagram(&["--vary", "stop.steel.gap=1mm:2mm:1"]),
             "`stop.steel.gap=1mm:2mm:1`: expected a count of 2 or more",
         ),
-        (diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--of", "blok.s"]), "the nearest is `block.s`"),
+        (diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--of", "blok.s"]), "did you mean `block.s`?"),
         (
             diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--section", "stop.x"]),
             "no stop or friction has this name",
@@ -212,7 +212,7 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
         (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--section", "stop.x"]), "has this name"),
         (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--of", "box.s"]), "cannot be used with"),
         (sweep(&["--vary", "stop.steel.gap=1mm:2mm:3", "--samples", "4"]), "without a count"),
-        (sweep(&["--output", "amplitude.bx.s"]), "the nearest is `box.s`"),
+        (sweep(&["--output", "amplitude.bx.s"]), "did you mean `box.s`?"),
         (sweep(&["--output", "loudness"]), "amplitude.Q"),
         (sweep(&["--vary", "stop.steel.gap=1mm,2mm", "--vary", "stop.steel.gap=1mm,2mm"]), "each once"),
     ] {

@@ -167,7 +167,7 @@ fn what_is_no_record_is_refused_by_name_and_row() {
             "line 3: `NaN` is not a number",
         ),
         (table("empty.csv", "time,mass.s\n"), "friction.floor.force", "no sample"),
-        (table("near.csv", "time,mas.s\n0,1\n1,2\n"), "friction.floor.force", "the nearest is `mass.s`"),
+        (table("near.csv", "time,mas.s\n0,1\n1,2\n"), "friction.floor.force", "did you mean `mass.s`?"),
         (sound.clone(), "friction.floor.forc", "did you mean `friction.floor.force`"),
         (sound.clone(), "friction.floor.force,record.offset.floor.f", "the record has no such column"),
         (

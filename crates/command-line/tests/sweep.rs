@@ -236,9 +236,9 @@ fn each_kind_of_designs_has_its_picture() {
 #[test]
 fn bad_input_is_refused_by_name() {
     for (arguments, expected) in [
-        (vec!["--output", "amplitud.x1"], "the nearest is `amplitude.x1`: largest |x1|"),
+        (vec!["--output", "amplitud.x1"], "did you mean `amplitude.x1`? `amplitude.x1`: largest |x1|"),
         (vec!["--output", "temperature"], "expected one of amplitude.x1"),
-        (vec!["--vary", "stop.gape=1:2:3"], "the nearest is `stop.gap`"),
+        (vec!["--vary", "stop.gape=1:2:3"], "did you mean `stop.gap`?"),
         (vec!["--vary", "stop.gap=1kg:2kg:3"], "`kg` is not a unit of it"),
         (vec!["--vary", "kappa=0.5:1.5:3"], "kappa = 1.5: expected 0 <= kappa <= 1"),
         (

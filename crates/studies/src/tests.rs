@@ -231,7 +231,7 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     assert_eq!(one, found);
     let wrong = DiagramRequest { of: "blok.s".parse().unwrap(), ..request };
     let error = diagram::diagram(&machine, &wrong, &Task::ALL).unwrap_err().to_string();
-    assert!(error.contains("the nearest is `block.s`"), "{error}");
+    assert!(error.contains("did you mean `block.s`?"), "{error}");
 }
 
 /// Rounding of motions that repeat.

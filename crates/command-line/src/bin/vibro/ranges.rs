@@ -274,7 +274,7 @@ mod tests {
         }
         assert_eq!(
             error::<ParameterRange>("sigma=-2:2"),
-            "no parameter is named `sigma`; the nearest is `sigma1`: detuning of the excitation, \
+            "no parameter is named `sigma`; did you mean `sigma1`? `sigma1`: detuning of the excitation, \
              omega1/omega10 = 1 + epsilon sigma1, a finite number > -1/epsilon"
         );
         assert!(error::<ParameterRange>("sigma1=2:-2").contains("from < to"));

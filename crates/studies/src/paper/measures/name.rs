@@ -216,7 +216,7 @@ impl std::str::FromStr for Measure {
         let far = (text.chars().count() / 2).max(1);
         let nearest = Self::all().min_by_key(distance).filter(|m| distance(m) <= far);
         let advice = match nearest {
-            Some(m) => format!("the nearest is `{m}`: {}", m.description()),
+            Some(m) => format!("did you mean `{m}`? `{m}`: {}", m.description()),
             None => format!("expected one of {}", Self::all().map(Self::name).collect::<Vec<_>>().join(", ")),
         };
         Err(Error::UnknownMeasure { name: text.into(), advice })

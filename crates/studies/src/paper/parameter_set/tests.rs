@@ -69,7 +69,7 @@ fn the_drive_phase_survives_groups() {
 fn errors_name_the_nearest_and_the_range() {
     assert_eq!(
         error(&["box.mass=1"]),
-        "no parameter is named `box.mass`; the nearest is `box.m`: Mass of the box (m1), a finite number > 0"
+        "no parameter is named `box.mass`; did you mean `box.m`? `box.m`: Mass of the box (m1), a finite number > 0"
     );
     for (wrong, right) in [
         ("kapa", "kappa"),
@@ -77,7 +77,7 @@ fn errors_name_the_nearest_and_the_range() {
         ("Epsilon", "epsilon"),
         ("stop.restitusion", "stop.restitution"),
     ] {
-        assert!(error(&[&format!("{wrong}=1")]).contains(&format!("the nearest is `{right}`")), "{wrong}");
+        assert!(error(&[&format!("{wrong}=1")]).contains(&format!("did you mean `{right}`?")), "{wrong}");
     }
     assert_eq!(error(&["kappa=1.5"]), "kappa = 1.5: expected 0 <= kappa <= 1");
     assert_eq!(error(&["box.c=-1"]), "box.c = -1: expected a finite number >= 0");
