@@ -145,7 +145,7 @@ fn what_has_no_orbit_is_refused_by_name() {
         (
             "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2 \
              --vary body.base.motion.amplitude=0.5:2",
-            "expected two parameters",
+            "expected two different parameters",
         ),
         (
             "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2 \

@@ -137,7 +137,7 @@ fn planes_whose_tables_do_not_fit_into_memory_are_refused_before_anything_is_wri
     for (study, resolution) in [("plane", "5000"), ("isoperiodic", "2500"), ("basin", "5000")] {
         let error = refused(&out, &[study, "--resolution", resolution]);
         let side: f64 = resolution.parse().unwrap();
-        assert!(error.contains(&format!("points of the plane: {} asked for", side * side)), "{error}");
+        assert!(error.contains(&format!("points of the plane: {} requested", side * side)), "{error}");
         assert!(error.contains("fit into memory"), "{error}");
     }
     assert!(std::fs::read_dir(&out).unwrap().next().is_none());
