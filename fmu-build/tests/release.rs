@@ -273,11 +273,11 @@ fn each_altered_package_is_refused_by_name() {
     let alterations: [Alteration<'_>; 10] = [
         (
             &|d| replace(&mut d.wheel, &format!("{information}/METADATA"), VERSION, "7.0.0"),
-            "METADATA tells vibro-impact 7.0.0",
+            "METADATA gives vibro-impact 7.0.0",
         ),
         (
             &|d| replace(&mut d.sdist, &format!("vibro_impact-{VERSION}/PKG-INFO"), VERSION, "7.0.0"),
-            "PKG-INFO tells vibro-impact 7.0.0",
+            "PKG-INFO gives vibro-impact 7.0.0",
         ),
         (
             &|d| replace(&mut d.wheel, &format!("{information}/METADATA"), "2.4", "2.1"),

@@ -17,7 +17,7 @@ REFUSED = [
     (lambda: vi.PaperMachine(box_m=True), TypeError, "box_m = True is of type bool"),
     (lambda: vi.PaperMachine(box_m=np.zeros(2)), TypeError, "is of type ndarray"),
     (lambda: vi.PaperMachine(stop_restitution=1.5), ValueError, "stop_restitution = 1.5: expected 0 <= stop_restitution <= 1"),
-    (lambda: vi.PaperMachine(box_k=0.0, kappa=0.5), ValueError, "box_k = 0: the dimensionless form needs box_k > 0"),
+    (lambda: vi.PaperMachine(box_k=0.0, kappa=0.5), ValueError, "box_k = 0: the dimensionless form requires box_k > 0"),
     (lambda: vi.PaperMachine(m1=1.0, box_m=2.0), TypeError, "box_m is given twice"),
     (lambda: vi.PaperMachine().simulate(9, start={"x2": 0.1, "block_s": 0.3}), ValueError, "x2 and block.s are the same coordinate"),
     (lambda: vi.PaperMachine().measure(["impacts"], start={"box_v": 0.1, "v1": 0.3}), ValueError, "box.v and v1 are the same coordinate"),

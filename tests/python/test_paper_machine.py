@@ -75,10 +75,10 @@ def test_it_is_immutable():
 def test_a_box_without_a_spring_has_no_groups():
     free = vi.PaperMachine(box_k=0.0)
     assert eval(repr(free), {"PaperMachine": vi.PaperMachine}) == pickle.loads(pickle.dumps(free)) == free
-    with pytest.raises(AttributeError, match="box_k = 0.0, and the dimensionless form needs box_k > 0"):
+    with pytest.raises(AttributeError, match="box_k = 0.0, and the dimensionless form requires box_k > 0"):
         free.f10
     for refused in [lambda: free.simulate(9), lambda: free.bifurcation(box_c=[0.1, 0.2]), lambda: free.replace(kappa=0.5)]:
-        with pytest.raises(ValueError, match="the dimensionless form needs box_k > 0"):
+        with pytest.raises(ValueError, match="the dimensionless form requires box_k > 0"):
             refused()
     assert len(free.simulate(start={"x2": 0.5, "block_v": 1.0}, periods=200).impacts) > 0
     assert free.replace(box_k=1.0) == vi.PaperMachine(box_k=1.0) and free.steady().multiple_scales is None

@@ -200,7 +200,7 @@ class ParameterValues(AnyMachine):
             except TypeError as error:
                 raise AttributeError(str(error)) from None
             if found == name:
-                raise AttributeError(f"{name} is not defined: box_k = {self.box_k}, and the dimensionless form needs box_k > 0")
+                raise AttributeError(f"{name} is not defined: box_k = {self.box_k}, and the dimensionless form requires box_k > 0")
             return getattr(self, found)
 
     def __repr__(self) -> str:
