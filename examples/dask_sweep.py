@@ -254,7 +254,7 @@ def axis(text: str) -> tuple[str, NDArray[np.float64]]:
         low, high, count = values.split(":")
         return name, np.linspace(float(low), float(high), int(count))
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text}: allowed is NAME=FROM:TO:COUNT") from None
+        raise argparse.ArgumentTypeError(f"{text}: expected NAME=FROM:TO:COUNT") from None
 
 
 def setting(text: str) -> tuple[str, float]:
@@ -263,7 +263,7 @@ def setting(text: str) -> tuple[str, float]:
     try:
         return name, float(value)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text}: allowed is NAME=VALUE") from None
+        raise argparse.ArgumentTypeError(f"{text}: expected NAME=VALUE") from None
 
 
 def known(measure: Measure, names: Iterable[str]) -> None:
@@ -271,7 +271,7 @@ def known(measure: Measure, names: Iterable[str]) -> None:
     allowed = measure.defaults()
     for name in names:
         if name not in allowed:
-            raise SystemExit(f"{name}: allowed are {', '.join(sorted(allowed))}")
+            raise SystemExit(f"{name}: no such name; expected one of {', '.join(sorted(allowed))}")
 
 
 def by_fmu(fmu: Path, discard: int, periods: int) -> FmuMeasure:
@@ -292,24 +292,24 @@ def connected(arguments: argparse.Namespace) -> Client:
 def main() -> None:
     """Makes or joins a cluster, sweeps, writes the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--fmu", type=Path, help="this FMU, by fmpy [default: the Python package]")
-    parser.add_argument("--machine", type=Path, metavar="FILE", help="the machine of this file [default: the paper's machine]")
-    parser.add_argument("--measure", action="append", metavar="NAME", help="with --machine what is measured; may be repeated")
-    parser.add_argument("--checkpoint", type=Path, help="with --machine a folder in which finished parts are kept")
+    parser.add_argument("--fmu", type=Path, help="simulate with this FMU, in fmpy [default: the Python package]")
+    parser.add_argument("--machine", type=Path, metavar="FILE", help="file of the machine [default: the paper's machine]")
+    parser.add_argument("--measure", action="append", metavar="NAME", help="with --machine: a measure; may be repeated")
+    parser.add_argument("--checkpoint", type=Path, help="with --machine: folder for the finished parts")
     parser.add_argument("--vary", action="append", type=axis, required=True, metavar="NAME=FROM:TO:COUNT")
     parser.add_argument("--set", action="append", default=[], type=setting, metavar="NAME=VALUE")
-    parser.add_argument("--discard", default=Measure.discard, type=int, help="drive periods before what is measured")
-    parser.add_argument("--periods", default=Measure.periods, type=int, help="drive periods that are measured")
+    parser.add_argument("--discard", default=Measure.discard, type=int, help="drive periods before the measurement")
+    parser.add_argument("--periods", default=Measure.periods, type=int, help="drive periods of the measurement")
     parser.add_argument("--scheduler", help="address of a dask scheduler [default: a cluster of this machine's cores]")
     parser.add_argument("--workers", type=int, help="processes of the local cluster [default: one a core]")
     parser.add_argument("--out", "--output", dest="output", default=Path("sweep.parquet"), type=Path)
     arguments = parser.parse_args()
     if arguments.periods < 1 or arguments.discard < 0:
-        parser.error(f"--discard {arguments.discard} --periods {arguments.periods}: allowed are 0 and 1 or more")
+        parser.error(f"--discard {arguments.discard} --periods {arguments.periods}: expected at least 0 and at least 1")
 
     if arguments.machine:
         if arguments.fmu:
-            parser.error("--machine and --fmu: allowed is one of them")
+            parser.error("--machine cannot be combined with --fmu: use one of them")
         with connected(arguments) as client:
             table = by_file(client, arguments)
         table.to_parquet(arguments.output)

@@ -29,7 +29,7 @@ def main() -> None:
     changes = dict(text.partition("=")[::2] for text in arguments.set)
     unknown = set(changes) - {field.name for field in fields(Groups)}
     if unknown:
-        parser.error(f"--set {unknown.pop()}: allowed are {names}")
+        parser.error(f"--set {unknown.pop()}: expected one of {names}")
     groups = replace(Groups(), **{name: float(value) for name, value in changes.items()})
     parameters = groups.parameters(Scales(arguments.mass, arguments.stiffness, arguments.length))
     result = simulate(arguments.fmu, {**parameters, "block.v": 0.1 * arguments.length}, arguments.periods)

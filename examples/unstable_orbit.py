@@ -105,10 +105,10 @@ def main() -> None:
     parser.add_argument("--out", "--output", dest="output", default=Path("unstable_orbit.png"), type=Path)
     arguments = parser.parse_args()
     if not (arguments.orbit / "orbit-start.csv").exists():
-        parser.error(f"{arguments.orbit} has no orbit-start.csv: `vibro paper orbit --out {arguments.orbit}` writes it")
+        parser.error(f"{arguments.orbit} has no orbit-start.csv: write it with `vibro paper orbit --out {arguments.orbit}`")
     orbit = read(arguments.orbit)
     if orbit.multiplier <= 1.0:
-        parser.error(f"the orbit in {arguments.orbit} is stable (largest multiplier {orbit.multiplier:.6g}): nothing leaves it")
+        parser.error(f"the orbit in {arguments.orbit} is stable (largest multiplier {orbit.multiplier:.6g}): no motion leaves it")
     expected = math.log(LEFT / ROUNDING) / orbit.rate
     periods = orbit.period * math.ceil((1.5 * expected + 60.0) / orbit.period)
     result = simulate(arguments.fmu, orbit.start, periods, PER_PERIOD)

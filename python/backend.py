@@ -27,8 +27,8 @@ def fetch_archives():
             shutil.copyfile(folder / name, inside / name)
         elif not (inside / name).exists():
             if named:
-                raise SystemExit(f"{folder / name} is missing: make it by `cargo run --bin fmu-build`")
-            print(f"{name} is left out: it is not in {folder}, where `cargo run --bin fmu-build` makes it")
+                raise SystemExit(f"{folder / name} is missing: build it with `cargo run --bin fmu-build`")
+            print(f"{name} is left out: it is not in {folder}; build it with `cargo run --bin fmu-build`")
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):

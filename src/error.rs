@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum Error {
     /// A named quantity lies outside its range (also NaN and infinities).
-    #[error("{name} = {value}: allowed is {allowed}")]
+    #[error("{name} = {value}: expected {allowed}")]
     OutOfRange {
         /// Structured name of the variable, e.g. `stop.restitution`.
         name: &'static str,
@@ -15,7 +15,7 @@ pub enum Error {
         allowed: &'static str,
     },
     /// The block is outside the box at the start of a motion.
-    #[error("block.s - box.s = {value} m: allowed is -stop.gap <= block.s - box.s <= stop.gap = {gap} m")]
+    #[error("block.s - box.s = {value} m: expected -stop.gap <= block.s - box.s <= stop.gap = {gap} m")]
     Penetration {
         /// Relative displacement `w = x2 - x1` in m.
         value: f64,
@@ -23,7 +23,7 @@ pub enum Error {
         gap: f64,
     },
     /// Double precision cannot resolve the requested motion.
-    #[error("{what} = {value:e}: allowed is up to {limit:e}; beyond that double precision loses the motion")]
+    #[error("{what} = {value:e}: must be at most {limit:e}; beyond that, double precision loses the motion")]
     PrecisionLost {
         /// Ratio that is too large, in words.
         what: &'static str,
@@ -53,7 +53,7 @@ pub enum Error {
         path: f64,
     },
     /// The end of a step lies before its beginning or is not a finite number.
-    #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
+    #[error("step to t = {end} s from t = {time} s: the end must be finite and not before the present time")]
     Step {
         /// Present time in s.
         time: f64,
@@ -61,7 +61,7 @@ pub enum Error {
         end: f64,
     },
     /// A quantity that the dimensionless form needs is zero or singular.
-    #[error("{name} = {value}: the {needed_by} needs {allowed}")]
+    #[error("{name} = {value}: the {needed_by} requires {allowed}")]
     Undefined {
         /// Structured name of the variable.
         name: &'static str,
@@ -79,7 +79,7 @@ pub enum Error {
         what: &'static str,
     },
     /// A sample of a record cannot be used.
-    #[error("sample {index} (counted from 0), time = {time} s, force = {force} N: allowed is {allowed}")]
+    #[error("sample {index} (counted from 0), time = {time} s, force = {force} N: expected {allowed}")]
     Sample {
         /// Index of the sample, counted from 0.
         index: usize,
@@ -91,13 +91,13 @@ pub enum Error {
         allowed: &'static str,
     },
     /// A record has too few samples.
-    #[error("a record of {count} samples: allowed is two or more, so that the force between them is known")]
+    #[error("a record of {count} samples: expected at least two, so that the force between them is known")]
     Samples {
         /// Number of samples.
         count: usize,
     },
     /// An interval of a parameter is empty, unbounded or not a number.
-    #[error("range of {name} from {from} to {to}: allowed is a finite range with from < to")]
+    #[error("range of {name} from {from} to {to}: expected a finite range with from < to")]
     Range {
         /// Name of the parameter.
         name: &'static str,

@@ -91,9 +91,9 @@ impl Load {
             return refuse(index, "a finite time and a finite force");
         }
         if let Some(index) = samples.windows(2).position(|pair| pair[1].0 <= pair[0].0) {
-            return refuse(index + 1, "a time later than that of the sample before");
+            return refuse(index + 1, "a time later than the time of the previous sample");
         }
-        const STEEP: &str = "a slope to the next sample that a double can hold";
+        const STEEP: &str = "a finite slope to the next sample";
         let chord = |pair: &[(f64, f64)]| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0);
         if let Some(index) = samples.windows(2).position(|pair| !chord(pair).is_finite()) {
             return refuse(index, STEEP);

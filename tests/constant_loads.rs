@@ -214,7 +214,7 @@ fn closed_forms_refuse_constant_loads_by_name() {
         (load.set)(&mut p, -0.5);
         assert_eq!(p.constant_loads[body], -0.5);
         let error = exact_orbit::solve(&p).unwrap_err().to_string();
-        assert!(error.starts_with(&format!("{} = -0.5: allowed is 0", load.name)), "{error}");
+        assert!(error.starts_with(&format!("{} = -0.5: expected 0", load.name)), "{error}");
         (load.set)(&mut p, f64::NAN);
         let error = Simulator::new(&p, &State::default(), 0.0).unwrap_err().to_string();
         assert!(error.contains(load.name), "{error}");

@@ -193,7 +193,11 @@ fn what_is_no_record_is_refused_by_index() {
     assert_eq!(index(&[(0.0, 1.0), (1.0, 1.0), (0.5, 2.0)]), 2);
     assert_eq!(index(&[(0.0, 0.0), (1.0, 0.0), (1.0 + f64::EPSILON, 1e300)]), 1);
     let text = refused(&[(0.0, 1.0), (0.0, 2.0)]).to_string();
-    assert!(text.starts_with("sample 1 ") && text.contains("allowed is a time later"), "{text}");
+    assert!(
+        text.starts_with("sample 1 ")
+            && text.contains("expected a time later than the time of the previous sample"),
+        "{text}"
+    );
 }
 
 /// Loads that represent a gap whose middle lies `b` above the block's place, docs/theory.md (97).

@@ -144,7 +144,7 @@ def iterated(machine: Machine, time: float, size: float) -> tuple[float, int]:
     finally:
         box.free(states[0])
         oscillator.free(states[1])
-    raise RuntimeError(f"the step at t = {time} s does not settle in {MOST_ITERATIONS} iterations: take a smaller one")
+    raise RuntimeError(f"the step at t = {time} s does not converge in {MOST_ITERATIONS} iterations: use a smaller step")
 
 
 @dataclass

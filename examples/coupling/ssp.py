@@ -185,7 +185,7 @@ def run_libcosimpy(path: PathLike, stop: float, step: float) -> dict[str, Any]:
         execution = CosimExecution.from_ssp_file(ssp_path=folder, step_size=nanoseconds)
         observer = CosimObserver.create_last_value()
         if not execution.add_observer(observer=observer):
-            raise RuntimeError("libcosimpy takes no observer")
+            raise RuntimeError("libcosimpy did not accept the observer")
         columns: dict[str, tuple[int, int]] = {}
         for component, connectors in CONNECTORS.items():
             index = execution.slave_index_from_instance_name(component)

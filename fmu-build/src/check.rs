@@ -125,7 +125,7 @@ fn header(model: &Model, found: &mut Vec<String>) {
     let (version, token) = if model.is_fmi3() { ("3.0", "instantiationToken") } else { ("2.0", "guid") };
     let told = root.attribute("fmiVersion").unwrap_or_default();
     if told != version {
-        found.push(format!("fmiVersion is {told}, allowed is {version}"));
+        found.push(format!("fmiVersion is {told}, expected {version}"));
     }
     if root.attribute(token) == Some("") {
         found.push(format!("{token} is empty"));
@@ -149,7 +149,7 @@ fn header(model: &Model, found: &mut Vec<String>) {
         let ordered = start < stop && tolerance > 0.0 && step > 0.0;
         if !(ordered && numbers.iter().all(|x| x.is_finite())) {
             found.push(format!(
-                "DefaultExperiment {numbers:?}: allowed is start < stop, tolerance > 0, step > 0, all finite"
+                "DefaultExperiment {numbers:?}: expected start < stop, tolerance > 0, step > 0, all finite"
             ));
         }
         // Some importers require a whole quotient of duration and step.
@@ -206,7 +206,7 @@ fn names(model: &Model, found: &mut Vec<String>) {
     let all: Vec<&str> = types.chain(names).chain(aliases).collect();
     unique("type, variable or alias", all.iter().copied(), found);
     if model.variables.len() != model.root.within("ModelVariables").len() {
-        found.push("ModelVariables has an element that is no variable".into());
+        found.push("ModelVariables has an element that is not a variable".into());
     }
     let structured = model.root.attribute("variableNamingConvention") == Some("structured");
     for name in all.into_iter().filter(|name| structured && !is_structured(name)) {
@@ -245,7 +245,7 @@ fn variable(v: &Variable, model: &Model, found: &mut Vec<String>) {
         found.push(format!("declared type {declared:?} of {name} is not a defined type of its kind"));
     }
     if model.is_fmi3() && (v.get("unit").is_some() || v.get("displayUnit").is_some()) {
-        found.push(format!("{name}: unit and display unit are left to its declared type"));
+        found.push(format!("{name}: unit and display unit belong to its declared type"));
     }
     unit_exists(name, v.of_type, model, found);
     combination(v, model, found);
@@ -283,13 +283,13 @@ fn combination(v: &Variable, model: &Model, found: &mut Vec<String>) {
 fn start(v: &Variable, model: &Model, found: &mut Vec<String>) {
     let (name, start) = (v.name, v.get("start"));
     if start.is_some() != v.is_set() {
-        found.push(format!("{name}: a start value belongs to initial = exact and inputs, and to them only"));
+        found.push(format!("{name}: a start value belongs only to initial = exact and to inputs"));
     }
     let mut number = |attribute, absent: f64| match v.get(attribute).map(str::parse) {
         None => absent,
         Some(Ok(value)) => value,
         Some(Err(_)) => {
-            found.push(format!("{name}: {attribute} is no number"));
+            found.push(format!("{name}: {attribute} is not a number"));
             absent
         }
     };
@@ -313,7 +313,7 @@ fn start(v: &Variable, model: &Model, found: &mut Vec<String>) {
         && !attributes(&declared.children, "value").any(|value| value == start)
     {
         found.push(format!(
-            "{name}: start {start} is no item of {}",
+            "{name}: start {start} is not an item of {}",
             v.get("declaredType").unwrap_or_default()
         ));
     }
@@ -324,14 +324,14 @@ fn of_fmi3(v: &Variable, model: &Model, found: &mut Vec<String>) {
     let name = v.name;
     // Some importers take value references for indices.
     if v.key != v.place {
-        found.push(format!("{name} has value reference {}, but stands at place {}", v.key, v.place));
+        found.push(format!("{name} has value reference {}, but is at place {}", v.key, v.place));
     }
     let mut lengths = v.element.all("Dimension").map(|dimension| dimension.attribute("start"));
     let is_array = v.element.all("Dimension").count() > 0;
     if is_array && (v.causality != "local" || lengths.any(|length| length.is_none_or(|length| length == "0")))
     {
         // Some importers fail on arrays that they connect or record.
-        found.push(format!("{name}: allowed are local arrays without a length of 0"));
+        found.push(format!("{name}: expected local arrays without a length of 0"));
     }
     let intermediate = v.get("intermediateUpdate") == Some("true");
     if intermediate && (v.variability != "continuous" || v.causality == "local") {
@@ -346,7 +346,7 @@ fn of_fmi3(v: &Variable, model: &Model, found: &mut Vec<String>) {
         key.parse().is_ok_and(|key| model.by_key(key).is_some_and(|clock| clock.kind == VariableType::Clock))
     };
     if !clocks.iter().all(is_clock) || !clocks.is_empty() && v.variability != "discrete" {
-        found.push(format!("{name}: clocks = {clocks:?}: allowed are clocks, of discrete variables"));
+        found.push(format!("{name}: clocks = {clocks:?}: expected clocks, for discrete variables"));
     }
 }
 
@@ -356,11 +356,11 @@ fn derivatives(model: &Model, found: &mut Vec<String>) {
         let Some(state) = v.derivative() else { continue };
         match model.by_key(state) {
             Some(s) if s.name == v.name || s.kind != VariableType::Real => {
-                found.push(format!("{}: derivative = {state} is no other Real variable", v.name));
+                found.push(format!("{}: derivative = {state} is not another Real variable", v.name));
             }
-            None => found.push(format!("{}: derivative = {state} is no other Real variable", v.name)),
+            None => found.push(format!("{}: derivative = {state} is not another Real variable", v.name)),
             Some(s) if model.is_fmi3() && s.derivative().is_some() => {
-                found.push(format!("{}: derivative = {state} is no state", v.name));
+                found.push(format!("{}: derivative = {state} is not a state", v.name));
             }
             Some(_) => {}
         }
@@ -376,6 +376,6 @@ fn derivatives(model: &Model, found: &mut Vec<String>) {
     }
     let clocks = model.keys(|v| v.causality == "independent").len();
     if clocks != 1 {
-        found.push(format!("{clocks} variables are independent, allowed is one"));
+        found.push(format!("{clocks} variables are independent, expected one"));
     }
 }

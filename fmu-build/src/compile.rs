@@ -68,7 +68,7 @@ pub fn at_hand(library: Product) -> Result<PathBuf> {
     let places = [folder.join("deps").join(&name), folder.join(&name)];
     let found = places.iter().find(|path| path.is_file()).cloned();
     found.ok_or_else(|| {
-        missing(format!("left no {}; with --portable it is compiled anew", places[0].display()))
+        missing(format!("left no {}; with --portable it is compiled again", places[0].display()))
     })
 }
 
@@ -274,7 +274,7 @@ pub(crate) const EPOCH: &str = "315532800";
 fn made(cargo: &mut Command, product: Product) -> Result<PathBuf> {
     let messages = output(cargo)?;
     let file = messages.lines().find_map(|message| file_of(message, product));
-    file.ok_or_else(|| Error::Cargo { command: line(cargo), problem: "made no file to hand on".into() })
+    file.ok_or_else(|| Error::Cargo { command: line(cargo), problem: "produced no file".into() })
 }
 
 /// Command for the cargo that runs this program, otherwise the cargo on PATH, in the workspace.
@@ -289,13 +289,13 @@ pub(crate) fn output(cargo: &mut Command) -> Result<String> {
     let command = line(cargo);
     let failed = |problem: String| Error::Cargo { command: command.clone(), problem };
     cargo.stdin(Stdio::null()).stderr(Stdio::inherit());
-    let output = cargo
-        .output()
-        .map_err(|e| failed(format!("cannot be run: {e}; install the Rust toolchain or what is named")))?;
+    let output = cargo.output().map_err(|e| {
+        failed(format!("cannot be run: {e}; install the Rust toolchain or the program named"))
+    })?;
     if !output.status.success() {
         return Err(failed(format!("failed ({}); its messages are above", output.status)));
     }
-    String::from_utf8(output.stdout).map_err(|e| failed(format!("printed no UTF-8: {e}")))
+    String::from_utf8(output.stdout).map_err(|e| failed(format!("did not print UTF-8: {e}")))
 }
 
 fn line(command: &Command) -> String {

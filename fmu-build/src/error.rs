@@ -90,7 +90,7 @@ pub enum Error {
     #[error("no release:\n  {}", .0.join("\n  "))]
     Release(Vec<String>),
     /// A command-line option has an invalid value.
-    #[error("{name} = {value}: allowed is {allowed}")]
+    #[error("{name} = {value}: expected {allowed}")]
     Option {
         /// The option.
         name: &'static str,

@@ -153,7 +153,7 @@ fn packages(names: &BTreeSet<(String, String)>) -> Result<Vec<Value>> {
     metadata.args(["metadata", "--format-version", "1", "--locked"]);
     let metadata: Value = serde_json::from_str(&output(&mut metadata)?).map_err(|e| Error::Cargo {
         command: "cargo metadata".into(),
-        problem: format!("printed no JSON: {e}"),
+        problem: format!("did not print JSON: {e}"),
     })?;
     let mut packages: Vec<Value> = metadata["packages"]
         .as_array()

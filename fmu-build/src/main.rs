@@ -17,37 +17,37 @@ use vibro_figures::canvas;
 use vibro_impact::{Parameters, Simulator, State};
 use vibro_paper_component::fmi2::description::MODEL_IDENTIFIER;
 
-/// Builds VibroImpact3DOF.fmu (FMI 2.0) and VibroImpact3DOF-FMI3.fmu, runs both beside the native
-/// library and draws what happened.
+/// Builds VibroImpact3DOF.fmu (FMI 2.0) and VibroImpact3DOF-FMI3.fmu, runs both, compares them with
+/// the native library and draws the motion.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// File of the FMU of FMI 2.0, or a folder for it
-    /// [default: VibroImpact3DOF.fmu here, in the repository in target/]. That of FMI 3.0 and the
-    /// pictures go beside it
+    /// File of the FMU of FMI 2.0, or a folder for it [default: VibroImpact3DOF.fmu here, in the
+    /// repository in target/]. The FMU of FMI 3.0 and the pictures are written to the same folder
     #[arg(long, short, alias = "output")]
     out: Option<PathBuf>,
-    /// Drive periods to run
+    /// Number of drive periods to run
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     periods: u32,
-    /// Pack a binary for every platform that can be built here, and say what the others need
+    /// Pack a binary for every platform that can be built here, and print what the other platforms
+    /// require
     #[arg(long)]
     all_platforms: bool,
-    /// Compile the library for this machine anew, as for a release: optimised as a whole, without
-    /// names of this machine's folders, needing nothing but the C library. Takes minutes; for FMUs
-    /// that are handed on
+    /// Compile the library for this computer again, as for a release: with link-time optimization,
+    /// without names of local folders, and depending on the C library only. Takes minutes; use it
+    /// for FMUs that are passed on to others
     #[arg(long, conflicts_with = "all_platforms")]
     portable: bool,
-    /// Make a further FMU of FMI 3.0 with arrays: displacements, velocities and accelerations as
+    /// Also build an FMU of FMI 3.0 with arrays: displacements, velocities and accelerations as
     /// vectors, derivatives over a step as matrices. Several importers cannot read arrays
     #[arg(long)]
     arrays: bool,
-    /// Make a further FMU of FMI 3.0 with these arrays and a clock that ticks at impacts. Several
-    /// importers fail on clocks
+    /// Also build an FMU of FMI 3.0 with these arrays and a clock that ticks at impacts. Several
+    /// importers do not support clocks
     #[arg(long)]
     clocked: bool,
-    /// Also pack the live page (documentation/explorer.html). If it cannot be made, say what it
-    /// needs
+    /// Also pack the live page (documentation/explorer.html). If it cannot be built, print what it
+    /// requires
     #[arg(long)]
     explorer: bool,
     /// Build the FMUs without running them
@@ -62,29 +62,31 @@ enum Task {
     /// Writes the generated files that are committed: modelDescription/, the pictures of README and
     /// documentation
     Refresh {
-        /// Only those that follow from the table of variables: a second instead of minutes, since
-        /// nothing is compiled for the archive, run or drawn
+        /// Write only the files that follow from the table of variables. Takes a second instead of
+        /// minutes: nothing is compiled for the archive, run or drawn
         #[arg(long)]
         description: bool,
     },
-    /// Packs NAME.fmu (FMI 2.0) and NAME-FMI3.fmu of a machine of your own that a file describes
-    /// (docs/machine-file.md). Nothing is compiled but, once, the library that serves all machines
+    /// Packs a machine file (docs/machine-file.md) as NAME.fmu (FMI 2.0) and NAME-FMI3.fmu. Only
+    /// the library for all machines is compiled, once
     Assembly {
-        /// The machine's file
+        /// Machine file (TOML)
         file: PathBuf,
-        /// File of the FMU of FMI 2.0, or a folder for it [default: NAME.fmu here]. That of FMI 3.0
-        /// goes beside it
+        /// File of the FMU of FMI 2.0, or a folder for it [default: NAME.fmu here]. The FMU of FMI
+        /// 3.0 is written to the same folder
         #[arg(long, short, alias = "output")]
         out: Option<PathBuf>,
-        /// Pack a binary for every platform that can be built here, and say what the others need
+        /// Pack a binary for every platform that can be built here, and print what the other
+        /// platforms require
         #[arg(long)]
         all_platforms: bool,
-        /// Make a further FMU of FMI 3.0 with derivatives over a step as matrices. Several
-        /// importers cannot read arrays
+        /// Also build an FMU of FMI 3.0 with derivatives over a step as matrices. Several importers
+        /// cannot read arrays
         #[arg(long)]
         arrays: bool,
     },
-    /// Prints the native library's states at communication points as CSV, for comparison with hosts
+    /// Prints the states of the native library at communication points as CSV, to compare with
+    /// hosts
     Native {
         /// Communication step, s
         #[arg(long, default_value_t = 0.5)]
@@ -96,19 +98,20 @@ enum Task {
         #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
         start: Vec<f64>,
     },
-    /// Assembles a release: archives, wheels, source distribution, pages, notes, sums
+    /// Assembles a release: archives, wheels, source distribution, pages, notes, checksums
     Release {
-        /// The tag that is released, e.g. v0.1.0; then nothing may be left out
+        /// Tag that is released, e.g. v0.1.0. With a tag, no part may be left out
         #[arg(long)]
         tag: Option<String>,
-        /// Show what a release would be, with the changes under "Unreleased"; the work tree need
-        /// not be committed
+        /// Assemble a preview with the changes under "Unreleased"; the work tree may have
+        /// uncommitted changes
         #[arg(long, conflicts_with = "tag")]
         preview: bool,
-        /// Only this platform, by its name in FMI 3.0, e.g. x86_64-linux. May be repeated
+        /// Assemble only for this platform, by its name in FMI 3.0, e.g. x86_64-linux. May be
+        /// repeated
         #[arg(long, conflicts_with = "tag")]
         platform: Vec<String>,
-        /// The folder [default: dist/ of the repository], which is replaced
+        /// Folder of the release, which is replaced [default: dist/ of the repository]
         #[arg(long, alias = "output")]
         out: Option<PathBuf>,
     },

@@ -194,7 +194,7 @@ fn check_names(only: &[String]) -> Result<()> {
         Some(unknown) => Err(Error::Option {
             name: "--platform",
             value: unknown.clone(),
-            allowed: platforms::PLATFORMS.map(|p| p.place.tuple).join(", ").into(),
+            allowed: format!("one of {}", platforms::PLATFORMS.map(|p| p.place.tuple).join(", ")).into(),
         }),
     }
 }
@@ -208,7 +208,7 @@ fn check_replaceable(folder: &Path) -> Result<()> {
     Err(Error::Option {
         name: "--out",
         value: folder.display().to_string(),
-        allowed: "a folder that is empty, not there yet, or holds an earlier release".into(),
+        allowed: "a folder that is empty, does not exist yet, or holds an earlier release".into(),
     })
 }
 

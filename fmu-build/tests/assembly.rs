@@ -132,7 +132,7 @@ fn invariant_an_archive_holds_the_machine_under_its_name() {
 
 /// Whether a problem concerns only the 3-DOF machine: no state may be the derivative of another.
 fn is_of_the_3_dof_machine(problem: &str) -> bool {
-    problem.ends_with("is no state")
+    problem.ends_with("is not a state")
 }
 
 #[test]

@@ -127,7 +127,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi2, "nominal is not positive", |m| set(m, "box.s", "nominal", "0")),
     (Fmi2, "declared type Some(\"Weight\")", |m| set(m, "box.m", "declaredType", "Weight")),
     (Fmi2, "start inf is outside", |m| set(m, "drive.phase", "start", "inf")),
-    (Fmi2, "min is no number", |m| set(m, "stop.restitution", "min", "low")),
+    (Fmi2, "min is not a number", |m| set(m, "stop.restitution", "min", "low")),
     (Fmi2, "factor -1 is not positive", |m| {
         let units = within(m, "UnitDefinitions").iter_mut();
         let mut displays = units.flat_map(|unit| &mut unit.children).filter(|c| c.name == "DisplayUnit");
@@ -147,7 +147,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi2, "dependencies of", |m| {
         put(with(structure(m, "Outputs"), "dependencies", |_| true), "dependencies", "999");
     }),
-    (Fmi2, "no item of Mode", |m| set(m, "mode", "start", "9")),
+    (Fmi2, "not an item of Mode", |m| set(m, "mode", "start", "9")),
     (Fmi2, "do not go together", |m| set(m, "box.m", "initial", "calculated")),
     (Fmi2, "a start value belongs", |m| drop(variable(m, "box.m").children[0].attributes.remove("start"))),
     (Fmi2, "only a Real", |m| set(m, "impacts.upper", "variability", "continuous")),
@@ -169,7 +169,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
         let unknown = with(initial, "dependenciesKind", |kinds| kinds == "dependent dependent");
         put(unknown, "dependenciesKind", "fixed fixed");
     }),
-    (Fmi3, "is no variable", |m| within(m, "ModelVariables")[3].name = "Float63".into()),
+    (Fmi3, "is not a variable", |m| within(m, "ModelVariables")[3].name = "Float63".into()),
     (Fmi3, "fmiVersion", |m| put(m, "fmiVersion", "3.0.2")),
     (Fmi3, "instantiationToken is empty", |m| put(m, "instantiationToken", "")),
     (Fmi3, "modelIdentifier", |m| {
@@ -190,7 +190,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi3, "has no description", |m| set(m, "box.k", "description", "")),
     (Fmi3, "is not a defined type", |m| drop(variable(m, "mode").attributes.remove("declaredType"))),
     (Fmi3, "is not a defined type", |m| set(m, "impacts.clock", "declaredType", "Time")),
-    (Fmi3, "left to its declared type", |m| set(m, "box.m", "unit", "m")),
+    (Fmi3, "belong to its declared type", |m| set(m, "box.m", "unit", "m")),
     (Fmi3, "unit kg of", |m| {
         within(m, "UnitDefinitions").retain(|unit| unit.attribute("name") != Some("kg"))
     }),
@@ -201,25 +201,25 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
     (Fmi3, "start 2 is outside", |m| set(m, "stop.restitution", "start", "2")),
     (Fmi3, "start yes is outside", |m| set(m, "startOnOrbit", "start", "yes")),
     (Fmi3, "nominal is not positive", |m| put(variable(m, "box.s"), "nominal", "-1")),
-    (Fmi3, "allowed are local arrays", |m| {
+    (Fmi3, "expected local arrays", |m| {
         let array = variable(m, "motion.s").children.clone();
         variable(m, "box.a").children = array;
     }),
-    (Fmi3, "allowed are local arrays", |m| put(&mut variable(m, "motion.s").children[0], "start", "0")),
+    (Fmi3, "expected local arrays", |m| put(&mut variable(m, "motion.s").children[0], "start", "0")),
     (Fmi3, "intermediateUpdate", |m| set(m, "impacts.lastTime", "intermediateUpdate", "true")),
     (Fmi3, "aliases are for what is set", |m| {
         let aliases = variable(m, "box.s").children.split_off(0);
         variable(m, "stop.s").children = aliases;
     }),
-    (Fmi3, "allowed are clocks", |m| {
+    (Fmi3, "expected clocks", |m| {
         let time = reference(m, "time");
         set(m, "impacts.clocked.time", "clocks", &time);
     }),
-    (Fmi3, "is no other Real variable", |m| {
+    (Fmi3, "is not another Real variable", |m| {
         let side = reference(m, "impacts.clocked.side");
         set(m, "box.a", "derivative", &side);
     }),
-    (Fmi3, "is no state", |m| {
+    (Fmi3, "is not a state", |m| {
         let derivative = reference(m, "block.a");
         set(m, "box.a", "derivative", &derivative);
     }),
@@ -244,7 +244,7 @@ const DAMAGES: [(Version, &str, Damage); 72] = [
         let row = rows.find(|row| row.attribute("valueReference") == Some(&*ratio)).unwrap();
         put(row, "dependenciesKind", "fixed fixed");
     }),
-    (Fmi3, "allowed are continuous locals", |m| {
+    (Fmi3, "expected continuous locals", |m| {
         let mode = reference(m, "mode");
         put(row(m, "EventIndicator", 0), "valueReference", &mode);
     }),

@@ -98,7 +98,7 @@ fn each_altered_copy_of_the_sources_is_refused_by_name() {
         ("CHANGELOG.md", "2026-01-31", "2026-13-31", "has no day"),
         ("CHANGELOG.md", "### Added\n- Everything.", "", "has no text"),
         ("CHANGELOG.md", "[Unreleased]\n", "[Unreleased]\n- Nobody's.\n", "[Unreleased] has changes"),
-        ("CHANGELOG.md", "[Unreleased]\n", "[7.0.0] - 2026-02-01\n- Later.\n", "stands below [7.0.0]"),
+        ("CHANGELOG.md", "[Unreleased]\n", "[7.0.0] - 2026-02-01\n- Later.\n", "is below [7.0.0]"),
     ];
     for (name, from, to, expected) in alterations {
         let folder = copy_to_be_released();
@@ -115,7 +115,7 @@ fn each_altered_copy_of_the_sources_is_refused_by_name() {
 fn another_tag_and_an_uncommitted_work_tree_are_refused() {
     let folder = copy_to_be_released();
     let tag = Intent { tag: Some("v7.0.0".into()), preview: false };
-    assert!(refused(folder.path(), &tag).contains(&format!("tag v7.0.0: allowed is v{VERSION}")));
+    assert!(refused(folder.path(), &tag).contains(&format!("tag v7.0.0: expected v{VERSION}")));
 
     let git = |arguments: &[&str]| {
         let identity = ["-c", "user.name=test", "-c", "user.email=test@localhost"];
@@ -273,11 +273,11 @@ fn each_altered_package_is_refused_by_name() {
     let alterations: [Alteration<'_>; 10] = [
         (
             &|d| replace(&mut d.wheel, &format!("{information}/METADATA"), VERSION, "7.0.0"),
-            "METADATA tells vibro-impact 7.0.0",
+            "METADATA gives vibro-impact 7.0.0",
         ),
         (
             &|d| replace(&mut d.sdist, &format!("vibro_impact-{VERSION}/PKG-INFO"), VERSION, "7.0.0"),
-            "PKG-INFO tells vibro-impact 7.0.0",
+            "PKG-INFO gives vibro-impact 7.0.0",
         ),
         (
             &|d| replace(&mut d.wheel, &format!("{information}/METADATA"), "2.4", "2.1"),
@@ -285,11 +285,11 @@ fn each_altered_package_is_refused_by_name() {
         ),
         (
             &|d| replace(&mut d.wheel, &format!("{information}/WHEEL"), "abi3-", "abi3-old_"),
-            "are not those of its name",
+            "differ from the tags in its name",
         ),
         (
             &|d| drop(d.wheel.insert("vibro_impact/fmu/VibroImpact3DOF.fmu".into(), Vec::new())),
-            "vibro_impact/fmu/VibroImpact3DOF.fmu is not the archive beside it",
+            "vibro_impact/fmu/VibroImpact3DOF.fmu is not the archive next to it",
         ),
         (
             &|d| drop(d.wheel.remove(&format!("{information}/licenses/{}", licences::OF_WHEEL[0]))),
@@ -347,7 +347,7 @@ fn each_altered_archive_is_refused_by_name() {
         let found = dist.disagreements();
         assert!(found.iter().any(|text| text.contains(expected)), "{expected}: {found:?}");
         // The packages no longer contain the files next to them.
-        assert!(found.iter().any(|text| text.contains("is not the archive beside it")), "{found:?}");
+        assert!(found.iter().any(|text| text.contains("is not the archive next to it")), "{found:?}");
     }
 }
 
@@ -417,7 +417,7 @@ fn a_folder_with_anything_else_in_it_is_not_replaced() {
         .args(["release", "--preview", "--platform", "vax"])
         .output()
         .unwrap();
-    assert!(String::from_utf8_lossy(&output.stderr).contains("--platform = vax: allowed is x86_64-linux"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--platform = vax: expected one of x86_64-"));
 }
 
 /// The whole release for this machine, without release optimisations; then the user's steps:

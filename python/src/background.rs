@@ -110,7 +110,7 @@ pub fn compute<T: Send + 'static>(
             }
             Err(RecvTimeoutError::Disconnected) => {
                 const WORDS: &str =
-                    "the computation failed by a mistake of the library; please report the lines above";
+                    "the computation failed because of a bug in the library; please report the lines above";
                 return Err(pyo3::exceptions::PyRuntimeError::new_err(WORDS));
             }
         }

@@ -207,7 +207,7 @@ impl Systems {
             return Err(vibro_impact::Error::OutOfRange {
                 name: "drive.frequency",
                 value: parameters.drive_frequency,
-                allowed: "> 0, as the motion goes by drive periods",
+                allowed: "> 0, since the motion is counted in drive periods",
             }
             .into());
         }

@@ -106,7 +106,7 @@ impl From<Failure> for PyErr {
             // The kind decides which of Python's exceptions it is, such as PermissionError.
             Failure::File(kind, message) => std::io::Error::new(kind, message).into(),
             Failure::Ours(message) => PyRuntimeError::new_err(message),
-            Failure::Threads(reason) => PyRuntimeError::new_err(format!("no thread to compute in: {reason}")),
+            Failure::Threads(reason) => PyRuntimeError::new_err(format!("cannot start a thread: {reason}")),
         }
     }
 }

@@ -36,7 +36,7 @@ fn start(over: &Family, point: (&Special, f64), beside: &[(f64, f64, Start)]) ->
     let no_orbit = || {
         let (label, value) = (point.0.label.name(), point.1);
         let problem = format!(
-            "{label} at {} = {value}: no orbit beside this point can be computed again",
+            "{label} at {} = {value}: no orbit next to this point could be computed again",
             over.parameter
         );
         Error::Described { problem }

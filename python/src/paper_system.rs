@@ -190,7 +190,7 @@ impl Load {
         cubic: bool,
     ) -> PyResult<Self> {
         let body = Body::ALL.into_iter().find(|b| b.name() == body).ok_or_else(|| {
-            PyValueError::new_err(format!("body = {body:?}: allowed is 'box', 'block' or 'secondary'"))
+            PyValueError::new_err(format!("body = {body:?}: expected 'box', 'block' or 'secondary'"))
         })?;
         let samples: Vec<(f64, f64)> = numbers(&t)?.into_iter().zip(numbers(&force)?).collect();
         let interpolation = if cubic { Interpolation::Cubic } else { Interpolation::Linear };

@@ -140,7 +140,7 @@ impl Parameters {
             Some(load) => Err(Error::OutOfRange {
                 name: load.name,
                 value: (load.get)(self),
-                allowed: "0: closed forms and theories are those of the machine without constant loads",
+                allowed: "0; closed forms and theories do not include constant loads",
             }),
         }
     }

@@ -120,7 +120,7 @@ pub(super) fn check_contact(hybrid: &HybridState, gap: f64) -> Result<()> {
     }
     let departing = f64::from(hybrid.departing);
     if hybrid.departing != 0 && (hybrid.departing > MAX_DEPARTING || side != 0.0 || w.abs() != gap) {
-        return refuse("snapshot: order of departure", departing, "0, and 1 to 8 in flight from a stop");
+        return refuse("snapshot: order of departure", departing, "0, or 1 to 8 in flight from a stop");
     }
     let Some(due) = hybrid.due else { return Ok(()) };
     let stop = f64::from(due.side());

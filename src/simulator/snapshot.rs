@@ -86,7 +86,7 @@ fn check_motion(model: &Model, hybrid: &HybridState) -> Result<()> {
         let mut most = MAX_NUMBER;
         for value in derivatives {
             if value.is_nan() || value.abs() > most {
-                let allowed = "loads up to 1e150, and no more of their derivatives over the fastest rate";
+                let allowed = "loads up to 1e150, also for their derivatives over the fastest rate";
                 return Err(Error::OutOfRange { name: "snapshot", value, allowed });
             }
             most *= model.rate;

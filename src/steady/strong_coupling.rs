@@ -115,7 +115,7 @@ impl StrongCoupling {
             Err(Error::Undefined { name, value, needed_by: "strong-coupling approximation", allowed })
         };
         if beta > LARGEST_BETA || (beta > 0.5 && (beta - beta.round()).abs() < INTEGER_DISTANCE) {
-            return undefined("beta", beta, "0 <= beta <= 1000, no integer but 0");
+            return undefined("beta", beta, "0 <= beta <= 1000, not an integer other than 0");
         }
         let (nu, c1) = slopes(beta);
         let rho = nu * (1.0 - g.kappa) / (1.0 + g.kappa);

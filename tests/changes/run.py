@@ -182,7 +182,7 @@ def files_of(args):
         found = sorted(path.rglob("*.rs")) if path.is_dir() else [path] if path.exists() else []
         out += [f.relative_to(ROOT).as_posix() for f in found if not is_test(f)]
     if not out:
-        sys.exit("no files; allowed is --files with files or folders of the package")
+        sys.exit("no files; expected --files with files or folders of the package")
     return out
 
 
@@ -197,7 +197,7 @@ def named(path):
     for change in tables(path):
         text = (ROOT / change["file"]).read_text()
         if text.count(change["from"]) != 1:
-            sys.exit(f"{path.name}: {change['from']!r} stands {text.count(change['from'])} times in {change['file']}; allowed is once")
+            sys.exit(f"{path.name}: {change['from']!r} occurs {text.count(change['from'])} times in {change['file']}; expected once")
         number = text[: text.index(change["from"])].count("\n") + 1
         out.append((change["file"], number, change["from"], change["to"]))
     return out
@@ -242,7 +242,7 @@ class Copy:
         ).stdout
         package = next((p for p in json.loads(metadata)["packages"] if p["name"] == self.package), None)
         if package is None:
-            sys.exit(f"--package {self.package}: allowed is a package of this workspace")
+            sys.exit(f"--package {self.package}: expected a package of this workspace")
         out = []
         for target in package["targets"]:
             if target["kind"] == ["test"]:
@@ -347,10 +347,10 @@ def show(verdict, change, more):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--package", default="vibro-machine", help="whose tests are run")
+    parser.add_argument("--package", default="vibro-machine", help="package whose tests are run")
     parser.add_argument("--files", nargs="+", help="files or folders to change, from the repository's root")
-    parser.add_argument("--count", type=int, default=40, help="changes that compile")
-    parser.add_argument("--seed", type=int, default=1, help="by which they are drawn")
+    parser.add_argument("--count", type=int, default=40, help="number of changes that compile")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the random draw")
     parser.add_argument("--named", type=pathlib.Path, help="a file of changes instead of drawn ones")
     parser.add_argument("--list", action="store_true", help="print the first --count changes, and run nothing")
     parser.add_argument("--again", action="store_true", help="trust the unchanged package and its times of the last run in this copy")

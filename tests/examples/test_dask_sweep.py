@@ -131,7 +131,7 @@ def test_points_of_a_killed_worker_are_computed_again(fmu, alone, tmp_path, monk
     assert sorted(rows, key=lambda row: row["index"]) == alone
     begun = [line.split() for line in marks.read_text().splitlines()]
     again = {tuple(b[1:]) for b in begun if b[0] == str(victim)} & {tuple(b[1:]) for b in begun if b[0] != str(victim)}
-    assert again, "no point of the killed worker was begun again by another"
+    assert again, "no point of the killed worker was started again by another"
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -161,9 +161,9 @@ def test_the_script_joins_a_scheduler(fmu, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["--vary", "drive.speed=0:1:2"], "drive.speed: allowed are"),
-        (["--vary", "drive.frequency=0:1"], "allowed is NAME=FROM:TO:COUNT"),
-        (["--vary", "drive.frequency=0.9:1:2", "--periods", "0"], "--periods 0: allowed are 0 and 1 or more"),
+        (["--vary", "drive.speed=0:1:2"], "drive.speed: no such name; expected one of"),
+        (["--vary", "drive.frequency=0:1"], "expected NAME=FROM:TO:COUNT"),
+        (["--vary", "drive.frequency=0.9:1:2", "--periods", "0"], "--periods 0: expected at least 0 and at least 1"),
     ],
 )
 def test_wrong_arguments_are_named(fmu, arguments, word, way):

@@ -316,4 +316,4 @@ def test_why_a_value_is_discarded_is_said_where_logging_is_on(folder3, descripti
         machine.setFloat64([references["stop.restitution"]], [1.5])
     machine.freeInstance()
     text = " ".join(message.decode() for message in said) + capfd.readouterr().out
-    assert ("stop.restitution = 1.5: allowed is" in text) == logging, text
+    assert ("stop.restitution = 1.5: expected" in text) == logging, text

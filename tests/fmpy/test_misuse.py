@@ -40,7 +40,7 @@ BAD = [
 def test_bad_parameter_is_refused_by_name(new, name, value):
     instance = new().enter()
     before = instance.get(name)
-    refused(instance, lambda: instance.set(name, value), name, "allowed")
+    refused(instance, lambda: instance.set(name, value), name, "expected")
     assert instance.get(name) == before
     instance.slave.exitInitializationMode()
     instance.step(0.0, 1.0)

@@ -513,10 +513,10 @@ def rows_of(host, run_host):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--allow-missing", action="store_true", help="go on without hosts that cannot be installed")
+    parser.add_argument("--allow-missing", action="store_true", help="continue without hosts that cannot be installed")
     parser.add_argument("--no-page", action="store_true", help="leave docs/fmu.md as it is")
-    parser.add_argument("--only", action="append", help="run this host alone, by the first word of its name; the page keeps the others' rows")
-    parser.add_argument("--assemblies", action="store_true", help="run the machines of files alone")
+    parser.add_argument("--only", action="append", help="run only this host, by the first word of its name; the page keeps the others' rows")
+    parser.add_argument("--assemblies", action="store_true", help="run only the machines of files")
     arguments = parser.parse_args()
     TARGET.mkdir(parents=True, exist_ok=True)
     fmu = TARGET / "VibroImpact3DOF.fmu"

@@ -62,7 +62,7 @@ def test_invariant_starts_of_rows_are_those_of_their_machines():
     # A row that is refused requires no start.
     ends = vi.simulate_many(machine, {"kappa": [0.5, 2.0]}, starts=starts, periods=1, errors="row")
     assert ends.error[0] is None and "kappa" in ends.error[1]
-    with pytest.raises(ValueError, match="starts has 1 rows: allowed is one start, or one for each of 2 motions"):
+    with pytest.raises(ValueError, match="starts has 1 rows: expected one start, or one for each of 2 motions"):
         vi.simulate_many(machine, {"stop.gap": gaps}, starts=[{"x1": 0.1}])
 
 
@@ -79,7 +79,7 @@ def test_what_is_masked_is_refused_by_its_place():
         (lambda: slide.fit({"box.s": ([0.0, 1.0, 2.0], masked)}, free=[MASS]), r"record\['box.s'\]\[1\]\[1\] is masked"),
         (lambda: slide.fit({"box.s": ([0.0, 1.0], [0.0, 1.0])}, free=[MASS], events={"steel": masked}), r"events\['steel'\]\[1\] is masked"),
     ]:
-        with pytest.raises(ValueError, match=f"{place}: allowed is .* of finite numbers"):
+        with pytest.raises(ValueError, match=f"{place}: expected .*, all finite"):
             call()
 
 
@@ -139,14 +139,14 @@ def test_a_row_that_is_refused_says_why_and_the_others_have_numbers():
 @pytest.mark.parametrize(
     ("call", "kind", "words"),
     [
-        (lambda: vi.measure_many(damper(), {"stop.stel.gap": [1.0]}, NAMES), ValueError, "the nearest is `stop.steel.gap`"),
-        (lambda: vi.measure_many([damper()] * 2, {STEEL: [1.0]}, NAMES), TypeError, "with 2 machines: allowed is one machine"),
+        (lambda: vi.measure_many(damper(), {"stop.stel.gap": [1.0]}, NAMES), ValueError, "did you mean `stop.steel.gap`"),
+        (lambda: vi.measure_many([damper()] * 2, {STEEL: [1.0]}, NAMES), TypeError, "with 2 machines: expected one machine"),
         (lambda: vi.measure_many(damper(), {STEEL: [1.0, 2.0], BUFFER: [1.0] * 3}, NAMES), ValueError, "can be broadcast"),
         (lambda: vi.measure_many(damper(), {STEEL: [np.nan]}, NAMES), ValueError, r"stop.steel.gap\[0\] = nan"),
         (lambda: vi.simulate_many(damper(), {STEEL: [1e-3] * 2}, starts=[None] * 3, until=1.0), ValueError, "starts has 3 rows"),
-        (lambda: vi.measure_many(damper(), NAMES, executor=3), TypeError, "executor is of type int: allowed is what has `submit`"),
-        (lambda: vi.simulate_many(vi.PaperMachine(), f11=[1.0]), TypeError, "the nearest is `f10`"),
-        (lambda: vi.simulate_many(damper(), {STEEL: [1e-3]}, times=[1.0]), TypeError, "without arrays"),
+        (lambda: vi.measure_many(damper(), NAMES, executor=3), TypeError, "executor is of type int: expected an object with `submit`"),
+        (lambda: vi.simulate_many(vi.PaperMachine(), f11=[1.0]), TypeError, "did you mean `f10`?"),
+        (lambda: vi.simulate_many(damper(), {STEEL: [1e-3]}, times=[1.0]), TypeError, "cannot be combined with arrays"),
     ],
 )
 def test_what_is_refused_is_named(call, kind, words):
@@ -203,9 +203,9 @@ def test_parts_in_a_folder_are_taken_up_again(tmp_path):
     whole = (folder / "00000.part").read_text()
     for damaged in ("", "5", "[{", json.dumps([]), whole[:-1], whole.replace("1", "2"), whole.split("\n", 1)[1]):
         (folder / "00000.part").write_text(damaged)
-        with pytest.raises(ValueError, match="00000.part is damaged, .* allowed is to delete it"):
+        with pytest.raises(ValueError, match="00000.part is damaged, .* delete this file"):
             vi.measure_many(damper(), arrays, NAMES, checkpoint=folder, **OF)
-    for at, kind, words in [(5, TypeError, "checkpoint = 5 is of type int"), (folder / "00000.part", OSError, "checkpoint = .*: allowed is a folder")]:
+    for at, kind, words in [(5, TypeError, "checkpoint = 5 is of type int"), (folder / "00000.part", OSError, "checkpoint = .*: expected a folder")]:
         with pytest.raises(kind, match=words):
             vi.measure_many(damper(), arrays, NAMES, checkpoint=at, **OF)
     (folder / "manifest.toml").write_text("")

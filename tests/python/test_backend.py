@@ -41,7 +41,7 @@ def test_archives_that_are_made_go_along(backend, tmp_path, monkeypatch):
     assert inside(tmp_path) == sorted(backend.ARCHIVES[:2])
     # A release names the folder; then all archives must exist.
     monkeypatch.setenv("VIBRO_IMPACT_ARCHIVES", str(tmp_path / "target"))
-    with pytest.raises(SystemExit, match="machine-kit.zip is missing: make it by `cargo run --bin fmu-build`"):
+    with pytest.raises(SystemExit, match="machine-kit.zip is missing: build it with `cargo run --bin fmu-build`"):
         backend.fetch_archives()
 
 

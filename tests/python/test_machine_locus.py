@@ -82,8 +82,8 @@ def test_curves_are_drawn_with_their_numbers(branch):
         ({AMPLITUDE: (0.005, 0.06)}, TypeError, "expected the branch's parameter and a second one"),
         ({RESTITUTION: (0.4, 0.8), "body.ball.mass": (1, 2)}, TypeError, "expected the branch's parameter and a second one"),
         ({AMPLITUDE: 0.005, RESTITUTION: (0.4, 0.8)}, TypeError, f"{AMPLITUDE} = 0.005: expected (from, to)"),
-        ({AMPLITUDE: (0.04, 0.06), RESTITUTION: (0.4, 0.8)}, ValueError, "so it must lie in the range 0.04 to 0.06"),
-        ({AMPLITUDE: (0.005, 0.06), RESTITUTION: (0.7, 0.8)}, ValueError, "so it must lie in the range 0.7 to 0.8"),
+        ({AMPLITUDE: (0.04, 0.06), RESTITUTION: (0.4, 0.8)}, ValueError, "must lie in the range 0.04 to 0.06"),
+        ({AMPLITUDE: (0.005, 0.06), RESTITUTION: (0.7, 0.8)}, ValueError, "must lie in the range 0.7 to 0.8"),
         ({AMPLITUDE: (0.005, 0.06), RESTITUTION: (0.8, 0.4)}, ValueError, "0.8 to 0.4"),
         ({AMPLITUDE: (0.005, 0.06), "stop.floor.restitutoin": (0.4, 0.8)}, ValueError, "stop.floor.restitution"),
     ],
@@ -99,7 +99,7 @@ def test_points_at_which_no_curve_begins_are_named(branch):
     for point, error, words in [
         (plain, ValueError, f"point = {plain}: no curve begins at this point (not special); expected one of {begins}"),
         (end, ValueError, f"point = {end}: no curve begins at this point (EP); expected one of {begins}"),
-        (len(branch.value), ValueError, f"allowed is a whole number from 0 to {len(branch.value) - 1}"),
+        (len(branch.value), ValueError, f"expected a whole number from 0 to {len(branch.value) - 1}"),
         ("LP", TypeError, "point = 'LP' is of type str"),
     ]:
         with pytest.raises(error, match=re.escape(words)):

@@ -75,10 +75,10 @@ def test_it_is_immutable():
 def test_a_box_without_a_spring_has_no_groups():
     free = vi.PaperMachine(box_k=0.0)
     assert eval(repr(free), {"PaperMachine": vi.PaperMachine}) == pickle.loads(pickle.dumps(free)) == free
-    with pytest.raises(AttributeError, match="box_k = 0.0, and the dimensionless form needs box_k > 0"):
+    with pytest.raises(AttributeError, match="box_k = 0.0, and the dimensionless form requires box_k > 0"):
         free.f10
     for refused in [lambda: free.simulate(9), lambda: free.bifurcation(box_c=[0.1, 0.2]), lambda: free.replace(kappa=0.5)]:
-        with pytest.raises(ValueError, match="the dimensionless form needs box_k > 0"):
+        with pytest.raises(ValueError, match="the dimensionless form requires box_k > 0"):
             refused()
     assert len(free.simulate(start={"x2": 0.5, "block_v": 1.0}, periods=200).impacts) > 0
     assert free.replace(box_k=1.0) == vi.PaperMachine(box_k=1.0) and free.steady().multiple_scales is None
@@ -155,7 +155,7 @@ def test_second_method_a_sweep_is_the_measures_of_all_combinations():
     for row in found:
         machine = vi.PaperMachine().replace(f10=row["f10"], kappa=row["kappa"])
         assert machine.measure(["amplitude.x1"], start={"v2": 1.0}, settle=20, periods=4)["amplitude.x1"] == row["amplitude.x1"]
-    with pytest.raises(TypeError, match="f10: allowed is a list or an array"):
+    with pytest.raises(TypeError, match="f10: expected a list or an array"):
         vi.PaperMachine().sweep(["class"], f10=1.0)
 
 
@@ -179,7 +179,7 @@ def test_a_motion_that_is_refused_is_told_in_its_row():
     for row, start in zip(rows[::2], starts[::2]):
         assert {name: row[name] for name in names} == machine.measure(names, start=start, periods=2, settle=2) and row["error"] is None
     assert rows[1]["impacts"] is rows[1]["class"] is None and "block" in rows[1]["error"]
-    with pytest.raises(ValueError, match="allowed is one of 'raise', 'row'"):
+    with pytest.raises(ValueError, match="expected one of 'raise', 'row'"):
         vi.measure_many(machine, names, starts=starts, errors="rows")
     with pytest.raises(ValueError, match="impcts"):
         vi.measure_many(machine, ["impcts"], starts=starts, errors="row")

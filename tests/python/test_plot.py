@@ -100,7 +100,7 @@ def test_colours_are_those_of_vibro():
 
 
 def test_other_displacements_are_refused():
-    with pytest.raises(ValueError, match="of = 'x4': allowed is one of 'x1', 'x2', 'x3', 'w'"):
+    with pytest.raises(ValueError, match="of = 'x4': expected one of 'x1', 'x2', 'x3', 'w'"):
         plot.history(M.simulate(periods=1), of="x4")
 
 
@@ -158,9 +158,9 @@ def test_other_results_are_refused_with_the_kinds_that_are_drawn():
         plot.branch: "Branch or PaperBranch",
     }.items():  # fmt: skip
         wrong = run if "Run" not in kinds else vi.PaperMachine()
-        with pytest.raises(TypeError, match=f"is of type {type(wrong).__name__}: allowed is {kinds}$"):
+        with pytest.raises(TypeError, match=f"is of type {type(wrong).__name__}: expected {kinds}$"):
             function(wrong)
-    with pytest.raises(TypeError, match="axes is of type str: allowed is Axes"):
+    with pytest.raises(TypeError, match="axes is of type str: expected Axes"):
         plot.history(run, "box.s")
-    with pytest.raises(ValueError, match="the nearest is 'box.s'"):
+    with pytest.raises(ValueError, match="did you mean 'box.s'"):
         plot.portrait(run, of="box.v")

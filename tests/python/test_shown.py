@@ -89,7 +89,7 @@ def test_xarray_and_parquet_have_the_numbers(tmp_path):
 @pytest.mark.parametrize(("module", "method"), [("pandas", "to_pandas"), ("xarray", "to_xarray")])
 def test_what_is_not_installed_is_named_with_its_command(module, method, monkeypatch):
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(ImportError, match=f"{method} needs {module}, which is not installed: `pip install {module}`"):
+    with pytest.raises(ImportError, match=f"{method} requires {module}, which is not installed: `pip install {module}`"):
         getattr(DAMPER.simulate(0.01), method)()
 
 
@@ -106,7 +106,7 @@ def test_every_picture_takes_both_kinds_and_returns_its_axes(machine):
     ]:  # fmt: skip
         axes = plt.figure().gca()
         assert draw(result, axes) is axes and axes.has_data()
-        with pytest.raises((TypeError, ValueError), match="allowed is"):
+        with pytest.raises((TypeError, ValueError), match="expected"):
             draw(3)
         plt.close("all")
 
@@ -119,7 +119,7 @@ def test_forces_are_those_of_the_result():
     (stems,) = plot.forces(own, plt.figure().gca(), of="upper").collections
     tops = [segment[1][1] for segment in stems.get_segments()]
     assert tops == own.impacts["impulse"][own.impacts["stop"] > 0].tolist()
-    with pytest.raises(ValueError, match="of = 'box.s': allowed is one of"):
+    with pytest.raises(ValueError, match="of = 'box.s': expected one of"):
         plot.forces(run, of="box.s")
     plt.close("all")
 

@@ -108,9 +108,9 @@ def test_response_of_the_papers_machine_is_the_branches_of_settled_orbits():
 
 def test_wrong_types_name_those_that_are_accepted():
     for call, words in [
-        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: allowed are Machine and PaperMachine"),
-        (lambda: vi.measure_many(3, ["class"]), r"machines\[0\] is of type int: allowed is Machine or PaperMachine"),
-        (lambda: vi.PaperMachine().basins([1]), "ranges is of type list: allowed is a dictionary"),
+        (lambda: vi.fit(3, {}, free=[]), "machine is of type int: expected Machine or PaperMachine"),
+        (lambda: vi.measure_many(3, ["class"]), r"machines\[0\] is of type int: expected Machine or PaperMachine"),
+        (lambda: vi.PaperMachine().basins([1]), "ranges is of type list: expected a dictionary"),
     ]:
         with pytest.raises(TypeError, match=words):
             call()
@@ -176,7 +176,7 @@ def test_the_papers_arguments_of_machine_name_the_class_that_takes_them():
         (lambda: vi.Machine(gap="4 mm"), r"write vi\.PaperMachine\(gap='4 mm'\)"),
         (lambda: vi.Machine(), r"write vi\.PaperMachine\(\)"),
         (lambda: vi.Machine(DAMPER, kappa=0.5), r"write vi\.PaperMachine\(kappa=0\.5\)"),
-        (lambda: vi.Machine("ball.toml", 3), r"vi\.Machine\('ball\.toml', 3\): expected one value"),
+        (lambda: vi.Machine("ball.toml", 3), r"vi\.Machine\('ball\.toml', 3\): expected one argument"),
         (lambda: vi.PaperMachine("ball.toml"), r"vi\.PaperMachine\('ball\.toml'\): .*write vi\.Machine\('ball\.toml'\)"),
         (lambda: vi.PaperMachine.from_groups("a"), r"from_groups\('a'\): expected groups as keywords"),
     ]:

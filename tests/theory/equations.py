@@ -81,7 +81,7 @@ class Reader:
     def take(self, expected: Optional[str] = None) -> str:
         token = self.peek()
         if not token or (expected is not None and token != expected):
-            raise ValueError(f"{token!r} where {expected!r} should stand in {' '.join(self.tokens)}")
+            raise ValueError(f"{token!r} instead of {expected!r} in {' '.join(self.tokens)}")
         self.at += 1
         return token
 
@@ -239,7 +239,7 @@ class Reader:
         if token == r"\delta" and (self.peek() in ACCENTS or self.peek().isalpha() or self.peek() in GREEK):
             return f"delta_{self.name()}"
         if not (token.isalpha() or token in GREEK):
-            raise ValueError(f"{token!r} is no name in {' '.join(self.tokens)}")
+            raise ValueError(f"{token!r} is not a name in {' '.join(self.tokens)}")
         name = token.lstrip("\\")
         if self.peek() == "_":
             self.take()

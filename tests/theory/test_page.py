@@ -40,8 +40,8 @@ def test_every_equation_is_checked_or_a_definition() -> None:
     named = set().union(*(numbers for numbers, _ in checks().values()))
     missing = set(equations()) - named - set(DEFINITIONS)
     assert not missing, f"equations without a test: {sorted(missing)}"
-    assert not named - set(equations()), f"tests of equations that are not there: {sorted(named - set(equations()))}"
-    assert not named & set(DEFINITIONS), "a definition that has a test is none"
+    assert not named - set(equations()), f"tests of equations that do not exist: {sorted(named - set(equations()))}"
+    assert not named & set(DEFINITIONS), "an equation with a test is not a definition"
     assert set(DEFINITIONS) <= set(equations())
 
 
@@ -52,7 +52,7 @@ def test_names_and_docstrings_of_the_tests_agree() -> None:
         said = {int(n) for n in re.findall(r"\((\d+)\)", text)}.union(*map(set, spans))
         if numbers - said:
             silent[name] = numbers - said
-    assert not silent, f"docstrings that do not say these numbers: {silent}"
+    assert not silent, f"docstrings without these numbers: {silent}"
 
 
 def test_a_missing_test_is_noticed() -> None:
@@ -86,7 +86,7 @@ def test_table_names_the_checks() -> None:
     for equation, _, check, _ in rows():
         tests = re.findall(r"`(\w+)`", check)
         for name in tests:
-            assert name in checks(), f"{name} of the table is no test of this folder"
+            assert name in checks(), f"{name} of the table is not a test of this folder"
         covered = set().union(*(checks()[name][0] for name in tests)) if tests else set()
         for number in numbers_of(equation):
             assert number in covered or (number in DEFINITIONS and "definition" in check), f"({number})"
@@ -137,7 +137,7 @@ def test_tex_survives_markdown() -> None:
         assert not re.search(r"[*<>|~`#]|operatorname", tex), f"a character Markdown may take in {tex!r}"
         assert tex.count("{") == tex.count("}") and tex.count(r"\left") - tex.count(r"\leftarrow") == tex.count(r"\right"), tex
     for tex in inline():
-        assert "\n" not in tex and tex == tex.strip(), f"{tex!r} is no inline formula on GitHub"
+        assert "\n" not in tex and tex == tex.strip(), f"{tex!r} is not an inline formula on GitHub"
     # A blank line before and after; otherwise it is part of a paragraph.
     for match in re.finditer(r"^\$\$\n.*?\n\$\$$", page(), re.S | re.M):
         assert page()[match.start() - 2 : match.start()] == "\n\n" and page()[match.end() : match.end() + 2] == "\n\n"

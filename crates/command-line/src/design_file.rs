@@ -53,7 +53,7 @@ fn parse(text: &str, set: &ParameterSet) -> std::result::Result<Designs<Name>, S
                 _ => (*text).to_owned(),
             };
             let value = set.quantity(*name, &text).map_err(|e| format!("line {line}: {e}"))?.value;
-            let infinite = || format!("line {line}: {} = {text}: allowed is {}", name.name(), name.allowed());
+            let infinite = || format!("line {line}: {} = {text}: expected {}", name.name(), name.allowed());
             if value.is_finite() { Ok(value) } else { Err(infinite()) }
         };
         let values = names.iter().zip(&headings).zip(&row.cells).map(cell);
@@ -63,7 +63,7 @@ fn parse(text: &str, set: &ParameterSet) -> std::result::Result<Designs<Name>, S
         }
     }
     if rows.is_empty() {
-        return Err("no design: expected are a header with names of parameters and rows of numbers".into());
+        return Err("no design: expected a header with names of parameters and rows of numbers".into());
     }
     Ok(Designs::Rows { names, rows })
 }
@@ -104,10 +104,10 @@ mod tests {
     #[test]
     fn what_is_no_list_of_designs_is_refused_with_the_line() {
         for (text, expected) in [
-            ("stop.gape\n1\n", "line 1: no parameter is named `stop.gape`; the nearest is `stop.gap`"),
+            ("stop.gape\n1\n", "line 1: no parameter is named `stop.gape`; did you mean `stop.gap`?"),
             ("stop.gap\n1\nwide\n", "line 3: stop.gap = `wide` is not a number"),
-            ("stop.gap\n1kg\n", "line 2: stop.gap: `kg` is no unit of it"),
-            ("stop.gap\nNaN\n", "line 2: stop.gap = NaN: allowed is"),
+            ("stop.gap\n1kg\n", "line 2: stop.gap: `kg` is not a unit of it"),
+            ("stop.gap\nNaN\n", "line 2: stop.gap = NaN: expected"),
             ("stop.gap,block.m\n1\n", "line 2: `1` has 1 cell; expected 2 cells"),
             ("stop.gap [kg]\n1\n", "line 1: `stop.gap` has the unit `kg`; expected one of m, "),
             ("stop.gap\n", "no design"),

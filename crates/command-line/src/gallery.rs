@@ -100,7 +100,7 @@ impl Example {
         let files: Vec<(PathBuf, &str)> =
             std::iter::once((path.to_owned(), self.text)).chain(beside).collect();
         if let Some((there, _)) = files.iter().find(|(path, _)| path.exists()) {
-            let problem = "is there already and is not overwritten; allowed is another name".into();
+            let problem = "exists already and is not overwritten; use another name".into();
             return Err(Error::Refused { what: there.display().to_string(), problem });
         }
         files.iter().try_for_each(|(path, text)| write_whole(path, text.as_bytes()))?;

@@ -128,7 +128,7 @@ fn parse(text: &str, body: Body, interpolation: Interpolation) -> std::result::R
     let samples = rows.iter().map(sample).collect::<std::result::Result<Vec<_>, _>>()?;
     Load::new(body, &samples, interpolation).map_err(|error| match error {
         vibro_impact::Error::Sample { index, time, force, allowed } => {
-            format!("line {}, time {time} s, force {force} N: allowed is {allowed}", rows[index].line)
+            format!("line {}, time {time} s, force {force} N: expected {allowed}", rows[index].line)
         }
         other => other.to_string(),
     })
@@ -192,7 +192,7 @@ mod tests {
         for (text, line) in [
             ("t,f\n0,1\n1,NaN\n2,0", "line 3: `NaN` is not a number; expected a finite number"),
             ("t,f\n\n0,1\n1,inf\n2,0", "line 4: `inf` "),
-            ("0,1\n1,2\n1,3\n", "line 3, time 1 s, force 3 N: allowed is a time later"),
+            ("0,1\n1,2\n1,3\n", "line 3, time 1 s, force 3 N: expected a time later"),
             ("0,1\n2,2\n1,3\n", "line 3, "),
             ("0,1\n1,\n", "line 2: `` is not a number"),
             ("0,1\n1,2,3\n", "line 2: `1,2,3` has 3 cells; expected 2 cells"),
@@ -201,7 +201,7 @@ mod tests {
             ("t,1\n0,1\n1,1\n", "line 1: `t` is not a number"),
             ("t [mm],f [N]\n0,1\n1,1\n", "line 1: `t` has the unit `mm`; expected one of s, ms"),
             ("t,f (kW)\n0,1\n1,1\n", "line 1: `f` has the unit `kW`; expected one of N, mN, kN"),
-            ("t,f\n0,1\n", "a record of 1 samples: allowed is two or more"),
+            ("t,f\n0,1\n", "a record of 1 samples: expected at least two"),
             ("", "a record of 0 samples"),
         ] {
             let words = read(text).unwrap_err();

@@ -32,8 +32,9 @@ use vibro_studies::{
 };
 
 /// Error text for a parameter file in place of a machine's file.
-const PARAMETER_FILE: &str = "is a parameter file of the paper's machine: expected a machine's file; commands for the paper's \
-                              machine take this one, as `vibro paper run --config FILE`";
+const PARAMETER_FILE: &str = "is a parameter file of the paper's machine: expected a machine's \
+                              file; use it with the commands for the paper's machine, e.g. `vibro \
+                              paper run --config FILE`";
 
 /// Largest number of samples of a motion; this many make a table of a few gigabytes.
 const MOST: usize = 10_000_000;
@@ -105,7 +106,7 @@ pub fn note_of_unit(typed: &str, unit: &Unit) -> String {
 pub fn even_times((begin, end): (f64, f64), count: usize) -> Result<Vec<f64>> {
     check_count(count)?;
     if end <= begin {
-        let problem = format!("allowed is a time after that of the start, {begin:?} s");
+        let problem = format!("must be after {begin:?} s, the time of the start");
         return Err(Error::Refused { what: format!("--until {end:?}"), problem });
     }
     let instant = |k: usize| begin + (end - begin) * k as f64 / count as f64;
@@ -116,7 +117,7 @@ fn check_count(count: usize) -> Result<()> {
     if count <= MOST {
         return Ok(());
     }
-    Err(Error::Refused { what: format!("{count} samples"), problem: format!("allowed are up to {MOST}") })
+    Err(Error::Refused { what: format!("{count} samples"), problem: format!("expected at most {MOST}") })
 }
 
 /// Instants from a file: one number in s per line, none before `begin`, s, and none smaller than
@@ -136,7 +137,7 @@ pub fn times_of(path: &Path, begin: f64) -> Result<Vec<f64>> {
         match line.parse::<f64>() {
             Ok(time) if time.is_finite() && time >= least => times.push(time),
             _ => {
-                let problem = format!("line {}: {line}: allowed is a time in s, not before {least:?}", i + 1);
+                let problem = format!("line {}: {line}: expected a time in s, not before {least:?}", i + 1);
                 return Err(Error::Config { path: path.into(), problem });
             }
         }
@@ -144,7 +145,7 @@ pub fn times_of(path: &Path, begin: f64) -> Result<Vec<f64>> {
     if times.is_empty() {
         return Err(Error::Config {
             path: path.into(),
-            problem: "has no times; allowed are one or more".into(),
+            problem: "has no times; expected one or more".into(),
         });
     }
     check_count(times.len())?;

@@ -74,15 +74,17 @@ impl Manifest {
     pub fn read(path: &Path) -> Result<Self> {
         let problem = |problem: String| Error::Config { path: path.into(), problem };
         let text = std::fs::read(path).map_err(Error::file("reading", path))?;
-        let text = String::from_utf8(text).map_err(|_| problem("is no manifest of vibro: no text".into()))?;
+        let text = String::from_utf8(text)
+            .map_err(|_| problem("is not a manifest of vibro: it is not UTF-8 text".into()))?;
         let found: Self = toml::from_str(&text).map_err(|e| {
             problem(match other_form(&text) {
                 Some(form) => format!(
-                    "describes parts in form {form}, and this vibro reads and writes form {FORMAT}; it is left as it is\n  allowed: \
-                     another --out, or to finish that run by the vibro that began it"
+                    "describes parts in form {form}, but this version of vibro reads and writes \
+                     form {FORMAT}; it was not changed\n  use another --out, or finish that run \
+                     with the version of vibro that began it"
                 ),
                 None => format!(
-                    "is no manifest of vibro, or a damaged one, and is left as it is: {}",
+                    "is not a manifest of vibro, or is damaged, and was not changed: {}",
                     e.to_string().trim_end()
                 ),
             })
@@ -90,10 +92,7 @@ impl Manifest {
         if found.program == PROGRAM {
             Ok(found)
         } else {
-            Err(problem(format!(
-                "is a manifest of `{}` and not of vibro, and is left as it is",
-                found.program
-            )))
+            Err(problem(format!("is a manifest of `{}`, not of vibro, and was not changed", found.program)))
         }
     }
 
@@ -263,7 +262,7 @@ mod tests {
         let path = folder.path().join("m.toml");
         let other = Manifest { program: "cargo".into(), ..manifest("kappa=0.5") }.text().unwrap();
         for (bytes, word) in
-            [(&b"\xff\xfe"[..], "no text"), (b"study = 1", "damaged"), (other.as_bytes(), "`cargo`")]
+            [(&b"\xff\xfe"[..], "not UTF-8 text"), (b"study = 1", "damaged"), (other.as_bytes(), "`cargo`")]
         {
             std::fs::write(&path, bytes).unwrap();
             let error = Manifest::read(&path).unwrap_err();

@@ -46,7 +46,7 @@ pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
     if let Some(key) = table.keys().find(|k| !TABLES.contains(&k.as_str())) {
         return Err(Error::form(
             key,
-            "the tables [si] and [groups] alone; a machine's own file is named without --config: `vibro run FILE`",
+            "only the tables [si] and [groups]; give a machine's file without --config: `vibro run FILE`",
         ));
     }
     let si = |name: &str| match Name::find(name) {
@@ -113,7 +113,7 @@ fn explained(text: &str, error: &toml::de::Error) -> Error {
         let plain = !value.is_empty() && !value.contains(['"', '\'', '[', '{', '=']);
         let name = Name::find(key.trim()).ok().filter(|_| plain)?;
         let problem = match number(name, value) {
-            Ok(_) => format!("{} = {value}: a number with a unit is written in quotation marks", name.name()),
+            Ok(_) => format!("{} = {value}: a number with a unit requires quotation marks", name.name()),
             Err(error) => error.to_string(),
         };
         Some(Error::Refused { what: format!("line {}", before.matches('\n').count() + 1), problem })
@@ -125,15 +125,15 @@ fn explained(text: &str, error: &toml::de::Error) -> Error {
 pub fn template(groups: bool) -> String {
     let set = ParameterSet::basic();
     let mut text = String::from(
-        "# Parameters of vibro. What is left out or begins with # has the value of the default set: a\n\
-         # reconstruction of the paper's machine, not its own data.\n",
+        "# Parameters of vibro. A parameter that is left out or commented out has its default: \
+         a\n# reconstruction of the paper's machine, not its own data.\n",
     );
     let names: Vec<Name> = if groups {
         text.push_str("# Dimensionless groups. The machine in SI: vibro paper template --si\n\n[groups]\n");
         GROUPS.iter().map(Name::Group).collect()
     } else {
         text.push_str(
-            "# A number is in the unit told; another unit goes with it in quotation marks, e.g. \"48 kN/m\", \"2.5 mm\",\n\
+            "# A number is in the unit shown; a number with another unit requires quotation marks, e.g. \"48 kN/m\", \"2.5 mm\",\n\
              # \"350 g\", \"10 Hz\". Dimensionless groups: vibro paper template --groups\n\n[si]\n",
         );
         physical_parameters().map(Name::Si).collect()
@@ -202,19 +202,19 @@ mod tests {
         assert!(error("[group]\nf10 = 1").contains("[si] and [groups]"));
         assert_eq!(
             error("[groups]\nkappa = \"high\""),
-            "kappa = `high` is not a number: allowed is 0 <= kappa <= 1"
+            "kappa = `high` is not a number: expected 0 <= kappa <= 1"
         );
         assert_eq!(
             error("[si]\nbox.m = twelve"),
-            "line 2: box.m = `twelve` is not a number: allowed is a finite number > 0"
+            "line 2: box.m = `twelve` is not a number: expected a finite number > 0"
         );
         assert!(
             error("[si]\nbox.k = 48 kN/m # stiff")
-                .contains("line 2: box.k = 48 kN/m: a number with a unit is")
+                .contains("line 2: box.k = 48 kN/m: a number with a unit requires")
         );
         assert!(
             error("[si]\nbox.m = \"12 mm\"")
-                .contains("box.m: `mm` is no unit of it; allowed are kg, g, mg, t, lb")
+                .contains("box.m: `mm` is not a unit of it; expected one of kg, g, mg, t, lb")
         );
         assert!(error("[groups\nf10 = 1").contains("line 1"));
     }

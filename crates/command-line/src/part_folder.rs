@@ -91,7 +91,8 @@ impl PartFolder {
             Some(file) => {
                 let name = file.file_name().unwrap_or_default().to_string_lossy();
                 let problem = format!(
-                    "holds `{name}` but no {MANIFEST}, so it is no folder of parts, and is left as it is; give another --out"
+                    "holds `{name}` but no {MANIFEST}, so it is not a folder of parts and was not \
+                     changed; use another --out"
                 );
                 Err(Error::Config { path: folder.into(), problem })
             }
@@ -108,7 +109,7 @@ impl PartFolder {
         let found = Manifest::read(&path)?;
         if found.long_study.is_none() {
             let problem =
-                "has no table [long_study], so it is no manifest of parts, and is left as it is".into();
+                "has no table [long_study], so it is not a manifest of parts, and was not changed".into();
             return Err(Error::Config { path, problem });
         }
         Ok(found)
@@ -206,10 +207,10 @@ fn lock(folder: &Path) -> Result<File> {
     let file = file.map_err(Error::file("writing", &path))?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => {
-            let problem =
-                "another vibro is computing parts in this folder; wait for it, give another --out, or share \
-                           the study with --shard and an --out for each share"
-                    .into();
+            let problem = "another vibro is computing parts in this folder; wait for it, use \
+                           another --out, or divide the study by --shard with an --out for each \
+                           share"
+                .into();
             Err(Error::Config { path: folder.into(), problem })
         }
         // The file system has no locks. Parts are still complete, and two programs compute equal
@@ -234,9 +235,9 @@ pub fn other_study(folder: &Path, there: &Manifest, here: &Manifest) -> Error {
     }
     let count = there.long_study.as_ref().map_or(0, |s| s.count());
     let problem = format!(
-        "holds {} of another run; they differ in\n{}\n  begun by: {} (version {})\n  allowed: \
-         another --out; to finish that run first by its command line; `vibro merge` if it is a share of a study; or \
-         --discard-unfinished, which deletes its parts",
+        "holds {} of another run; they differ in\n{}\n  begun by: {} (version {})\n  use another \
+         --out; or finish that run first by its command line; or use `vibro merge` if it is a \
+         share of a study; or delete its parts by --discard-unfinished",
         parts_in_words(PartFolder::kept(folder), count, "finished parts"),
         there.differences_in_lines(here),
         there.invocation.command_line,
@@ -253,8 +254,9 @@ fn format_of(manifest: &Manifest) -> Option<u32> {
 /// Error for parts that were made by a build with another [form](FORMAT).
 fn other_format(folder: &Path, format: u32) -> Error {
     let problem = format!(
-        "holds {} finished parts in form {format}, and this vibro reads and writes form {FORMAT}\n  allowed: another --out; to finish \
-         that run first by the vibro that began it; or --discard-unfinished, which deletes its parts",
+        "holds {} finished parts in form {format}, but this version of vibro reads and writes form \
+         {FORMAT}\n  use another --out; or finish that run first with the version of vibro that \
+         began it; or delete its parts by --discard-unfinished",
         PartFolder::kept(folder)
     );
     Error::Config { path: folder.into(), problem }

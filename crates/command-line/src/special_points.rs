@@ -64,8 +64,7 @@ impl FromStr for Selection {
 
     fn from_str(text: &str) -> Result<Self> {
         let all = || Self { path: text.into(), rows: ChosenRows::All };
-        let form =
-            || Error::form(text, "FILE, FILE:ROW with a row counted from 1, FILE:LABEL or FILE:LABEL@VALUE");
+        let form = || Error::form(text, "FILE, FILE:ROW (rows count from 1), FILE:LABEL or FILE:LABEL@VALUE");
         let (path, choice) = match text.rsplit_once(':') {
             None if text.trim().is_empty() => return Err(form()),
             None => return Ok(all()),
@@ -109,23 +108,23 @@ impl Selection {
             && first.cell("parameter")? != along
         {
             let own = first.cell("parameter")?;
-            return Err(first.wrong(format!("has points over {own}, but the first --vary is of {along}")));
+            return Err(first.wrong(format!("has points over {own}, but the first --vary is {along}")));
         }
         let wrong = |problem: String| Error::Config { path: self.path.clone(), problem };
         let (label, value) = match &self.rows {
             ChosenRows::Row(number) => {
                 let row = rows
                     .get(number - 1)
-                    .ok_or_else(|| wrong(format!("has no row {number}, but {} rows", rows.len())))?;
+                    .ok_or_else(|| wrong(format!("has no row {number}, only {} rows", rows.len())))?;
                 let label = row.cell("label")?;
                 let starts = Label::STARTS.map(Label::name);
                 return Ok(vec![row.point()?.ok_or_else(|| {
                     wrong(match starts.contains(&label) {
                         true => format!(
-                            "row {number} is {label} without an orbit beside it that a motion leads to: no \
-                             curve starts here; allowed is a row of another branch at this value"
+                            "row {number} is {label} without an admissible orbit next to it, so no \
+                             curve starts here; use a row of another branch at this value"
                         ),
-                        false => format!("row {number} is {label}; curves start from {}", starts.join(", ")),
+                        false => format!("row {number} is {label}; expected one of {}", starts.join(", ")),
                     })
                 })?]);
             }
@@ -201,13 +200,14 @@ impl PointRow<'_> {
 
     fn cell(&self, name: &str) -> Result<&str> {
         let index = self.header.iter().position(|h| h == name);
-        let missing = || self.wrong(format!("has no column `{name}`: is it special-points.csv?"));
+        let missing =
+            || self.wrong(format!("has no column `{name}`; expected special-points.csv of `vibro orbits`"));
         index.and_then(|i| self.record.get(i)).ok_or_else(missing)
     }
 
     fn number(&self, text: &str) -> Result<f64> {
         let finite = text.parse::<f64>().ok().filter(|x| x.is_finite());
-        finite.ok_or_else(|| self.wrong(format!("row {}: `{text}` is no number", self.number)))
+        finite.ok_or_else(|| self.wrong(format!("row {}: `{text}` is not a finite number", self.number)))
     }
 
     /// The point; `None` for a row from which no curve starts: an end of the range, a branch that

@@ -75,9 +75,9 @@ impl Subject for vibro_studies::Machine {
             // A study may vary the frequencies.
             (Section::Period(period), SectionRule::Auto) => {
                 let (period, what) = (significant(period), periodic_parts(d));
-                format!(", looked at after each common period of its {what} ({period} s as it stands)")
+                format!(", sampled once per common period of its {what} (at present {period} s)")
             }
-            _ => format!(", looked at after {}", s.in_words(d)),
+            _ => format!(", sampled at {}", s.in_words(d)),
         });
         format!("{}{section}", self.name_with_changes())
     }

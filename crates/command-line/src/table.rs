@@ -151,7 +151,7 @@ pub fn exact(value: f64) -> String {
 /// [`Error::Config`] for a file that is not a table.
 pub(crate) fn read(path: &Path, allowed: &str) -> Result<(csv::StringRecord, Vec<csv::StringRecord>)> {
     let unread =
-        |e: csv::Error| Error::Config { path: path.into(), problem: format!("{e}; allowed is {allowed}") };
+        |e: csv::Error| Error::Config { path: path.into(), problem: format!("{e}; expected {allowed}") };
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(unread)?;
     let header = reader.headers().map_err(unread)?.clone();
     let rows = reader.records().collect::<std::result::Result<_, _>>().map_err(unread)?;

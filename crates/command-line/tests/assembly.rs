@@ -49,7 +49,7 @@ fn check_says_with_what_mean_speed_a_prescribed_acceleration_drifts() {
                 [body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"table\", \"a\"]\nstiffness = 800.0\n";
     let path = file("assembly-drift.toml", text).display().to_string();
     let said = drawn(&folder("assembly-drift"), &["check", &path]);
-    let words = "table drifts: over the first period of 0.04 s its mean speed is 0.127324 m/s; with v = -0.127324 m/s it is 0";
+    let words = "table drifts: its mean speed over the first period of 0.04 s is 0.127324 m/s; start with v = -0.127324 m/s for a mean speed of 0";
     assert!(said.contains(words) && said.contains("table: prescribed by its acceleration"), "{said}");
     let kept = ["check", &path, "--set", "body.table.motion.v=-0.12732395447351627"];
     let said = drawn(&folder("assembly-drift"), &kept);
@@ -76,7 +76,7 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     let text =
         drawn(&out, &["run", &machine("damper_with_buffer.toml"), "--until", "500ms", "--samples", "50"]);
     assert!(
-        text.contains("followed DamperWithBuffer up to 0.5 s") && text.contains("× impact stop.steel"),
+        text.contains("simulated DamperWithBuffer up to 0.5 s") && text.contains("× impact stop.steel"),
         "{text}"
     );
     let description = vibro_machine::file::read(&example("damper_with_buffer.toml")).unwrap();
@@ -129,8 +129,7 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     let other = command(&out, &arguments).output().unwrap();
     let error = String::from_utf8(other.stderr).unwrap();
     // The error names only the difference.
-    let words =
-        "of another run; they differ in\n    body.box.mass: 12 there, 13 here\n  allowed: another --out";
+    let words = "of another run; they differ in\n    body.box.mass: 12 there, 13 here\n  use another --out";
     assert!(other.status.code() == Some(2) && error.contains(words), "{error}");
 }
 
@@ -200,10 +199,10 @@ fn times_from_a_file_are_the_rows() {
     assert_eq!(table(&out, "states.csv").last().map(|row| row["time"].as_str()), Some("0.4"));
     let early = ["run", &machine("bouncing_ball.toml"), "--times", &times, "--until", "0.2"];
     let (code, error) = refused(&early);
-    assert!(code == 2 && error.contains("allowed are times up to --until, 0.2 s"), "{error}");
+    assert!(code == 2 && error.contains("times must not be after --until, 0.2 s"), "{error}");
     let times = file("assembly-falling.txt", "0\n2\n1\n").display().to_string();
     let (code, error) = refused(&["run", &machine("bouncing_ball.toml"), "--times", &times]);
-    assert!(code == 2 && error.contains("line 3: 1: allowed is a time in s, not before 2.0"), "{error}");
+    assert!(code == 2 && error.contains("line 3: 1: expected a time in s, not before 2.0"), "{error}");
 }
 
 #[test]
@@ -214,16 +213,16 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         let (code, error) = refused(&command);
         assert!(code == 2, "{error}");
         for words in [
-            "assembly-bad.toml:5: spring.mount.between[1] = \"boks\": no body has this name; the nearest is `box`",
-            "assembly-bad.toml:6: spring.mount.stiffness = \"5 mN\": allowed is",
+            "assembly-bad.toml:5: spring.mount.between[1] = \"boks\": no body has this name; did you mean `box`",
+            "assembly-bad.toml:6: spring.mount.stiffness = \"5 mN\": expected a finite number",
         ] {
             assert!(error.contains(words), "{words}: {error}");
         }
     }
     let ball = machine("bouncing_ball.toml");
     for (set, words) in [
-        ("stop.flor.restitution=0.5", "the nearest is `stop.floor.restitution`"),
-        ("stop.floor.restitution=1.5", "stop.floor.restitution = \"1.5\": allowed is a number from 0 to 1"),
+        ("stop.flor.restitution=0.5", "did you mean `stop.floor.restitution`"),
+        ("stop.floor.restitution=1.5", "stop.floor.restitution = \"1.5\": expected a number from 0 to 1"),
         ("stop.floor.restitution", "NAME=VALUE"),
     ] {
         let (code, error) = refused(&["check", &ball, "--set", set]);
@@ -234,7 +233,7 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         // The error about the kind of file comes before errors of the command.
         (vec!["run", &parameters], "is a parameter file of the paper's machine"),
         (vec!["run", &ball], "--until"),
-        (vec!["run", &ball, "--until", "2 Hz"], "allowed is a finite time above 0"),
+        (vec!["run", &ball, "--until", "2 Hz"], "expected a finite time > 0"),
         (vec!["run", "nowhere.toml", "--until", "2"], "nowhere.toml: cannot be read"),
     ] {
         let (code, error) = refused(&arguments);
@@ -325,7 +324,7 @@ fn numbers_beyond_doubles_end_the_run_by_name_and_what_was_computed_is_written()
     let run = command(&out, &["run", &path, "--until", "1", "--samples", "4"]).output().unwrap();
     let error = String::from_utf8(run.stderr).unwrap();
     assert!(run.status.code() == Some(1) && error.contains("body.a"), "{error}");
-    assert!(error.contains("allowed are sizes up to 1e100"), "{error}");
+    assert!(error.contains("its size must be at most 1e100"), "{error}");
     let rows = table(&out, "states.csv");
     assert_eq!(rows.len(), 2, "{rows:?}");
     let account = std::fs::read_to_string(out.join("account.txt")).unwrap();
@@ -453,8 +452,8 @@ fn check_says_what_blocks_have_to_do_with_equilibrium_and_frequencies() {
     let path = file("controlled_check.toml", CONTROLLED).display().to_string();
     let text = drawn(&folder("assembly-block-check"), &["check", &path]);
     for words in [
-        "equilibrium: not looked for, since block.control feeds back mass.s",
-        "natural frequencies in the start's mode, with what sampled blocks put out held\n  1.59155 Hz",
+        "equilibrium: not computed, because block.control feeds back mass.s",
+        "natural frequencies in the start's mode, with the outputs of sampled blocks held\n  1.59155 Hz",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }

@@ -123,7 +123,7 @@ fn what_has_no_orbit_is_refused_by_name() {
         ("orbits examples/assembly/impact_pair.toml", "expected one parameter"),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.amplitude=1:2",
-            "the nearest is `body.base.motion.amplitude`",
+            "did you mean `body.base.motion.amplitude`",
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=2:3",
@@ -131,26 +131,26 @@ fn what_has_no_orbit_is_refused_by_name() {
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --of power.lost",
-            "no measure of an orbit",
+            "not a measure of an orbit",
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --word U",
             "an option of the paper's machine",
         ),
-        ("orbit --section right", "FILE is missing: expected `vibro orbit FILE --section …`"),
+        ("orbit --section right", "FILE: use `vibro orbit FILE --section …`"),
         (
             "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2",
-            "allowed are two parameters",
+            "expected two parameters",
         ),
         (
             "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2 \
              --vary body.base.motion.amplitude=0.5:2",
-            "allowed are two parameters",
+            "expected two different parameters",
         ),
         (
             "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2 \
              --vary stop.right.restitution=0.1:0.2",
-            "so it must lie in the range 0.1 to 0.2",
+            "must lie in the range 0.1 to 0.2",
         ),
         (
             "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2 \

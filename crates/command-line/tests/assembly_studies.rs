@@ -34,7 +34,7 @@ fn second_method_a_sweep_has_the_librarys_numbers() {
     let out = folder("assembly-sweep");
     let said = drawn(&out, &SWEEP);
     assert!(said.contains("4 designs over stop.steel.gap, stop.buffer.gap"), "{said}");
-    assert!(said.contains("amplitude.box.s: least"), "{said}");
+    assert!(said.contains("amplitude.box.s: smallest"), "{said}");
     let rows = table(&out, "sweep.csv");
     assert_eq!(rows.len(), 4);
     let measures: Vec<_> = SWEEP[7].split(',').map(|name| name.parse().unwrap()).collect();
@@ -84,7 +84,7 @@ fn what_a_sweep_says_of_the_best_stands_in_its_table_and_its_picture() {
     let few = [&line[..], &over, &rest[..6], &["--again", "1"]].concat();
     let undecided = drawn(&folder("assembly-undecided"), &few);
     assert!(undecided.contains("best by amplitude.box.s: undecided between "), "{undecided}");
-    assert!(said.contains("looked at after each common period of its harmonics, which varies"), "{said}");
+    assert!(said.contains("sampled once per common period of its harmonics, which varies"), "{said}");
     let rows = table(&out, "sweep.csv");
     let number =
         |row: &std::collections::HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
@@ -118,7 +118,7 @@ fn a_sweep_of_which_every_design_fails_says_so_by_its_exit() {
         let found = command(&folder(&format!("assembly-failed-{output}")), &line).output().unwrap();
         let error = String::from_utf8_lossy(&found.stderr).into_owned();
         assert_eq!(found.status.code(), Some(1), "{error}");
-        assert!(error.contains("all 2 designs failed; the first: stop.s.gap = "), "{error}");
+        assert!(error.contains("all 2 designs failed; first: stop.s.gap = "), "{error}");
     }
 }
 
@@ -181,41 +181,38 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
         diagram(&[&ranges[..], rest].concat())
     };
     for ((code, error), words) in [
-        (diagram(&["--vary", "stop.stel.gap=1mm:2mm"]), "the nearest is `stop.steel.gap`"),
+        (diagram(&["--vary", "stop.stel.gap=1mm:2mm"]), "did you mean `stop.steel.gap`"),
         (
             diagram(&["--vary", "stop.steel.gap=2mm:1mm"]),
             "`stop.steel.gap=2mm:1mm`: expected NAME=FROM:TO with FROM < TO",
         ),
-        (diagram(&["--vary", "stop.steel.gap=1:2mm"]), "a unit at every number"),
+        (diagram(&["--vary", "stop.steel.gap=1:2mm"]), "a unit on every number"),
         (
             diagram(&["--vary", "stop.steel.gap=1mm:2mm:1"]),
             "`stop.steel.gap=1mm:2mm:1`: expected a count of 2 or more",
         ),
-        (diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--of", "blok.s"]), "the nearest is `block.s`"),
+        (diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--of", "blok.s"]), "did you mean `block.s`?"),
         (
             diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--section", "stop.x"]),
             "no stop or friction has this name",
         ),
-        (diagram(&["--vary", "stop.steel.restitution=0.5:1.5"]), "allowed is a number from 0 to 1"),
+        (diagram(&["--vary", "stop.steel.restitution=0.5:1.5"]), "expected a number from 0 to 1"),
         (
             diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--vary", "stop.buffer.gap=1mm:2mm"]),
             "--pair NAME,NAME",
         ),
-        (plane(&["--pair", "stop.steel.gap"]), "two names with a comma"),
+        (plane(&["--pair", "stop.steel.gap"]), "two names separated by a comma"),
         (
             plane(&["--pair", "stop.steel.gap,body.block.mass"]),
-            "`body.block.mass`: expected a parameter of which --vary",
+            "`body.block.mass`: expected a parameter with a range (--vary",
         ),
         (plane(&["--pair", "stop.steel.gap,stop.steel.gap"]), "two independent parameters"),
-        (
-            plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--resolution", "20000"]),
-            "allowed are 2 to 3000",
-        ),
+        (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--resolution", "20000"]), "expected 2 to 3000"),
         (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--resolution", "2900"]), "points of the plane"),
         (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--section", "stop.x"]), "has this name"),
         (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--of", "box.s"]), "cannot be used with"),
         (sweep(&["--vary", "stop.steel.gap=1mm:2mm:3", "--samples", "4"]), "without a count"),
-        (sweep(&["--output", "amplitude.bx.s"]), "the nearest is `box.s`"),
+        (sweep(&["--output", "amplitude.bx.s"]), "did you mean `box.s`?"),
         (sweep(&["--output", "loudness"]), "amplitude.Q"),
         (sweep(&["--vary", "stop.steel.gap=1mm,2mm", "--vary", "stop.steel.gap=1mm,2mm"]), "each once"),
     ] {
@@ -319,5 +316,5 @@ fn a_study_of_a_frequency_names_no_period_as_its_own() {
     let run = command(&out, &[&["bifurcation", DAMPER][..], &vary].concat()).output().unwrap();
     let told = String::from_utf8(run.stdout).unwrap();
     assert!(run.status.success() && !told.contains("periods of 0.1 s"), "{told}");
-    assert!(told.contains("after each common period of its harmonics, which varies"), "{told}");
+    assert!(told.contains("once per common period of its harmonics, which varies"), "{told}");
 }

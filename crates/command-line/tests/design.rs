@@ -46,7 +46,7 @@ fn closed_form_the_damping_at_a_limit_of_the_force_in_words_table_and_file() {
     let exact = ((limit * limit * (k - w * w).powi(2) - k * k) / (1.0 - limit * limit)).sqrt() / w;
     let amplitude = 1.0 / (k - w * w).hypot(exact * w);
     assert!(text.contains("verdict: decided") && text.contains("<= 0.8 N: met"), "{text}");
-    assert!(text.contains("with the file's own numbers: "), "{text}");
+    assert!(text.contains("with the parameters of the file: "), "{text}");
     let after = |word: &str| -> f64 {
         let rest = text.split_once(word).unwrap_or_else(|| panic!("{word}: {text}")).1;
         rest.split_whitespace().next().unwrap().parse().unwrap()

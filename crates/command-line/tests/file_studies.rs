@@ -105,7 +105,7 @@ fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_tou
         assert!(error.contains(named), "{words:?}: {error}");
     }
     let (_, error) = refused(&[&line[..4], &["--of", "power.lost"]].concat());
-    assert!(error.contains("no measure of an orbit"), "{error}");
+    assert!(error.contains("not a measure of an orbit"), "{error}");
     let (_, error) = refused(&["response", "--seeds", "3"]);
     assert!(error.contains("an option of a machine's file"), "{error}");
 }
@@ -164,11 +164,11 @@ fn second_method_starts_whose_linear_motion_keeps_clear_of_the_wall_lead_to_the_
     assert_eq!(bytes("merged"), bytes("b"));
 
     for (words, named) in [
-        (&["--start", "box.s=0:1"][..], "1 ranges of --start: allowed are two"),
+        (&["--start", "box.s=0:1"][..], "1 ranges of --start: expected two"),
         (&["--start", "box.s=0:1", "--start", "box.s=0:1"], "two different initial values"),
         (&["--start", "boz.s=0:1", "--start", "box.v=0:1"], "box.s"),
         (&["--start", "box.s=1:0", "--start", "box.v=0:1"], "FROM < TO"),
-        (&["--start", "box.s=0:1:9999", "--start", "box.v=0:1"], "allowed are 1 to 5000 cells"),
+        (&["--start", "box.s=0:1:9999", "--start", "box.v=0:1"], "expected 1 to 5000 cells"),
         (
             &["--start", "box.s=0:1", "--start", "box.v=0:1", "--x", "x1=0:1"],
             "an option of the paper's machine",
@@ -206,12 +206,12 @@ fn closed_form_sections_of_the_rattle_at_a_flank_and_of_a_linear_motion_at_a_pha
         assert!((number(&row, "phase") - 0.5 * PI).abs() < SETTLED && row["speed"].is_empty());
     }
     for (words, named) in [
-        (&["--section", "wall", "--phase", "1"][..], "allowed is 0 at a section of an element's events"),
+        (&["--section", "wall", "--phase", "1"][..], "expected 0 at a section of an element's events"),
         (&["--section", "wal"], "no stop or friction has this name"),
-        (&["--of", "box.s"], "two names with a comma"),
-        (&["--of", "box.s,speed"], "allowed are time, phase, box.s"),
-        (&["--phase", "1m"], "allowed is a finite angle"),
-        (&["--config", "a.toml"], "has no use for it"),
+        (&["--of", "box.s"], "two names separated by a comma"),
+        (&["--of", "box.s,speed"], "expected one of time, phase, box.s"),
+        (&["--phase", "1m"], "expected a finite angle"),
+        (&["--config", "a.toml"], "does not use it"),
     ] {
         let (_, error) = refused(&[&["section", &file][..], words].concat());
         assert!(error.contains(named), "{words:?}: {error}");
@@ -247,7 +247,7 @@ fn closed_form_the_gradient_of_the_rattles_closing_speed() {
     let (out, file) = file("file-gradient", RATTLE);
     let said = drawn(&out.join("g"), &["orbit", &file, "--gradient", "impact.speed.right"]);
     assert!(
-        said.contains("changes, for 1 % more of a parameter, most by body.joint.motion.frequency 1 %"),
+        said.contains("largest changes for a 1 % larger parameter: body.joint.motion.frequency 1 %"),
         "{said}"
     );
     // F(V, d, r) = (π V/w - d)²/4 + (r V/w)² - A² = 0, and the flanks close at V (1 + r).
@@ -280,14 +280,14 @@ fn closed_form_the_gradient_of_the_rattles_closing_speed() {
     }
     assert!(rows.iter().all(|row| !row["parameter"].contains(".start.")));
     let (_, error) = refused(&["orbit", &file, "--gradient", "class"]);
-    assert!(error.contains("no measure of an orbit"), "{error}");
+    assert!(error.contains("not a measure of an orbit"), "{error}");
 }
 
 #[test]
 fn invariant_the_force_of_a_rigid_stop_has_no_derivatives_and_a_period_lost_in_rounding_is_refused() {
     let (out, file) = file("file-nothing", RATTLE);
     let said = drawn(&out.join("g"), &["orbit", &file, "--gradient", "amplitude.right.f"]);
-    assert!(said.contains("amplitude.right.f = 0 N: no change in proportion"), "{said}");
+    assert!(said.contains("amplitude.right.f = 0 N: relative changes are not available"), "{said}");
     let (_, error) = refused(&["orbit", &file, "--start", "time=1e18"]);
     assert!(error.contains("at t = 1000000000000000000 s") && error.contains("lost in rounding"), "{error}");
 }
@@ -321,23 +321,26 @@ fn closed_form_an_unstable_orbit_is_found_by_its_word_and_words_that_cannot_clos
     for (words, named) in [
         (
             &["--word", "impact wall, impact wall", "--period", "1T", "--starts", "2"][..],
-            "found were: 2T [impact wall]",
+            "orbits found: 2T [impact wall]",
         ),
-        (&["--word", "press wall"], "allowed with press: none in this machine"),
-        (&["--word", "open wall, impact wall"], "it cannot close: open wall comes without close wall"),
-        (&["--word", "close wall, close wall, open wall"], "close wall comes again without open wall"),
-        (&["--word", "hit wall"], "`hit` is no kind of event"),
-        (&["--word", "wall"], "`wall` is no event"),
+        (&["--word", "press wall"], "elements with press: none in this machine"),
+        (&["--word", "open wall, impact wall"], "the word cannot repeat: open wall requires close wall"),
+        (
+            &["--word", "close wall, close wall, open wall"],
+            "close wall requires open wall before the next one",
+        ),
+        (&["--word", "hit wall"], "`hit` is not a kind of event"),
+        (&["--word", "wall"], "`wall` is not an event"),
         (&["--period", "0.1s"], "a multiple of the drive's period"),
         (&["--period", "33T"], "--period 33T: expected 1T to 32T"),
-        (&["--period", "2m"], "--period 2m: expected 1T to 32T, or a finite time above 0"),
+        (&["--period", "2m"], "--period 2m: expected 1T to 32T, or a finite time > 0"),
         (&["--load", "box=1N"], "an option of the paper's machine"),
     ] {
         let (_, error) = refused(&[&["orbit", &file][..], words].concat());
         assert!(error.contains(named), "{words:?}: {error}");
     }
     let (_, error) = refused(&["orbit", "--period", "40"]);
-    assert!(error.contains("--period 40: 40 is not in 1..=32"), "{error}");
+    assert!(error.contains("--period 40: expected a whole number from 1 to 32"), "{error}");
 }
 
 #[test]

@@ -167,13 +167,13 @@ fn what_is_no_record_is_refused_by_name_and_row() {
             "line 3: `NaN` is not a number",
         ),
         (table("empty.csv", "time,mass.s\n"), "friction.floor.force", "no sample"),
-        (table("near.csv", "time,mas.s\n0,1\n1,2\n"), "friction.floor.force", "the nearest is `mass.s`"),
-        (sound.clone(), "friction.floor.forc", "the nearest is `friction.floor.force`"),
+        (table("near.csv", "time,mas.s\n0,1\n1,2\n"), "friction.floor.force", "did you mean `mass.s`?"),
+        (sound.clone(), "friction.floor.forc", "did you mean `friction.floor.force`"),
         (sound.clone(), "friction.floor.force,record.offset.floor.f", "the record has no such column"),
         (
             sound.clone(),
             "friction.floor.force,spring.mount.stiffness,body.mass.mass,body.mass.start.s",
-            "3 samples for 4 free numbers",
+            "3 samples for 4 free parameters",
         ),
     ];
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -235,15 +235,18 @@ fn refused_records_ranges_and_deviations_are_named_with_their_file() {
         ("--data twice.csv --free stop.floor.gap", "twice.csv: b.s has two columns"),
         ("--data early.csv --free stop.floor.gap", "early.csv: time: row 1 is -2.0 s, before"),
         ("--events order.csv --free stop.floor.gap", "order.csv: floor: contact 2 has the time 0.5 s"),
-        (&format!("{sound}=3:2"), "stop.floor.gap=3:2: its ends do not rise"),
+        (&format!("{sound}=3:2"), "stop.floor.gap=3:2: LOW must be less than HIGH"),
         (&format!("{sound}=0.5:2 --within stop.floor.gap=0.6:2"), "stop.floor.gap has two ranges"),
-        ("--data shown.csv --free stop.floor.gap", "b.a has no filter; expected that of its sensor"),
+        (
+            "--data shown.csv --free stop.floor.gap",
+            "b.a has no filter; an acceleration requires the filter of its sensor",
+        ),
         (
             "--data shown.csv --free stop.floor.gap --filter b.a=2",
             "COLUMN=ORDER,FREQUENCY, e.g. box.a=2,400Hz",
         ),
         ("--data shown.csv --free stop.floor.gap --filter b.a=9,40Hz", "expected an order from 1 to 8"),
-        ("--data sound.csv --free stop.floor.gap --sigma b.s=1,b.s=2", "b.s has two deviations"),
+        ("--data sound.csv --free stop.floor.gap --sigma b.s=1,b.s=2", "b.s has two standard deviations"),
     ];
     for (arguments, words) in cases {
         let (_, text) = said("fit-named", BALL, &tables, arguments);

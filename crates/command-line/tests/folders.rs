@@ -75,9 +75,7 @@ fn the_default_folder_gives_a_run_with_other_parameters_a_folder_of_its_own() {
     // Each study continues its own parts.
     let text = share("kappa=0.6", "2/2");
     assert!(
-        text.contains(
-            "vibro-out holds results of other parameters, so these have the folder vibro-out/basin-"
-        ),
+        text.contains("vibro-out holds results of other parameters; the new results are in vibro-out/basin-"),
         "{text}"
     );
     share("kappa=0.5", "2/2");
@@ -86,7 +84,7 @@ fn the_default_folder_gives_a_run_with_other_parameters_a_folder_of_its_own() {
     assert!(std::fs::read(home.join("vibro-out/basin.csv")).unwrap() == drawn_alone);
     // An equal run has the same folder and prints no note.
     let again = by_default(&home, &[&BASIN[..], &["--set", "kappa=0.5"]].concat());
-    assert!(again.contains("into vibro-out/basin.svg") && !again.contains("so these have"), "{again}");
+    assert!(again.contains("into vibro-out/basin.svg") && !again.contains("the new results are"), "{again}");
 }
 
 #[test]
@@ -100,7 +98,7 @@ fn finished_results_are_overwritten_by_the_same_command_only() {
     for word in [
         "holds the result `steady` of another run",
         "kappa: 0.7 there, 0.8 here",
-        "another --out, or --replace",
+        "use another --out, or overwrite it with --replace",
     ] {
         assert!(error.contains(word), "{word}: {error}");
     }
@@ -139,7 +137,7 @@ fn planes_whose_tables_do_not_fit_into_memory_are_refused_before_anything_is_wri
     for (study, resolution) in [("plane", "5000"), ("isoperiodic", "2500"), ("basin", "5000")] {
         let error = refused(&out, &[study, "--resolution", resolution]);
         let side: f64 = resolution.parse().unwrap();
-        assert!(error.contains(&format!("points of the plane: {} asked for", side * side)), "{error}");
+        assert!(error.contains(&format!("points of the plane: {} requested", side * side)), "{error}");
         assert!(error.contains("fit into memory"), "{error}");
     }
     assert!(std::fs::read_dir(&out).unwrap().next().is_none());
@@ -155,9 +153,9 @@ fn what_others_have_written_is_refused_by_name_and_never_removed() {
     let error = refused(&out, &["steady"]);
     assert!(error.contains("holds steady.csv without steady.manifest.toml"), "{error}");
     let error = refused(&out, &["plane", "--resolution", "10"]);
-    assert!(error.contains("plane.manifest.toml: is no manifest of vibro, or a damaged one"), "{error}");
+    assert!(error.contains("plane.manifest.toml: is not a manifest of vibro, or is damaged"), "{error}");
     let error = refused(&out, &[&BASIN[..], &["--discard-unfinished"]].concat());
-    assert!(error.contains("manifest.toml: is no manifest of vibro, or a damaged one"), "{error}");
+    assert!(error.contains("manifest.toml: is not a manifest of vibro, or is damaged"), "{error}");
 }
 
 #[cfg(unix)]

@@ -148,17 +148,17 @@ fn second_method_old_spellings_do_what_the_new_ones_do_and_say_them() {
 fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
     let cradle = machine("cradle.toml");
     for (line, words) in [
-        ("check FILE --config x.toml", "--config: `vibro check` has no use for it"),
+        ("check FILE --config x.toml", "--config: `vibro check` does not use it"),
         ("check FILE --threads 2", "of the options of all commands it takes --set\n"),
-        ("--out here check FILE", "--out: `vibro check` has no use for it"),
+        ("--out here check FILE", "--out: `vibro check` does not use it"),
         ("draw FILE --replace", "of the options of all commands it takes --set, --out\n"),
         ("run FILE --until 2s --threads 2", "--threads: is an option of the paper's machine, and "),
         ("template --set kappa=0.6", "of the options of all commands it takes none\n"),
-        ("merge here --set kappa=0.6", "--set: `vibro merge` has no use for it"),
-        ("steady --discard-unfinished", "--discard-unfinished: `vibro paper steady` has no use for it"),
+        ("merge here --set kappa=0.6", "--set: `vibro merge` does not use it"),
+        ("steady --discard-unfinished", "--discard-unfinished: `vibro paper steady` does not use it"),
         ("run FILE --until 2s --periods 1", "--periods: is an option of the paper's machine, and "),
-        ("run FILE --discard 1", "of such options allowed here: --until, --times, --columns, --knots"),
-        ("run --start v2=1 --start x1=1", "allowed is one start, with commas between its numbers"),
+        ("run FILE --discard 1", "expected one of --until, --times, --columns, --knots"),
+        ("run --start v2=1 --start x1=1", "expected one start, with commas between its values"),
         (
             "bifurcation FILE --load block=1N --vary body.a.mass=1:2",
             "--load: is an option of the paper's machine",
@@ -167,18 +167,18 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("run --until 2s", "--until: is an option of a machine's file: `vibro run FILE --until …`"),
         (
             "run --knots",
-            "of such options allowed here: --periods, --duration, --discard, --load, --interpolation, --threads",
+            "expected one of --periods, --duration, --discard, --load, --interpolation, --threads",
         ),
         ("lyapunov --section upper", "`vibro lyapunov FILE --section …`"),
-        ("bifurcation FILE", "no --vary: allowed is one parameter"),
+        ("bifurcation FILE", "no --vary: expected one parameter"),
         ("bifurcation --vary f10=1:2 --vary kappa=0.5:0.6", "`vibro paper isoperiodic`"),
-        ("lyapunov FILE --periods 7", "--periods 7: allowed are 8 to 1000000"),
-        ("run --samples 10001", "--samples 10001: allowed are 1 to 10000"),
-        ("run FILE", "needs the end of the motion, --until TIME, or --times FILE"),
-        ("paper run FILE --until 2s", "`vibro paper` takes no machine's file: use `vibro run "),
-        ("basin FILE", "0 ranges of --start: allowed are two"),
+        ("lyapunov FILE --periods 7", "--periods 7: expected 8 to 1000000"),
+        ("run --samples 10001", "--samples 10001: expected 1 to 10000"),
+        ("run FILE", "requires the end of the motion (--until TIME) or a file of times (--times FILE)"),
+        ("paper run FILE --until 2s", "`vibro paper` does not take a machine file: use `vibro run "),
+        ("basin FILE", "0 ranges of --start: expected two"),
         ("isoperiodic FILE", "unexpected argument"),
-        ("assembly run FILE", "`vibro assembly` is no group of commands: expected `vibro run "),
+        ("assembly run FILE", "`vibro assembly` is not a group of commands: expected `vibro run "),
         ("paper check FILE", "`vibro paper` has no command `check`: expected `vibro check "),
         ("paper merge one two", "expected `vibro merge one two"),
         ("check FILE --set =5", "`=5`: expected NAME=VALUE"),
@@ -192,8 +192,8 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
             "design FILE --minimize amplitude.ball1.s --vary gravity=1:2.0:3",
             "`gravity=1:2.0:3`: expected NAME=LOW:HIGH without a count",
         ),
-        ("orbit FILE --period 2X", "--period 2X: expected 1T to 32T, or a finite time above 0"),
-        ("orbit --word U --period 2X", "--period 2X: allowed are whole numbers in 1..=32"),
+        ("orbit FILE --period 2X", "--period 2X: expected 1T to 32T, or a finite time > 0"),
+        ("orbit --word U --period 2X", "--period 2X: expected a whole number from 1 to 32"),
     ] {
         let line = line.replace("FILE", &cradle);
         let (code, error) = refused(&line.split(' ').collect::<Vec<_>>());
@@ -274,7 +274,7 @@ fn examples_of_help_are_read_to_the_end() {
         }
         std::fs::write(broken.join(format!("{}.manifest.toml", words[0])), "half a manif").unwrap();
         let (done, _, error) = told(&home, &[&words[..], &["--out", "broken"]].concat());
-        assert!(!done && error.contains("or a damaged one"), "vibro {line}: {error}");
+        assert!(!done && error.contains("or is damaged"), "vibro {line}: {error}");
         count += 1;
     }
     assert!(count >= 12, "{count}");
@@ -307,9 +307,8 @@ fn a_command_without_its_file_says_that_file_is_missing_and_where_it_stands() {
         let words: Vec<&str> = line.split(' ').collect();
         let command = if words[0] == "paper" { words[1] } else { words[0] };
         let (done, said, error) = told(&here, &words);
-        let expected = format!(
-            "error: {given}: belongs to a machine's file, and FILE is missing: expected `vibro {command} FILE {given} …`\n"
-        );
+        let expected =
+            format!("error: {given}: requires a machine's FILE: use `vibro {command} FILE {given} …`\n");
         assert!(!done && said.is_empty() && error == expected, "{line}: {error}");
     }
 }

@@ -27,7 +27,7 @@ fn new_writes_every_machine_of_the_gallery_as_it_stands_there_and_overwrites_not
         assert!(fs::read_to_string(&path).unwrap() == example.text && example.text.starts_with("# "));
         assert!(drawn(&out, &["check", &path.display().to_string()]).contains("degree"), "{}", example.name);
         let (code, told) = refused(&["new", example.name, &path.display().to_string()]);
-        assert!(code == 2 && told.contains("is there already and is not overwritten"), "{told}");
+        assert!(code == 2 && told.contains("exists already and is not overwritten"), "{told}");
     }
     // Without a second name the current folder is used; a record there is not overwritten.
     let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));
@@ -83,7 +83,7 @@ fn fmu_packs_around_the_library_that_is_named_and_says_how_to_get_one() {
             let told =
                 drawn(&out, &["fmu", &damper, "--fmi", fmi, "--kit", &kit, "--set", "stop.steel.gap=5mm"]);
             assert!(told.contains(&format!("{name} (FMI {fmi}.0)")), "{told}");
-            assert_eq!(told.contains("in place of the file that was there"), again, "{told}");
+            assert_eq!(told.contains("replacing the previous file"), again, "{told}");
         }
     }
     // Neither version has overwritten the other.

@@ -136,10 +136,7 @@ fn rows_are_chosen_by_label_and_value_and_one_that_fails_leaves_the_others() {
         labels.contains(&"BP".into()) && labels.contains(&"LP".into()) && !labels.contains(&"NS".into()),
         "{labels:?}"
     );
-    assert!(
-        said.contains("no curve from") && said.contains("is it the one in which the point was found"),
-        "{said}"
-    );
+    assert!(said.contains("no curve from") && said.contains("use the machine of the point"), "{said}");
 }
 
 #[test]
@@ -234,7 +231,7 @@ fn orbits_of_a_block_without_a_spring_by_word_branch_and_tree() {
             "1",
         ]),
     );
-    assert!(said.contains("from 8 starts over the states they visit"), "{said}");
+    assert!(said.contains("from 8 starts in 1.5 times the range of the visited states"), "{said}");
     assert!(table(&tree, "special-points.csv").len() > 2);
     let starts: u32 =
         table(&tree, "orbits-search.csv").iter().map(|r| r["starts"].parse::<u32>().unwrap()).sum();
@@ -274,8 +271,8 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["orbit", "--word", "UX"][..], "letters U and L"),
         (&["orbit", "--word", "UUUUUL"], "none was found from 400 guesses"),
         (&["orbit", "--word", "U-", "--load", "box=0.1"], "give the whole word"),
-        (&["orbit", "--word", "U", "--set", "coupling.k=0"], "must meet both stops"),
-        (&["orbit", "--word", "UU", "--set", "coupling.k=0", "--load", "block=-0.01"], "needs an L"),
+        (&["orbit", "--word", "U", "--set", "coupling.k=0"], "must contain both U and L"),
+        (&["orbit", "--word", "UU", "--set", "coupling.k=0", "--load", "block=-0.01"], "must contain an L"),
         (
             &["locus", "--from", "no.csv:XX@2", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"],
             "FILE:LABEL@VALUE",
@@ -287,10 +284,10 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         (&["orbits", "--load", "stop=1"], "box, block, secondary"),
         (&["orbits", "--mark", "7"], "must lie in the range 0.5 to 5"),
         (&["orbits", "--mark", "one"], "--mark: f10 = `one` is not a number"),
-        (&["orbits", "--step", "0"], "'0' for '--step <X>': allowed is a length from 1e-5 to 0.2"),
-        (&["orbits", "--step", "nan"], "'nan' for '--step <X>': allowed is a length from 1e-5 to 0.2"),
-        (&["lyapunov", "--threshold", "abc"], "'abc' for '--threshold <X>': allowed is a finite number >= 0"),
-        (&["lyapunov", "--threshold", "-1"], "'-1' for '--threshold <X>': allowed is a finite number >= 0"),
+        (&["orbits", "--step", "0"], "'0' for '--step <X>': expected a length from 1e-5 to 0.2"),
+        (&["orbits", "--step", "nan"], "'nan' for '--step <X>': expected a length from 1e-5 to 0.2"),
+        (&["lyapunov", "--threshold", "abc"], "'abc' for '--threshold <X>': expected a finite number >= 0"),
+        (&["lyapunov", "--threshold", "-1"], "'-1' for '--threshold <X>': expected a finite number >= 0"),
         (&["lyapunov", "--at", "1,one"], "--at: f10 = `one` is not a number"),
         (&["compare", "--values", "f10=1,5"], "--values f10`: expected values of epsilon"),
         (
@@ -299,11 +296,11 @@ fn what_cannot_be_is_refused_with_what_to_do() {
         ),
         (
             &["locus", "--from", "no.csv", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"],
-            "allowed is a table of",
+            "expected a table of",
         ),
         (&["locus", "--from", "", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "for '--from <"),
         (&["locus", "--from", ":1", "--vary", "f10=1:2", "--vary", "kappa=0.5:0.9"], "FILE:LABEL@VALUE"),
-        (&["locus", "--from", "no.csv:1", "--vary", "f10=1:2"], "two, e.g."),
+        (&["locus", "--from", "no.csv:1", "--vary", "f10=1:2"], "two parameters, e.g."),
     ] {
         let (code, message) = refused(arguments);
         assert!(code == 2 && message.contains(words), "{arguments:?}: {code} {message}");

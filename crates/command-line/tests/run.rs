@@ -119,18 +119,18 @@ fn what_cannot_be_run_is_refused_by_name_and_nothing_is_written() {
     let units = file("run-units.csv", "t [kg],f [N]\n0,1\n1,3\n");
     let (bad, units) = (format!("box={}", bad.display()), format!("box={}", units.display()));
     for (arguments, words) in [
-        (vec!["--load", &bad], "run-bad.csv: line 4, time 0.25 s, force 3 N: allowed is a time later"),
+        (vec!["--load", &bad], "run-bad.csv: line 4, time 0.25 s, force 3 N: expected a time later"),
         (vec!["--load", &units], "line 1: `t` has the unit `kg`; expected one of s, ms"),
         (vec!["--load", "lid=a.csv"], "a body of box, block, secondary"),
         (vec!["--load", "box=no-such.csv"], "--load: reading no-such.csv"),
-        (vec!["--duration", "-1"], "a finite time above 0"),
+        (vec!["--duration", "-1"], "a finite time > 0"),
         (vec!["--duration", "2 Hz"], "200 periods"),
         (vec!["--start", "block.s=5kg"], "block.s=5mm"),
-        (vec!["--duration", "nan"], "a finite time above 0"),
+        (vec!["--duration", "nan"], "a finite time > 0"),
         (vec!["--start", "x2=1.5"], "block.s - box.s = 1.5 m"),
         (
             vec!["--periods", "4000000"],
-            "a run of 4000000 drive periods with 100 rows in each: allowed is up to",
+            "a run of 4000000 drive periods with 100 rows in each: expected at most",
         ),
     ] {
         let out = folder("run-refused");
@@ -215,7 +215,7 @@ fn what_does_not_change_is_told_and_not_drawn() {
     let still = ["--start", "box.v=0", "--set", "drive.amplitude=0N", "--periods", "5"];
     let out = folder("run-still");
     let text = drawn(&out, &[&["run", "--config", machine], &still[..]].concat());
-    assert!(text.contains("nothing changes, so that there is no picture"), "{text}");
+    assert!(text.contains("no picture, because nothing changes"), "{text}");
     assert!(out.join("run.csv").exists() && !out.join("run.svg").exists());
 }
 

@@ -85,13 +85,13 @@ fn closed_form_numbers_of_a_start_have_units_and_what_is_not_named_is_the_files(
 fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     let damper = damper();
     for (start, words) in [
-        ("bix.s=1mm", "--start bix.s=1mm: bix.s: no number of a start has this name; the nearest is `box.s`"),
-        ("box.s=1N", "--start box.s=1N: box.s = \"1N\": allowed is a finite number, in m, cm, mm, um, in"),
-        ("box.s=1,body.box.s=2", "box.s stands there twice; allowed is each number once"),
-        ("block.s=1m", "stop.steel.gap = 0.004: the start at t = 0.0 s violates it by e - gap = "),
+        ("bix.s=1mm", "--start bix.s=1mm: bix.s: no start value has this name; did you mean `box.s`"),
+        ("box.s=1N", "--start box.s=1N: box.s = \"1N\": expected a finite number in m, cm, mm, um or in"),
+        ("box.s=1,body.box.s=2", "box.s is given twice; give it once"),
+        ("block.s=1m", "stop.steel.gap = 0.004: the start at t = 0.0 s violates the stop by e - gap = "),
         ("nowhere.toml", "nowhere.toml: cannot be read"),
         ("box.s=1,nowhere.toml", "expected NAME=VALUE,…, a start's file, or FILE,NAME=VALUE,…"),
-        ("time=2s", "--until 1.0: allowed is a time after that of the start, 2.0 s"),
+        ("time=2s", "--until 1.0: must be after 2.0 s, the time of the start"),
     ] {
         let (code, error) = refused(&["run", &damper, "--until", "1s", "--start", start]);
         assert!(code == 2 && error.contains(words), "{start}: {error}");
@@ -99,12 +99,12 @@ fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     let vary = ["--vary", "body.box.mass=11kg:12kg:2", "--discard", "2"];
     for command in ["bifurcation", "lyapunov"] {
         let (code, error) = refused(&[&[command, &damper][..], &vary, &["--start", "block.s=1m"]].concat());
-        assert!(code == 2 && error.contains("the start at t = 0.0 s violates it"), "{error}");
+        assert!(code == 2 && error.contains("the start at t = 0.0 s violates the stop"), "{error}");
     }
     let (code, error) = refused(&["lyapunov", &damper, "--start", "block.s=1m"]);
-    assert!(code == 2 && error.contains("the start at t = 0.0 s violates it"), "{error}");
+    assert!(code == 2 && error.contains("the start at t = 0.0 s violates the stop"), "{error}");
     let (code, error) = refused(&["sweep", &damper, "--start", "boks.s=1m"]);
-    assert!(code == 2 && error.contains("the nearest is `box.s`"), "{error}");
+    assert!(code == 2 && error.contains("did you mean `box.s`"), "{error}");
 }
 
 /// A machine's file in the test's folder.
@@ -131,12 +131,12 @@ fn set_mends_a_file_whose_start_violates_a_gap() {
     // A remaining error is reported with its line, and a new error without one.
     let (_, error) = refused(&["check", &path, "--set", "body.b.start.s=4mm"]);
     assert!(
-        error.contains("m.toml:10: stop.w.gap = 0.002: the start violates it with e = 0.004 m"),
+        error.contains("m.toml:10: stop.w.gap = 0.002: the start violates the stop with e = 0.004 m"),
         "{error}"
     );
     let sound = written("starts-within", &BEYOND.replace("5 mm", "1 mm"));
     let (_, error) = refused(&["check", &sound, "--set", "body.b.start.s=4mm"]);
-    assert!(error.contains("error: stop.w.gap = 0.002: the start violates it"), "{error}");
+    assert!(error.contains("error: stop.w.gap = 0.002: the start violates the stop"), "{error}");
 }
 
 /// A record of 20 mm/s² moves a table by ½ 0.02 10² = 1 m in its 10 s, at 0.1 m/s on average; a
@@ -146,7 +146,7 @@ fn closed_form_of_the_mean_speed_that_check_says_of_a_record_with_a_mean() {
     let text = "name = \"R\"\n[body.table]\nmotion = { acceleration = { table = [[0, 0.02], [10, 0.02]] } }\n[body.m]\nmass = 1.0\n\
         [spring.k]\nbetween = [\"table\", \"m\"]\nstiffness = 100.0\n[load.f]\non = \"m\"\namplitude = 1.0\nfrequency = 5.0\n";
     let said = drawn(&folder("starts-record-out"), &["check", &written("starts-record", text)]);
-    let words = "table drifts: over its record of 10 s its mean speed is 0.1 m/s and it moves by 1 m; with v = -0.1 m/s it is 0";
+    let words = "table drifts: its mean speed over its record of 10 s is 0.1 m/s and it moves by 1 m; start with v = -0.1 m/s for a mean speed of 0";
     assert!(said.contains(words), "{said}");
 }
 
@@ -163,7 +163,7 @@ fn closed_form_of_where_motions_come_to_rest() {
     };
     let (said, cells) = basin("held", text);
     let (_, places) = said
-        .split_once("all 25 motions came to rest (not at one place: friction holds a range): slide.s from ")
+        .split_once("all 25 motions came to rest (at a range of positions, held by friction): slide.s from ")
         .expect(&said);
     let places = places.replace('−', "-");
     let ends: Vec<f64> = places.split_whitespace().filter_map(|word| word.parse().ok()).take(2).collect();
@@ -176,5 +176,5 @@ fn closed_form_of_where_motions_come_to_rest() {
         .replace("[friction.guide]", "[stop.guide]")
         .replace("force = \"1.2 N\"", "gap = 1e-3\nrestitution = 0.5");
     let (said, _) = basin("damped", &damped);
-    assert!(said.contains("came to rest (at one place): slide.s = −0.00025 m"), "{said}");
+    assert!(said.contains("came to rest (at one position): slide.s = −0.00025 m"), "{said}");
 }

@@ -87,7 +87,7 @@ fn second_method_the_table_is_the_same_in_both_formats() {
     }
     // Two designs are bad: rows with their reasons and without values.
     assert_eq!(csv[0]["stop.gap"], "1");
-    for (index, reason) in [(1, "stop.restitution = 1.5: allowed is"), (2, "stop.gap = -1: allowed is")] {
+    for (index, reason) in [(1, "stop.restitution = 1.5: expected"), (2, "stop.gap = -1: expected")] {
         let row = &csv[index];
         assert!(row["reason"].starts_with(reason), "{row:?}");
         assert!(row.iter().filter(|c| c.0.starts_with("amplitude")).all(|c| c.1.is_empty()), "{row:?}");
@@ -236,11 +236,11 @@ fn each_kind_of_designs_has_its_picture() {
 #[test]
 fn bad_input_is_refused_by_name() {
     for (arguments, expected) in [
-        (vec!["--output", "amplitud.x1"], "the nearest is `amplitude.x1`: largest |x1|"),
-        (vec!["--output", "temperature"], "valid are amplitude.x1"),
-        (vec!["--vary", "stop.gape=1:2:3"], "the nearest is `stop.gap`"),
-        (vec!["--vary", "stop.gap=1kg:2kg:3"], "`kg` is no unit of it"),
-        (vec!["--vary", "kappa=0.5:1.5:3"], "kappa = 1.5: allowed is 0 <= kappa <= 1"),
+        (vec!["--output", "amplitud.x1"], "did you mean `amplitude.x1`? `amplitude.x1`: largest |x1|"),
+        (vec!["--output", "temperature"], "expected one of amplitude.x1"),
+        (vec!["--vary", "stop.gape=1:2:3"], "did you mean `stop.gap`?"),
+        (vec!["--vary", "stop.gap=1kg:2kg:3"], "`kg` is not a unit of it"),
+        (vec!["--vary", "kappa=0.5:1.5:3"], "kappa = 1.5: expected 0 <= kappa <= 1"),
         (
             vec!["--vary", "kappa=0.1:0.5:3", "--over", "stop.restitution=0.5"],
             "parameters that vary independently",
@@ -251,10 +251,10 @@ fn bad_input_is_refused_by_name() {
         (vec!["--design", "none.csv"], "none.csv"),
         (vec!["--design", "none.csv", "--vary", "f10=1:2"], "cannot be used with"),
         (vec!["--start", "x9=1"], "x1=0.2,v2=1"),
-        (vec!["--periods", "0"], "0 is not in 1.."),
-        (vec!["--periods", "1e3"], "'1e3' for '--periods <N>': allowed are whole numbers in 1..=1000000"),
-        (vec!["--threads=-1"], "'-1' for '--threads <N>': allowed are whole numbers in 1..=65535"),
-        (vec!["--discard=99999999999"], "for '--discard <N>': allowed are whole numbers in 0..=4294967295"),
+        (vec!["--periods", "0"], "expected a whole number from 1"),
+        (vec!["--periods", "1e3"], "'1e3' for '--periods <N>': expected a whole number from 1 to 1000000"),
+        (vec!["--threads=-1"], "'-1' for '--threads <N>': expected a whole number from 1 to 65535"),
+        (vec!["--discard=99999999999"], "for '--discard <N>': expected a whole number from 0 to 4294967295"),
     ] {
         let (code, error) = refused(&[&["sweep"], &arguments[..]].concat());
         assert!(code == 2 && error.contains(expected), "{arguments:?}: {error}");

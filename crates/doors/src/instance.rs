@@ -31,7 +31,7 @@ impl<C: Component> CommonInstance<C> {
             return Err(Fault::Text {
                 argument: "instanceName",
                 value: request.name.to_owned(),
-                allowed: "text with at least one character that is no white space".to_owned(),
+                allowed: "text with at least one character that is not white space".to_owned(),
             }
             .into());
         }

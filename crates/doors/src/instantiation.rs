@@ -169,11 +169,11 @@ mod tests {
     #[test]
     fn resources_that_are_no_folder_are_refused_by_name() {
         for (version, resources, text) in [
-            (Version::Fmi2, None, "fmuResourceLocation = \"\": allowed is the URI of a folder"),
-            (Version::Fmi2, Some("https://a/b"), "fmuResourceLocation = \"https://a/b\": allowed"),
+            (Version::Fmi2, None, "fmuResourceLocation = \"\": expected the URI of a folder"),
+            (Version::Fmi2, Some("https://a/b"), "fmuResourceLocation = \"https://a/b\": expected"),
             (Version::Fmi2, Some("file:///%ff"), "fmuResourceLocation = \"file:///%ff\""),
             (Version::Fmi2, Some("file://server"), "fmuResourceLocation"),
-            (Version::Fmi3, None, "resourcePath = \"\": allowed is the path of a folder"),
+            (Version::Fmi3, None, "resourcePath = \"\": expected the path of a folder"),
         ] {
             let problem = folder(version, resources).unwrap_err().to_string();
             assert!(problem.starts_with(text), "{problem}");

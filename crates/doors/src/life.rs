@@ -220,10 +220,10 @@ mod tests {
         let mut life = Life::new(Interface::CoSimulation, EventHandling::default());
         life.experiment = Some(Experiment::new(None, 0.0, Some(2.0)).unwrap());
         for (point, size, text) in [
-            (f64::NAN, 1.0, "currentCommunicationPoint = NaN: allowed is a finite number"),
-            (1.0, 0.0, "communicationStepSize = 0: allowed is a finite number > 0"),
+            (f64::NAN, 1.0, "currentCommunicationPoint = NaN: expected a finite number"),
+            (1.0, 0.0, "communicationStepSize = 0: expected a finite number > 0"),
             (1.1, 0.5, "currentCommunicationPoint = 1.1 s, but the instance is at t = 1 s"),
-            (1.0, 1.5, "step to t = 2.5 s: allowed is up to the stop time 2 s"),
+            (1.0, 1.5, "step to t = 2.5 s: must end by the stop time 2 s"),
         ] {
             let problem = life.check_step(point, size, 1.0).unwrap_err().to_string();
             assert!(problem.starts_with(text), "{problem}");
@@ -257,7 +257,7 @@ mod tests {
             (Some(f64::NAN), 0.0, None, "tolerance = NaN"),
             (None, 0.0, Some(f64::NAN), "stopTime = NaN"),
             (None, f64::INFINITY, None, "startTime = inf"),
-            (None, 1.0, Some(0.5), "stopTime = 0.5: allowed is a finite number not before startTime"),
+            (None, 1.0, Some(0.5), "stopTime = 0.5: expected a finite number not before startTime"),
         ] {
             let problem = Experiment::new(tolerance, start, stop).unwrap_err().to_string();
             assert!(problem.starts_with(text), "{problem}");

@@ -94,7 +94,7 @@ pub fn with_category(enabled: Categories, name: &str, on: bool) -> Result<Catego
     let category = category.ok_or_else(|| Fault::Text {
         argument: "category",
         value: name.to_owned(),
-        allowed: log_categories("", "").map(|category| category.name).join(", "),
+        allowed: format!("one of {}", log_categories("", "").map(|category| category.name).join(", ")),
     })?;
     Ok(enabled.with(category, on))
 }
@@ -175,6 +175,6 @@ mod tests {
         assert_eq!(with_category(Categories::NONE, "logAll", true), Ok(Categories::ALL));
         assert_eq!(with_category(Categories::ALL, "logAll", false), Ok(Categories::NONE));
         let unknown = with_category(Categories::NONE, "nonsense", true).unwrap_err().to_string();
-        assert!(unknown.contains("category = \"nonsense\": allowed is logEvents, "), "{unknown}");
+        assert!(unknown.contains("category = \"nonsense\": expected one of logEvents, "), "{unknown}");
     }
 }

@@ -43,7 +43,7 @@ impl<P: Refusal> From<Fault> for Refused<P> {
 #[non_exhaustive]
 pub enum Problem {
     /// No variable of the requested types has that reference.
-    #[error("value reference {reference} is no {wanted} variable: {found}")]
+    #[error("value reference {reference} is not a variable of type {wanted}: {found}")]
     Reference {
         /// The reference.
         reference: u32,
@@ -53,7 +53,7 @@ pub enum Problem {
         found: String,
     },
     /// The variable cannot be set in the present phase, or never.
-    #[error("{name} cannot be set {phase}: allowed are {allowed}")]
+    #[error("{name} cannot be set {phase}: only {allowed} can be set")]
     NotSettable {
         /// The variable.
         name: Cow<'static, str>,
@@ -63,7 +63,7 @@ pub enum Problem {
         allowed: &'static str,
     },
     /// A value outside its range.
-    #[error("{name} = {value}: allowed is {allowed}")]
+    #[error("{name} = {value}: expected {allowed}")]
     Value {
         /// The variable.
         name: Cow<'static, str>,
@@ -74,7 +74,8 @@ pub enum Problem {
     },
     /// The host's time is not the component's.
     #[error(
-        "currentCommunicationPoint = {given} s, but the instance is at t = {own} s: allowed is a difference of 1e-9 max(1, |t|)"
+        "currentCommunicationPoint = {given} s, but the instance is at t = {own} s: the difference \
+         must be at most 1e-9 max(1, |t|)"
     )]
     Time {
         /// The host's time.
@@ -83,9 +84,7 @@ pub enum Problem {
         own: f64,
     },
     /// A step beyond the stop time.
-    #[error(
-        "step to t = {end} s: allowed is up to the stop time {stop} s, which was given before initialization"
-    )]
+    #[error("step to t = {end} s: must end by the stop time {stop} s, which was given before initialization")]
     StopTime {
         /// End of the step.
         end: f64,

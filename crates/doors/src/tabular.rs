@@ -116,7 +116,10 @@ impl<T: Tabular> FromTable<T> {
         row.map(|row| (row, place)).ok_or_else(|| Problem::Reference {
             reference,
             wanted: bases.name,
-            found: format!("allowed are those of the model description, from 1 to {}", T::ROWS.len()),
+            found: format!(
+                "expected a value reference of the model description, from 1 to {}",
+                T::ROWS.len()
+            ),
         })
     }
 
@@ -281,7 +284,7 @@ impl<T: Tabular> Model for FromTable<T> {
     fn deserialize(&self, bytes: &[u8]) -> Result<Saved, Problem> {
         let (written_by, saved): (String, Saved) = postcard::from_bytes(bytes).map_err(refused)?;
         if written_by != Self::token() {
-            return Err(Problem::SavedState { what: "it is not of this FMU".into() });
+            return Err(Problem::SavedState { what: "it is not from this FMU".into() });
         }
         Self::check(&saved)?;
         Ok(saved)

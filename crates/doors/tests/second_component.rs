@@ -289,7 +289,7 @@ fn a_value_that_the_model_cannot_take_is_discarded_and_the_instance_continues() 
     unsafe {
         assert_eq!(fmi3Reset(c), OK);
         assert_eq!(fmi3SetFloat64(c, &3, 1, &1.5, 1), 2);
-        let refusal = "fmi3SetFloat64: e = 1.5: allowed is a number from 0 to 1";
+        let refusal = "fmi3SetFloat64: e = 1.5: expected a number from 0 to 1";
         assert_eq!(messages.last().unwrap(), &format!("logStatusDiscard {refusal}"));
         assert_eq!(fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 0, 0.0), OK);
         fmi3FreeInstance(c);

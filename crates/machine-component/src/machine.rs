@@ -157,8 +157,8 @@ impl Machine {
     fn finite_value(&self, quantity: Quantity, name: &str) -> Result<f64, Problem> {
         let value = self.value(quantity) + 0.0;
         let allowed = match quantity {
-            Quantity::Following(_) => "a finite number; its expression of named parameters gives none",
-            _ => "a finite number: states or inputs are too large for it",
+            Quantity::Following(_) => "a finite number; its expression of named parameters does not give one",
+            _ => "a finite number; states or inputs are too large",
         };
         if value.is_finite() { Ok(value) } else { Err(Problem::value(name.to_owned(), value, allowed)) }
     }

@@ -18,7 +18,7 @@ pub enum MachineProblem {
         problem: String,
     },
     /// The file's text is not the one from which the model description was made.
-    #[error("{place}: this is not the text of which the model description was made, {token}")]
+    #[error("{place}: this is not the text from which the model description was made, {token}")]
     Text {
         /// The file or, if its text is not a machine, the refusal with its lines.
         place: String,

@@ -47,15 +47,15 @@ impl SavedState {
     /// # Errors
     /// [`Problem::SavedState`] for bytes that are truncated, altered or from another machine.
     pub(crate) fn from_bytes(bytes: &[u8], token: &str) -> Result<Self, Problem> {
-        let rest = bytes.strip_prefix(&MAGIC).ok_or_else(|| refused("it is not of a described machine"))?;
+        let rest = bytes.strip_prefix(&MAGIC).ok_or_else(|| refused("it is not from a described machine"))?;
         let (sum, payload) = rest.split_first_chunk().ok_or_else(|| refused("it ends too early"))?;
         if *sum != fnv1a(payload).to_le_bytes() {
-            return Err(refused("its checksum does not fit: it is truncated or altered"));
+            return Err(refused("its checksum does not match: it is truncated or altered"));
         }
         let (written, rest) =
             postcard::take_from_bytes::<String>(payload).map_err(|error| refused(error.to_string()))?;
         if written != token {
-            return Err(refused("it is of another machine, or of another version"));
+            return Err(refused("it is from another machine or another version"));
         }
         postcard::from_bytes(rest).map_err(|error| refused(error.to_string()))
     }

@@ -334,7 +334,9 @@ impl VariableTable {
         }
         let found = match row {
             Some(row) => format!("{} is {}", row.name, row.base.name()),
-            None => format!("allowed are those of the model description, from 1 to {}", self.rows.len()),
+            None => {
+                format!("expected a value reference of the model description, from 1 to {}", self.rows.len())
+            }
         };
         Err(Problem::Reference { reference, wanted: bases.name, found })
     }

@@ -38,7 +38,7 @@ impl Description {
     /// ```
     /// let machine = vibro_machine::Description { name: "Nothing".into(), ..Default::default() };
     /// let refused = machine.check().unwrap_err();
-    /// assert_eq!(refused.to_string(), "body: allowed is a machine of one or more bodies");
+    /// assert_eq!(refused.to_string(), "body: expected at least one body");
     /// ```
     ///
     /// # Errors
@@ -116,21 +116,23 @@ fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec
         problems.push(Problem::new(
             format!("{name}.arms"),
             None,
-            "names no body; allowed are one body or more",
+            "names no body; expected one or more bodies",
         ));
     }
     let signs: Vec<_> = arms.terms.iter().map(|term| term.1).collect();
     if !arms.levers && ![&[-1.0][..], &[1.0], &[-1.0, 1.0]].contains(&&signs[..]) {
-        let text = "allowed without levers are the arms -1 of the first end and 1 of the second";
+        let text = "an element without levers must have the arms -1 (first end) and 1 (second end)";
         problems.push(Problem::new(format!("{name}.arms"), Some(format!("{signs:?}")), text));
     }
     let mut seen = vec![false; machine.bodies.len()];
     for &(body, arm) in &arms.terms {
         let of = |body: &Body| format!("{name}.arms.{}", body.name);
         match machine.bodies.get(body) {
-            None => {
-                problems.push(Problem::new(name, None, format!("there is no body {body}, counted from 0")))
-            }
+            None => problems.push(Problem::new(
+                name,
+                None,
+                format!("no body has the index {body}, counted from 0"),
+            )),
             Some(found) if std::mem::replace(&mut seen[body], true) => {
                 problems.push(refused(of(found), arm, "the body is named twice"));
             }
@@ -138,7 +140,7 @@ fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec
                 problems.push(refused(
                     of(found),
                     arm,
-                    "allowed without levers is a body of the element's dimension",
+                    "an element without levers requires a body of its own dimension",
                 ));
             }
             Some(_) => {}
@@ -149,7 +151,7 @@ fn check_arms(machine: &Description, name: &str, arms: &Arms, problems: &mut Vec
 fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     for (i, pair) in signal.steps.windows(2).enumerate() {
         if pair[1].time <= pair[0].time {
-            let text = format!("allowed is a time after {:?} s, that of the step before", pair[0].time);
+            let text = format!("must be after {:?} s, the time of the previous step", pair[0].time);
             problems.push(refused(format!("{name}.steps[{}].time", i + 1), pair[1].time, text));
         }
     }
@@ -162,18 +164,19 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     };
     let table = format!("{name}.table");
     if record.knots.len() < 2 || record.knots.len() > MOST_KNOTS {
-        let text = format!("has {} knots; allowed are 2 to {MOST_KNOTS}", record.knots.len());
+        let text = format!("has {} knots; expected 2 to {MOST_KNOTS}", record.knots.len());
         problems.push(Problem::new(&table, None, text));
     }
     if let Some(i) = record.knots.iter().position(|k| !(k.0.is_finite() && k.1.is_finite())) {
         let knot = format!("[{:?}, {:?}]", record.knots[i].0, record.knots[i].1);
-        problems.push(Problem::new(format!("{table}[{i}]"), Some(knot), "allowed are finite numbers"));
+        problems.push(Problem::new(format!("{table}[{i}]"), Some(knot), "expected finite numbers"));
     } else if let Some(i) = record.knots.windows(2).position(|k| k[1].0 <= k[0].0) {
-        let text = format!("allowed is a time after {:?} s, that of the knot before", record.knots[i].0);
+        let text = format!("must be after {:?} s, the time of the previous knot", record.knots[i].0);
         problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
     } else if let Some(i) = too_near(record) {
         let text = format!(
-            "allowed without \"hold\" is a time {LEAST_APART:e} s or more after {:?} s, that of the knot before",
+            "must be at least {LEAST_APART:e} s after {:?} s, the time of the previous knot; only \
+             interpolation = \"hold\" allows less",
             record.knots[i].0
         );
         problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
@@ -193,12 +196,12 @@ fn too_near(record: &Record) -> Option<usize> {
 fn check_sweep(name: &str, sweep: &Sweep, problems: &mut Vec<Problem>) {
     for (key, frequency) in [("from", sweep.from), ("to", sweep.to)] {
         if frequency == 0.0 && sweep.law == SweepLaw::Logarithmic {
-            let text = "allowed in a logarithmic sweep is a frequency above 0 Hz";
+            let text = "must be above 0 Hz in a logarithmic sweep";
             problems.push(refused(format!("{name}.{key}"), frequency, text));
         }
     }
     if sweep.from.max(sweep.to) == 0.0 && sweep.law == SweepLaw::Linear {
-        let text = "from and to are 0 Hz; allowed is a frequency above 0 Hz at one end";
+        let text = "`from` and `to` are both 0 Hz; one of them must be above 0 Hz";
         problems.push(refused(format!("{name}.to"), sweep.to, text));
     }
 }
@@ -210,7 +213,7 @@ fn check_integrated(machine: &Description, problems: &mut Vec<Problem>) {
             let name = of_sweep(&named.name, i, named.signal.sweeps.len());
             if sweep.turns() > MOST_TURNS {
                 let text = format!(
-                    "it makes {:.0} turns; allowed below a rate or an acceleration are {MOST_TURNS:.0}",
+                    "the sweep makes {:.0} turns; expected at most {MOST_TURNS:.0} in a rate or an acceleration",
                     sweep.turns()
                 );
                 problems.push(refused(format!("{name}.duration"), sweep.duration, text));
@@ -224,20 +227,20 @@ fn check_repeat(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     let Some(period) = signal.repeat else { return };
     for (i, step) in signal.steps.iter().enumerate() {
         if !(0.0..period).contains(&step.time) {
-            let text = format!("allowed is a time from 0 s to before repeat = {period:?} s");
+            let text = format!("must be at least 0 s and less than repeat = {period:?} s");
             problems.push(refused(format!("{name}.steps[{i}].time"), step.time, text));
         }
     }
     let Some(record) = &signal.table else { return };
     let outside = |knot: &(f64, f64)| !(0.0..=period).contains(&knot.0);
     if let Some(i) = record.knots.iter().position(outside) {
-        let text = format!("allowed is a time from 0 s to repeat = {period:?} s");
+        let text = format!("the time must be from 0 s to repeat = {period:?} s");
         problems.push(refused(format!("{name}.table[{i}]"), record.knots[i].0, text));
         return;
     }
     let (first, last) = (record.knots[0], record.knots[record.knots.len() - 1]);
     if first.0 == 0.0 && last.0 == period && first.1 != last.1 {
-        let text = format!("at repeat = {period:?} s allowed is the value at 0 s, {:?}", first.1);
+        let text = format!("the value at repeat = {period:?} s must equal the value at 0 s, {:?}", first.1);
         problems.push(refused(format!("{name}.table[{}]", record.knots.len() - 1), last.1, text));
     }
 }
@@ -249,20 +252,20 @@ fn check_points(spring: &Spring, problems: &mut Vec<Problem>) {
         return;
     }
     if points.len() < 2 {
-        problems.push(Problem::new(&name, None, "allowed are two points or more"));
+        problems.push(Problem::new(&name, None, "expected at least two points"));
     }
     if let Some(i) = points.windows(2).position(|pair| pair[1].e <= pair[0].e) {
-        let text = format!("allowed is an e above {:?}, that of the point before", points[i].e);
+        let text = format!("must be greater than {:?}, the e of the previous point", points[i].e);
         problems.push(refused(format!("{name}[{}].e", i + 1), points[i + 1].e, text));
     } else if let Some(i) = slopes(points).iter().position(|slope| !slope.is_finite()) {
-        let text = "allowed is a finite slope from the point before";
+        let text = "the slope from the previous point must be finite";
         problems.push(refused(format!("{name}[{}].f", i + 1), points[i + 1].f, text));
     }
     if (spring.stiffness, spring.preload) != (0.0, 0.0) {
         problems.push(refused(
             format!("spring.{}.stiffness", spring.name),
             spring.stiffness,
-            "allowed beside points is 0, and 0 for preload",
+            "stiffness and preload must be 0 if the spring has points",
         ));
     }
 }
@@ -275,10 +278,10 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
             None => problems.push(Problem::new(
                 name,
                 None,
-                format!("there is no body {}, counted from 0", load.body),
+                format!("no body has the index {}, counted from 0", load.body),
             )),
             Some(Body { name: body, kind, .. }) if kind.is_prescribed() => {
-                let text = "the motion of this body is prescribed; allowed is a body with mass or inertia";
+                let text = "the motion of this body is prescribed; expected a body with mass or inertia";
                 problems.push(Problem::new(name, Some(format!("{body:?}")), text));
             }
             Some(_) => {}
@@ -306,7 +309,7 @@ fn curves(machine: &Description, problems: &mut Vec<Problem>) {
 /// Problems of springs in series: the inner displacement at time 0 replaces a preload.
 fn series(machine: &Description, problems: &mut Vec<Problem>) {
     for spring in machine.springs.iter().filter(|own| own.series.is_some() && own.preload != 0.0) {
-        let text = "allowed is 0 of a spring in series";
+        let text = "must be 0 for a spring in series";
         problems.push(refused(format!("spring.{}.preload", spring.name), spring.preload, text));
     }
 }
@@ -322,7 +325,7 @@ fn levels(machine: &Description, problems: &mut Vec<Problem>) {
         let Some(largest) = &friction.static_force else { continue };
         let force = friction.force.constant;
         if friction.force.is_constant() && largest.is_constant() && largest.constant < force {
-            let text = format!("allowed is a number >= friction.{}.force = {force:?}", friction.name);
+            let text = format!("must be at least friction.{}.force = {force:?}", friction.name);
             problems.push(refused(format!("friction.{}.static", friction.name), largest.constant, text));
         }
     }
@@ -336,16 +339,17 @@ fn check_follows(machine: &Description, name: &str, follows: &Follows, problems:
         None => problems.push(Problem::new(
             format!("{name}.follows"),
             None,
-            format!("there is no stop {stop}, counted from 0"),
+            format!("no stop has the index {stop}, counted from 0"),
         )),
         Some(Stop { name: rigid, law: StopLaw::Rigid { .. }, .. }) => {
-            let text = "this stop is rigid, and impacts with friction are outside this program; allowed is a compliant stop";
+            let text = "friction at a rigid stop is not supported: its impacts would have friction; \
+                        use a compliant stop";
             problems.push(Problem::new(format!("{name}.follows"), Some(format!("{rigid:?}")), text));
         }
         Some(_) => {}
     }
     if let Some(largest) = static_coefficient.filter(|largest| *largest < coefficient) {
-        let text = format!("allowed is a number >= {name}.coefficient = {coefficient:?}");
+        let text = format!("must be at least {name}.coefficient = {coefficient:?}");
         problems.push(refused(format!("{name}.static_coefficient"), largest, text));
     }
 }
@@ -354,7 +358,7 @@ fn check_follows(machine: &Description, name: &str, follows: &Follows, problems:
 /// on no rotating body.
 fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.bodies.is_empty() {
-        problems.push(Problem::new("body", None, "allowed is a machine of one or more bodies"));
+        problems.push(Problem::new("body", None, "expected at least one body"));
     }
     let mut touched = vec![false; machine.bodies.len()];
     machine
@@ -367,7 +371,7 @@ fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
         let name = format!("body.{}", body.name);
         let moves_by_forces = matches!(body.kind, BodyKind::Free(_)) && !body.is_inner();
         if !touched && moves_by_forces {
-            let text = "nothing acts on this body; allowed is a body with an element";
+            let text = "nothing acts on this body; connect an element to it";
             problems.push(Problem::new(&name, None, text));
         }
         if let (Dimension::Rotation, BodyKind::Free(free)) = (body.dimension, &body.kind)
@@ -376,7 +380,7 @@ fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
             problems.push(refused(
                 format!("{name}.gravity"),
                 free.gravity,
-                "allowed is 0, since gravity turns no body",
+                "must be 0, since gravity does not turn a body",
             ));
         }
     }

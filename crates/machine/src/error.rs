@@ -1,4 +1,4 @@
-//! Errors of a machine and its motion. Every message names the quantity, its value and the allowed
+//! Errors of a machine and its motion. Every message names the quantity, its value and the expected
 //! values.
 
 use crate::refusal::Refusal;
@@ -9,7 +9,8 @@ use crate::refusal::Refusal;
 pub enum Error {
     /// A link that follows from the other links, or that moves no free body.
     #[error(
-        "link.{link}: it follows from the other links, or moves no free body; allowed are links of which each takes one coordinate away"
+        "link.{link}: it follows from the other links, or moves no free body; each link must remove \
+         one coordinate"
     )]
     Redundant {
         /// Name of the link.
@@ -17,11 +18,14 @@ pub enum Error {
     },
     /// An inertia matrix that is not positive in double precision.
     #[error(
-        "the inertias: not positive in double precision after the links; allowed are ratios up to about 1e15"
+        "the inertias: not positive in double precision after the links; their ratios must be at \
+         most about 1e15"
     )]
     Inertia,
     /// A rate above 1e100 rad/s, whose powers would overflow.
-    #[error("{name} = {value:e}: allowed are rates, with the inertias that move, of at most 1e100 rad/s")]
+    #[error(
+        "{name} = {value:e}: the rate that it gives with the moving inertias must be at most 1e100 rad/s"
+    )]
     TooFast {
         /// Dotted name of the parameter.
         name: String,
@@ -29,9 +33,7 @@ pub enum Error {
         value: f64,
     },
     /// Prescribed bodies drive stops together, and no body can yield.
-    #[error(
-        "jammed at t = {time} s: {stops} cannot give way; allowed are motions in which a body between them can"
-    )]
+    #[error("jammed at t = {time} s: {stops} cannot give way; a body between them must be able to")]
     Jammed {
         /// Time, s.
         time: f64,
@@ -41,7 +43,9 @@ pub enum Error {
     /// A rigid stop violated by a jump of a prescribed motion or an input, by a changed parameter
     /// or by a start.
     #[error(
-        "{stop} at t = {time} s: e - gap = {excess} at a start, after a jump of a prescribed motion or a change of numbers; allowed is at most 0"
+        "{stop} at t = {time} s: e - gap = {excess}; must be at most 0 at a start, after a jump of \
+         a prescribed motion and after a \
+         change of parameters"
     )]
     Violated {
         /// The stop, as `stop.NAME`.
@@ -53,8 +57,9 @@ pub enum Error {
     },
     /// A machine that starts at rest without an equilibrium.
     #[error(
-        "start = \"rest\": no equilibrium; body.{body} is accelerated with {acceleration:?} (SI) wherever it stands; allowed are \
-         machines whose springs, stops and friction can bear weight and loads at time 0"
+        "start = \"rest\": no equilibrium; body.{body} has the acceleration {acceleration:?} (SI) \
+         at every position; \
+         springs, stops and friction must be able to bear weight and loads at time 0"
     )]
     NoEquilibrium {
         /// Name of the body with the largest remaining acceleration.
@@ -64,8 +69,9 @@ pub enum Error {
     },
     /// A machine that starts at rest and gives way while its loads grow.
     #[error(
-        "start = \"rest\": spring.{spring} falls, and gives way at {factor:?} of the loads, where nothing that grows with them holds \
-         what is left; allowed is a start in place of rest"
+        "start = \"rest\": spring.{spring} has a falling line and gives way at {factor:?} of the \
+         loads, where no force that grows with them \
+         balances the rest; give start values instead"
     )]
     GivesWay {
         /// Name of the spring.
@@ -74,7 +80,7 @@ pub enum Error {
         factor: f64,
     },
     /// Modes that change without end at one instant, or events that accumulate.
-    #[error("the motion cannot go on at t = {time} s: {cause}")]
+    #[error("the motion cannot continue at t = {time} s: {cause}")]
     Stuck {
         /// Time, s.
         time: f64,
@@ -83,7 +89,7 @@ pub enum Error {
     },
     /// A call that needs more sub-steps than allowed; another call continues from the time
     /// reached.
-    #[error("the motion cannot go on at t = {time} s: {cause}")]
+    #[error("the motion cannot continue at t = {time} s: {cause}")]
     TooStiff {
         /// Time, s.
         time: f64,
@@ -92,7 +98,8 @@ pub enum Error {
     },
     /// A coordinate or rate above 1e100, whose energy would overflow.
     #[error(
-        "the motion cannot go on at t = {time} s: {name} = {value:e} (SI); allowed are sizes up to 1e100, whose energies are numbers"
+        "the motion cannot continue at t = {time} s: {name} = {value:e} (SI); its size must be at \
+         most 1e100, so that energies are finite"
     )]
     Beyond {
         /// Time, s.
@@ -109,7 +116,7 @@ pub enum Error {
         time: f64,
     },
     /// An end of a step that is before the present time or not finite.
-    #[error("step to t = {end} s from t = {time} s: allowed is a finite end not before the present")]
+    #[error("step to t = {end} s from t = {time} s: the end must be finite and not before the present time")]
     Step {
         /// Present time, s.
         time: f64,
@@ -128,7 +135,7 @@ pub enum Error {
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// A number outside its range.
-    #[error("{name} = {value}: allowed is {allowed}")]
+    #[error("{name} = {value}: expected {allowed}")]
     OutOfRange {
         /// Name of the number.
         name: String,

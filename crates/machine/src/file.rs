@@ -20,8 +20,8 @@
 //! assert_eq!(
 //!     refused.to_string(),
 //!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; \
-//!      the nearest is `ball`\n\
-//!      ball.toml:7: stop.floor.gap = \"1 N\": allowed is a finite number, in m, cm, mm, um, in"
+//!      did you mean `ball`?\n\
+//!      ball.toml:7: stop.floor.gap = \"1 N\": expected a finite number in m, cm, mm, um or in"
 //! );
 //! ```
 
@@ -44,6 +44,7 @@ mod series;
 mod signals;
 mod start;
 mod stepped;
+mod syntax;
 mod write;
 
 pub use completion::{Completion, completion};
@@ -119,7 +120,7 @@ pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Re
 
 fn parse_by(text: &str, (file, records): (&str, Records), check: Check) -> Result<Description, Refusal> {
     let refusal = |problems| Refusal { file: file.into(), problems };
-    let (root, broken) = reading::toml(text);
+    let (root, broken) = syntax::toml(text);
     if !broken.is_empty() {
         return Err(refusal(broken));
     }
@@ -145,8 +146,8 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
     reading.known(root, &keys);
     let mut machine = Description::default();
     named::read(reading, root);
-    if let Some(entry) = reading.required(root, "name", "allowed is a name, such as \"Damper\"") {
-        machine.name = reading.string(&entry, "allowed is a name, such as \"Damper\"").unwrap_or_default();
+    if let Some(entry) = reading.required(root, "name", "expected a name, such as \"Damper\"") {
+        machine.name = reading.string(&entry, "expected a name, such as \"Damper\"").unwrap_or_default();
     }
     if let Some(entry) = reading.optional(root, "gravity") {
         machine.gravity = reading.number(&entry, kinds::GRAVITY, Dimension::Translation).unwrap_or(0.0);
@@ -154,7 +155,7 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
     if let Some(entry) = reading.optional(root, "start") {
         machine.starts_at_rest = entry.value.as_str() == Some("rest");
         if !machine.starts_at_rest {
-            let text = "allowed is \"rest\", or a body's own start";
+            let text = "expected \"rest\"; give any other start in the table of each body";
             reading.note_names(entry.value.as_str().unwrap_or_default(), ["rest"].into_iter());
             reading.refuse(&entry, text);
         }

@@ -177,29 +177,34 @@ impl NumberKind {
     pub fn allowed_instead_of(&self, value: f64) -> String {
         let allowed = self.range.allowed;
         match self.of_any_size().contains(value) {
-            true => format!("allowed is {allowed}, of a size from {:e} on", self.least),
-            false => format!("allowed is {allowed}"),
+            true => format!("expected {allowed}, at least {:e} in size", self.least),
+            false => format!("expected {allowed}"),
         }
     }
 
     /// The allowed values in a file, in words.
     pub fn allowed(&self, dimension: Dimension) -> String {
-        self.in_units(format!("allowed is {}", self.range.allowed), dimension)
+        let (allowed, units) = (self.range.allowed, symbols(self.unit(dimension)).collect::<Vec<_>>());
+        match units[0] {
+            "1" if self.any_unit => format!("expected {allowed}, with or without a unit"),
+            "1" => format!("expected {allowed}"),
+            _ => format!("expected {allowed} in {}", one_of(&units)),
+        }
     }
 
     /// The allowed values in a file, in words, for a value that is too small.
     pub fn allowed_sizes(&self, dimension: Dimension) -> String {
-        let (allowed, unit) = (self.range.allowed, symbols(self.unit(dimension)).next());
-        let unit = unit.filter(|unit| *unit != "1").map_or(String::new(), |unit| format!(" {unit}"));
-        self.in_units(format!("allowed is {allowed}, of a size from {:e}{unit} on", self.least), dimension)
+        let unit = symbols(self.unit(dimension)).next().filter(|unit| *unit != "1");
+        let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
+        format!("{}, at least {:e}{unit} in size", self.allowed(dimension), self.least)
     }
+}
 
-    fn in_units(&self, allowed: String, dimension: Dimension) -> String {
-        let units: Vec<_> = symbols(self.unit(dimension)).collect();
-        match units[0] {
-            "1" if self.any_unit => format!("{allowed}, with or without a unit"),
-            "1" => allowed,
-            _ => format!("{allowed}, in {}", units.join(", ")),
-        }
+/// Some words as a list: "a, b or c".
+pub(crate) fn one_of<T: AsRef<str>>(words: &[T]) -> String {
+    let words: Vec<&str> = words.iter().map(AsRef::as_ref).collect();
+    match words.split_last() {
+        Some((last, before)) if !before.is_empty() => format!("{} or {last}", before.join(", ")),
+        _ => words.concat(),
     }
 }

@@ -105,7 +105,7 @@ impl NamedParameters {
         }
         let name = &self.all[place].name;
         if seen[place] == 1 {
-            return Err((place, format!("follows from itself; allowed is an expression without `{name}`")));
+            return Err((place, format!("depends on itself; use an expression without `{name}`")));
         }
         seen[place] = 1;
         if let Some(expression) = &self.all[place].expression {
@@ -220,7 +220,7 @@ impl NamedParameters {
             "" => format!("is fixed by its expression `= {}`", expression.text),
             _ => {
                 format!(
-                    "follows from {sources} by the expression `= {}`; allowed is {sources}",
+                    "follows from {sources} by the expression `= {}`; change {sources} instead",
                     expression.text
                 )
             }

@@ -93,7 +93,7 @@ impl Description {
     /// let refused = ball.replace("stop.floor.restitution", 1.2).unwrap_err();
     /// assert_eq!(
     ///     refused.to_string(),
-    ///     "stop.floor.restitution = 1.2: allowed is a number from 0 to 1"
+    ///     "stop.floor.restitution = 1.2: expected a number from 0 to 1"
     /// );
     /// # Ok::<(), vibro_machine::Refusal>(())
     /// ```

@@ -15,7 +15,7 @@ pub struct Problem {
     pub name: String,
     /// The value found, if any.
     pub value: Option<String>,
-    /// The fault, and the allowed values.
+    /// The fault, and the expected values.
     pub text: String,
 }
 
@@ -99,15 +99,15 @@ pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clon
     let near = |_: &&str| name.len() <= LONGEST_MISSPELT;
     let nearest = valid.clone().filter(near).map(|v| (distance(&v), v)).min().filter(|found| found.0 <= far);
     if let Some((_, nearest)) = nearest {
-        return format!("the nearest is `{nearest}`");
+        return format!("did you mean `{nearest}`?");
     }
     let mut all: Vec<_> = valid.take(SHOWN + 1).collect();
     match all.len() {
         0 => "there are none".into(),
         n if n > SHOWN => {
             all.truncate(SHOWN);
-            format!("valid are {} and more", all.join(", "))
+            format!("expected one of {} and more", all.join(", "))
         }
-        _ => format!("valid are {}", all.join(", ")),
+        _ => format!("expected one of {}", all.join(", ")),
     }
 }

@@ -295,7 +295,7 @@ fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
     let gap = format!("{stop}.gap");
     let value = assembly.description.get(&gap).ok().map(|gap| format!("{gap:?}"));
     let text = format!(
-        "the start at t = {time:?} s violates it by e - gap = {excess:?} {unit}; allowed is e <= gap"
+        "the start at t = {time:?} s violates the stop by e - gap = {excess:?} {unit}; expected e <= gap"
     );
     Refusal::one(Problem::new(gap, value, text)).into()
 }
@@ -327,7 +327,7 @@ impl TryFrom<String> for Start {
                     start.blocks.insert(format!("{of}.{what}"), x);
                 }
                 Some((None, time)) => start.time = time,
-                _ => return Err(format!("`{part}` is no number of a start")),
+                _ => return Err(format!("`{part}` is not a start value")),
             }
         }
         Ok(start)
@@ -338,7 +338,7 @@ impl TryFrom<String> for Start {
 impl fmt::Display for Start {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_own() {
-            return f.write_str("as the file says");
+            return f.write_str("as in the file");
         }
         let words: Vec<String> = self.numbers().iter().map(|(name, x)| format!("{name}={x:?}")).collect();
         f.write_str(&words.join(","))
@@ -377,7 +377,7 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
     match found {
         Some((i, place)) if free(&&d.bodies[i]) => Ok(place),
         Some((i, _)) if matches!(d.bodies[i].kind, BodyKind::Node(_)) => {
-            refused("it is a node; allowed are starts of the coordinates behind it".into())
+            refused("it is a node; use start values of the coordinates behind it".into())
         }
         Some(_) => refused(format!("its motion is prescribed; {}", allowed(d.bodies.iter().filter(free)))),
         None => {
@@ -390,7 +390,7 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
                 .chain(d.names_of_blocks())
                 .collect();
             let near = advice(plain, names.iter().map(String::as_str));
-            refused(format!("no number of a start has this name; {near}"))
+            refused(format!("no start value has this name; {near}"))
         }
     }
 }
@@ -410,6 +410,6 @@ fn allowed<'b>(bodies: impl Iterator<Item = &'b Body>) -> String {
     if names.is_empty() {
         "no body has a start of its own".into()
     } else {
-        format!("allowed are starts of {}", names.join(", "))
+        format!("use start values of {}", names.join(", "))
     }
 }

@@ -590,28 +590,28 @@ fn golden_refusals_of_blocks() {
         (
             "\"cart.s\", \"wanted\"",
             "\"dry.f\", \"wanted\"",
-            "block.pp.inputs[0] = \"dry.f\": is a force, which contacts",
+            "block.pp.inputs[0] = \"dry.f\": is a force; forces of contact",
         ),
-        ("\"cart.s\", \"wanted\"", "\"cart.x\", \"wanted\"", "the nearest is `cart.s`"),
-        ("\"cart.s\", \"wanted\"", "\"cart.s\", \"wantd\"", "the nearest is `wanted`"),
-        ("sample = \"= T\"", "delay = \"1 ms\"", "block.pp.delay = \"1 ms\": stands without sample"),
-        ("sample = \"= T\"", "quantum = { wanted = 1e-3 }", "stands without sample"),
-        ("sample = \"= T\"", "sample = 0.0", "block.pp.sample = 0.0: allowed is a finite number > 0"),
+        ("\"cart.s\", \"wanted\"", "\"cart.x\", \"wanted\"", "did you mean `cart.s`?"),
+        ("\"cart.s\", \"wanted\"", "\"cart.s\", \"wantd\"", "did you mean `wanted`?"),
+        ("sample = \"= T\"", "delay = \"1 ms\"", "block.pp.delay = \"1 ms\": requires `sample`"),
+        ("sample = \"= T\"", "quantum = { wanted = 1e-3 }", "requires `sample`"),
+        ("sample = \"= T\"", "sample = 0.0", "block.pp.sample = 0.0: expected a finite number > 0"),
         (
             "u = [-10, 10]",
             "u = [10, -10]",
-            "block.pp.limits.u[1] = -10: allowed is a number above the lower limit, 10.0",
+            "block.pp.limits.u[1] = -10: must be greater than the lower limit, 10.0",
         ),
         (
             "from = \"pp.u\"",
             "from = \"pp.v\"",
-            "load.motor.from = \"pp.v\": no block has this output; the nearest is `pp.u`",
+            "load.motor.from = \"pp.v\": no block has this output; did you mean `pp.u`?",
         ),
-        ("from = \"pp.u\"", "from = \"pp.u\"\nconstant = 1.0", "stands beside from"),
+        ("from = \"pp.u\"", "from = \"pp.u\"\nconstant = 1.0", "cannot be combined with `from`"),
         ("a = [[0.0]]", "a = [[0.0, 1.0]]", "block.pp.a[0]"),
-        ("constant = 0.1", "constant = \"2 g\"", "gram or 9.80665 m/s2?"),
+        ("constant = 0.1", "constant = \"2 g\"", "gram or 9.80665 m/s2"),
         ("name = \"Drive\"", "name = \"Drive\"\nstart = \"rest\"", "block.pp reads cart.s"),
-        ("sample =", "smaple =", "the nearest is `sample`"),
+        ("sample =", "smaple =", "did you mean `sample`?"),
     ];
     for (from, to, said) in cases {
         let text = refused(from, to);
@@ -623,5 +623,5 @@ fn golden_refusals_of_blocks() {
         "[load.motor]",
         "[block.p]\ninputs = [\"q.y\"]\nd = [[1.0]]\noutputs = [\"y\"]\n[block.q]\ninputs = [\"p.y\"]\nd = [[1.0]]\noutputs = [\"y\"]\n[load.motor]",
     );
-    assert!(looped.contains("an algebraic loop through d: p.y reads q.y reads p.y"), "{looped}");
+    assert!(looped.contains("an algebraic loop through `d`: p.y reads q.y reads p.y"), "{looped}");
 }

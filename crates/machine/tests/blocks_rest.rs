@@ -74,10 +74,10 @@ fn golden_refusals_of_outputs_say_one_thing() {
     let free = |block: &str| mass(block).replace("start = \"rest\"", "");
     let twice = mass(r#"inputs = ["level"], d = [[1.5], [1.0]]"#).replace("[\"y\"]", "[\"y\", \"y\"]");
     let said = refusal(&twice);
-    assert!(said.contains("block.block.outputs[1] = \"y\": is there twice"), "{said}");
+    assert!(said.contains("block.block.outputs[1] = \"y\": is given twice; keep one of them"), "{said}");
     assert!(!said.contains("rows"), "{said}");
     let said = refusal(&free(r#"inputs = ["level"], d = [[1.5]], limits = { y = [inf, 3] }"#));
-    assert!(said.contains("block.block.limits.y[0] = inf: allowed is a finite number, or -inf"), "{said}");
+    assert!(said.contains("block.block.limits.y[0] = inf: expected a finite number or -inf"), "{said}");
     let fast = free(r#"inputs = [], a = [[-1e120]], c = [[1.0]]"#);
     let d = parse(&fast, "fast.toml", &no_records).expect("a machine");
     let error = Assembly::new(d).expect_err("a rate beyond all bounds").to_string();

@@ -165,7 +165,7 @@ fn a_derivative_by_what_follows_is_refused_with_its_parameter() {
     let assembly = Arc::new(Assembly::new(machine()).unwrap());
     let refused =
         Differentiated::new(assembly.clone(), &[By::from("stop.drive_flank.gap")]).map(drop).unwrap_err();
-    let said = "stop.drive_flank.gap: follows from `backlash` by the expression `= backlash / 2`; allowed is `backlash`";
+    let said = "stop.drive_flank.gap: follows from `backlash` by the expression `= backlash / 2`; change `backlash` instead";
     assert_eq!(refused.to_string(), said);
     assert_eq!(Gradient::new(assembly, &["stop.drive_flank.gap"]).map(drop).unwrap_err().to_string(), said);
 }

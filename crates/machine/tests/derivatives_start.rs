@@ -132,6 +132,6 @@ fn bad_starts_are_refused_by_name() {
     );
     let refused = Differentiated::new(machine.clone(), &[By::Start(2)]).map(drop).unwrap_err();
     let Error::OutOfRange { name, allowed, .. } = &refused else { panic!("{refused}") };
-    assert_eq!((name.as_str(), allowed.as_str()), ("number of the start", "0 to 1"));
+    assert_eq!((name.as_str(), allowed.as_str()), ("index of a start value", "a whole number from 0 to 1"));
     assert!(Differentiated::from_state(machine, 0.0, &[1.0], &["body.a.mass"]).is_err());
 }

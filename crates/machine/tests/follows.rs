@@ -282,33 +282,33 @@ fn golden_following_in_files() {
         (
             "follows = \"pad\"",
             "follows = \"wall\"",
-            "m.toml:18: friction.rub.follows = \"wall\": this stop is rigid, and impacts with friction are outside this program; allowed is a \
-             compliant stop, with stiffness",
+            "m.toml:18: friction.rub.follows = \"wall\": this stop is rigid, and impacts with friction are not supported; use a compliant stop, \
+             with `stiffness`",
         ),
         (
             "follows = \"pad\"",
             "follows = \"pat\"",
-            "m.toml:18: friction.rub.follows = \"pat\": no stop has this name; the nearest is `pad`",
+            "m.toml:18: friction.rub.follows = \"pat\": no stop has this name; did you mean `pad`?",
         ),
         (
             "static_coefficient = 0.4",
             "static_coefficient = 0.2",
-            "m.toml:20: friction.rub.static_coefficient = 0.2: allowed is a number >= friction.rub.coefficient = 0.3",
+            "m.toml:20: friction.rub.static_coefficient = 0.2: must be at least friction.rub.coefficient = 0.3",
         ),
         (
             "static_coefficient = 0.4",
             "force = 3.0",
-            "m.toml:20: friction.rub.force = 3.0: stands beside follows; allowed is coefficient with static_coefficient, or force with static",
+            "m.toml:20: friction.rub.force = 3.0: cannot be combined with `follows`: use `coefficient` and `static_coefficient` for friction at a stop, or `force` and `static` for a given friction force",
         ),
         (
             "coefficient = 0.3\n",
             "coefficient = -0.3\n",
-            "m.toml:19: friction.rub.coefficient = -0.3: allowed is a finite number >= 0",
+            "m.toml:19: friction.rub.coefficient = -0.3: expected a finite number >= 0",
         ),
         (
             "follows = \"pad\"\n",
             "\n",
-            "m.toml:16: friction.rub.follows: missing; allowed is the name of a compliant stop",
+            "m.toml:16: friction.rub.follows: missing; expected the name of a compliant stop",
         ),
     ] {
         assert!(TEXT.contains(from), "{from}");

@@ -270,7 +270,7 @@ fn errors_of_matrices_name_the_entry() {
         (
             "[-400, 700, -300]",
             "[-401, 700, -300]",
-            "matrix.chain.stiffness: is not symmetric: the entry of row 1 and column 0, counted from 0, is -401.0, that across the diagonal -400.0",
+            "matrix.chain.stiffness: is not symmetric: the entry in row 1 and column 0, counted from 0, is -401.0, the entry across the diagonal is -400.0",
         ),
         (
             "[0, 0, 0.5]",
@@ -278,16 +278,16 @@ fn errors_of_matrices_name_the_entry() {
             "matrix.chain.mass: row 2, counted from 0, is zero: the coordinate has no mass",
         ),
         ("[0, 0, 0.5]", "[0, 0, -0.5]", "matrix.chain.mass: is not positive definite"),
-        ("[0, -300, 300]", "[0, -300, -300]", "matrix.chain.stiffness: its least eigenvalue is -"),
+        ("[0, -300, 300]", "[0, -300, -300]", "matrix.chain.stiffness: its smallest eigenvalue is -"),
         (
             "damping = [[3, -2, 0], [-2, 2, 0], [0, 0, 0]]",
             "damping = [[-3, 0, 0], [0, 2, 0], [0, 0, 0]]",
-            "matrix.chain.damping: its least eigenvalue is -",
+            "matrix.chain.damping: its smallest eigenvalue is -",
         ),
         (
             "gravity = [1, 1, 1]",
             "rayleigh = [0.1, 1e-4]",
-            "matrix.chain.rayleigh = [0.1, 1e-4]: allowed is one of damping, rayleigh, damping_ratio",
+            "matrix.chain.rayleigh = [0.1, 1e-4]: cannot be combined with `damping`: use one of `damping`, `rayleigh` and `damping_ratio`",
         ),
         (
             "gravity = [1, 1, 1]",
@@ -297,13 +297,13 @@ fn errors_of_matrices_name_the_entry() {
         (
             "gravity = [1, 1, 1]",
             "gyroscopic = [[0, 1], [-1, 0]]",
-            "has 2 rows and 2 columns; allowed are as many as mass has rows, 3",
+            "has 2 rows and 2 columns; expected as many of each as mass has rows, 3",
         ),
         ("first = 0", "first = 3", "there are 3 coordinates, 0 to 2"),
         (
             "mass = [[2, 0, 0], [0, 1, 0], [0, 0, 0.5]]",
             "mass = [[2, 0], [0, 1, 0]]",
-            "allowed is a Matrix Market file",
+            "expected a Matrix Market file",
         ),
     ] {
         assert!(CHAIN.contains(whole), "{whole}");
@@ -312,13 +312,13 @@ fn errors_of_matrices_name_the_entry() {
         assert!(refused.contains(text), "{refused}");
     }
     for (file, text) in [
-        ("complex.mtx", "complex.mtx:1: complex: allowed are real and integer entries"),
-        ("pattern.mtx", "pattern.mtx:1: pattern: allowed are real and integer entries"),
-        ("double.mtx", "double.mtx:4: 1 1 3: this entry is there twice"),
-        ("short.mtx", "short.mtx: it has 1 entries; its sizes say 2"),
-        ("three.mtx", "has 3 rows and 3 columns; allowed are as many as mass has rows, 2"),
+        ("complex.mtx", "complex.mtx:1: complex: expected real or integer entries"),
+        ("pattern.mtx", "pattern.mtx:1: pattern: expected real or integer entries"),
+        ("double.mtx", "double.mtx:4: 1 1 3: this entry is given twice"),
+        ("short.mtx", "short.mtx: it has 1 entries; expected 2, as given with its sizes"),
+        ("three.mtx", "has 3 rows and 3 columns; expected as many of each as mass has rows, 2"),
         ("none.mtx", "cannot be read: it is not there"),
-        ("/M.mtx", "allowed is a path below the file's folder"),
+        ("/M.mtx", "expected a path below the file's folder"),
     ] {
         let refused = parse(&FILES.replace("K.mtx", file), "files.toml", &files).unwrap_err().to_string();
         assert!(refused.contains(text), "{refused}");

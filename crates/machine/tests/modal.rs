@@ -231,33 +231,33 @@ fn errors_name_the_value_and_what_is_allowed() {
         (
             "damping_ratio = [0.01, 0.02, 0.03]",
             "damping_ratio = [0.01, 0.02]",
-            "modal.beam.damping_ratio = [0.01, 0.02]: allowed is a list of 3 numbers, one for each coordinate",
+            "modal.beam.damping_ratio = [0.01, 0.02]: expected a list of 3 numbers, one for each coordinate",
         ),
         (
             "\"2 Hz\"",
             "\"-2 Hz\"",
-            "modal.beam.frequencies[0] = \"-2 Hz\": allowed is a finite number >= 0, in Hz",
+            "modal.beam.frequencies[0] = \"-2 Hz\": expected a finite number >= 0 in Hz",
         ),
         (
             "tip = [1.9, -2.0, 2.0]",
             "tip = [1.9, -2.0]",
-            "modal.beam.nodes.tip = [1.9, -2.0]: allowed is a row of as many finite numbers",
+            "modal.beam.nodes.tip = [1.9, -2.0]: expected a row of finite numbers",
         ),
         ("{ \"0\" = 0.6, \"1\" = 1.2 }", "3", "there are 3 coordinates, 0 to 2"),
         (
             "\"beam.middle\", \"mass\"",
             "\"beam.midle\", \"mass\"",
-            "no body has this name; the nearest is `beam.middle`",
+            "no body has this name; did you mean `beam.middle`?",
         ),
         (
             "\"rotation\"",
             "\"turn\"",
-            "modal.beam.nodes.slope.dimension = \"turn\": allowed is \"translation\" or \"rotation\"",
+            "modal.beam.nodes.slope.dimension = \"turn\": expected \"translation\" or \"rotation\"",
         ),
         (
             "masses = [2.0, 1.0, 0.5]",
             "masses = [2.0, 1.0, 0.0]",
-            "modal.beam.masses[2] = 0.0: allowed is a finite number > 0",
+            "modal.beam.masses[2] = 0.0: expected a finite number > 0",
         ),
         ("modal.beam", "mode.beam", "no such key"),
     ] {

@@ -69,7 +69,7 @@ fn closed_form_of_a_start_at_another_time() {
     let (acceleration, dt) = (9.81 + 0.05 / 0.02, 10.2 - 10.0);
     assert!((later.body(0)[0] - 0.5 * acceleration * dt * dt).abs() < ROUNDING);
     let refused = Motion::starting_at(machine, f64::NAN).unwrap_err().to_string();
-    assert_eq!(refused, "start time = NaN: allowed is a finite number");
+    assert_eq!(refused, "start time = NaN: expected a finite number");
 }
 
 /// Names and machines whose event function touches its limit before 1.5 s without an event.

@@ -223,22 +223,22 @@ fn golden_points_in_files() {
         (
             "[\"20 mm\", \"-2 N\"]",
             "[\"-20 mm\", \"-2 N\"]",
-            "m.toml:11: spring.membrane.points[2].e = -0.02: allowed is an e above -0.01, that of the point before",
+            "m.toml:11: spring.membrane.points[2].e = -0.02: must be greater than -0.01, the e of the previous point",
         ),
         (
             "damping = 0.2",
             "stiffness = 3.0",
-            "m.toml:12: spring.membrane.stiffness = 3.0: stands beside points; allowed are points alone, with damping",
+            "m.toml:12: spring.membrane.stiffness = 3.0: cannot be combined with `points`: use `points` (with `damping`) for a curve, or `stiffness` for a linear spring",
         ),
         (
             "[\"20 mm\", \"-2 N\"]",
             "[\"20 mm\", \"-2 m\"]",
-            "m.toml:11: spring.membrane.points[2,1] = \"-2 m\": allowed is a finite number, in N, mN, kN, MN, lbf",
+            "m.toml:11: spring.membrane.points[2,1] = \"-2 m\": expected a finite number in N, mN, kN, MN or lbf",
         ),
         (
             "[[\"-60 mm\", \"-8 N\"], [\"-10 mm\", \"3 N\"], [\"20 mm\", \"-2 N\"], [\"40 mm\", \"-1 N\"], [\"50 mm\", \"4 N\"]]",
             "[[0.0, 0.0]]",
-            "m.toml:11: spring.membrane.points = [[0.0, 0.0]]: allowed are two or more pairs [e, f] at rising e, such as [[\"-2 mm\", \
+            "m.toml:11: spring.membrane.points = [[0.0, 0.0]]: expected two or more pairs [e, f] with increasing e, such as [[\"-2 mm\", \
              \"-40 N\"], [\"1 mm\", \"10 N\"]]",
         ),
     ] {
@@ -247,7 +247,7 @@ fn golden_points_in_files() {
     }
     let mut machine = machine;
     let said = machine.replace("spring.membrane.points[3].e", 0.06).unwrap_err().to_string();
-    assert!(said.contains("spring.membrane.points[4].e") && said.contains("above 0.06"), "{said}");
+    assert!(said.contains("spring.membrane.points[4].e") && said.contains("greater than 0.06"), "{said}");
 }
 
 /// The machine with lines, one of them falling, in place of its springs.

@@ -86,7 +86,9 @@ fn closed_form_a_spring_that_falls_is_reached_up_to_its_peak() {
     let said =
         Assembly::new(loaded(1, vec![lines("hump", &[(0, 1.0)], &hump)], &[0.1])).unwrap_err().to_string();
     assert!(
-        said.starts_with("start = \"rest\": spring.hump falls, and gives way at 0.0 of the loads"),
+        said.starts_with(
+            "start = \"rest\": spring.hump has a falling line and gives way at 0.0 of the loads"
+        ),
         "{said}"
     );
 }

@@ -325,7 +325,7 @@ fn invariant_starts_name_inner_places() {
     assert!(refused.contains("mount.slider"), "{refused}");
     let text = "time = 0.0\n[spring.soft]\nslider = 1.0\n";
     let refused = Start::parse(text, "start.toml", &assembly.description).unwrap_err().to_string();
-    assert!(refused.contains("spring.soft") && refused.contains("valid are mount"), "{refused}");
+    assert!(refused.contains("spring.soft") && refused.contains("expected one of mount"), "{refused}");
 }
 
 /// A body held only by such a spring is neutral at any position: coordinate and inner coordinate

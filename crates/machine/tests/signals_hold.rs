@@ -141,19 +141,19 @@ fn invariant_what_is_refused_of_scale_and_interpolation() {
     };
     assert_eq!(
         refused("table = [[0, \"1 N\"], [1, 2]]\nscale = 2.0"),
-        "r.toml:6: load.l.table[0,1] = \"1 N\": allowed is a finite number"
+        "r.toml:6: load.l.table[0,1] = \"1 N\": expected a finite number"
     );
     assert_eq!(
         refused("constant = 1.0\nscale = 2.0"),
-        "r.toml:7: load.l.scale = 2.0: there is no table to multiply; allowed beside table"
+        "r.toml:7: load.l.scale = 2.0: requires `table`, the record to multiply"
     );
     assert_eq!(
         refused("table = [[0, 1], [1, 2]]\nscale = \"2 m\""),
-        "r.toml:7: load.l.scale = \"2 m\": allowed is a finite number, in N, mN, kN, MN, lbf"
+        "r.toml:7: load.l.scale = \"2 m\": expected a finite number in N, mN, kN, MN or lbf"
     );
     assert_eq!(
         refused("table = [[0, 1], [1, 2]]\ninterpolation = \"held\""),
-        "r.toml:7: load.l.interpolation = \"held\": allowed is \"straight\", \"cubic\" or \"hold\""
+        "r.toml:7: load.l.interpolation = \"held\": expected \"straight\", \"cubic\" or \"hold\""
     );
 }
 

@@ -347,24 +347,24 @@ fn invariant_what_is_refused_beside_a_rate_or_an_acceleration() {
     for (motion, text) in [
         (
             "rate = { constant = 1.0 }, amplitude = 0.1, frequency = 1.0",
-            "r.toml:5: body.p.motion.amplitude = 0.1: stands beside rate, from which place and rate follow; allowed beside it is s\n\
-             r.toml:5: body.p.motion.frequency = 1.0: stands beside rate, from which place and rate follow; allowed beside it is s",
+            "r.toml:5: body.p.motion.amplitude = 0.1: cannot be combined with `rate`, which determines the motion: use `s` for the start\n\
+             r.toml:5: body.p.motion.frequency = 1.0: cannot be combined with `rate`, which determines the motion: use `s` for the start",
         ),
         (
             "rate = { constant = 1.0 }, v = 2.0",
-            "r.toml:5: body.p.motion.v = 2.0: stands beside rate, from which place and rate follow; allowed beside it is s",
+            "r.toml:5: body.p.motion.v = 2.0: cannot be combined with `rate`, which determines the motion: use `s` for the start",
         ),
         (
             "acceleration = 9.81, rate = 1.0",
-            "r.toml:5: body.p.motion.rate = 1.0: stands beside acceleration, from which place and rate follow; allowed beside it is s, v",
+            "r.toml:5: body.p.motion.rate = 1.0: cannot be combined with `acceleration`, which determines the motion: use `s` and `v` for the start",
         ),
         (
             "acceleration = 9.81, s = 1.0, offset = 1.0",
-            "r.toml:5: body.p.motion.offset = 1.0: the place at time 0 is there already; allowed is one of s, constant, offset",
+            "r.toml:5: body.p.motion.offset = 1.0: the position at time 0 is given twice; use one of `s`, `constant` and `offset`",
         ),
         (
             "acceleration = \"9.81 m/s\"",
-            "r.toml:5: body.p.motion.acceleration = \"9.81 m/s\": allowed is a finite number, in m/s2, mm/s2, cm/s2, g",
+            "r.toml:5: body.p.motion.acceleration = \"9.81 m/s\": expected a finite number in m/s2, mm/s2, cm/s2 or g",
         ),
     ] {
         assert_eq!(refused(motion), text);

@@ -170,27 +170,27 @@ fn invariant_what_is_refused_of_repeat() {
     for (signal, text) in [
         (
             "steps = [[0.1, 1.0], [0.3, 2.0]]\nrepeat = 0.3",
-            "r.toml:6: load.l.steps[1].time = 0.3: allowed is a time from 0 s to before repeat = 0.3 s",
+            "r.toml:6: load.l.steps[1].time = 0.3: must be at least 0 s and less than repeat = 0.3 s",
         ),
         (
             "steps = [[-0.1, 1.0]]\nrepeat = 0.3",
-            "r.toml:6: load.l.steps[0].time = -0.1: allowed is a time from 0 s to before repeat = 0.3 s",
+            "r.toml:6: load.l.steps[0].time = -0.1: must be at least 0 s and less than repeat = 0.3 s",
         ),
         (
             "table = [[0.1, 1.0], [0.4, 2.0]]\nrepeat = 0.3",
-            "r.toml:6: load.l.table[1] = [0.4, 2.0]: allowed is a time from 0 s to repeat = 0.3 s",
+            "r.toml:6: load.l.table[1] = [0.4, 2.0]: the time must be from 0 s to repeat = 0.3 s",
         ),
         (
             "table = [[0.0, 1.0], [0.3, 2.0]]\nrepeat = 0.3",
-            "r.toml:6: load.l.table[1] = [0.3, 2.0]: at repeat = 0.3 s allowed is the value at 0 s, 1.0",
+            "r.toml:6: load.l.table[1] = [0.3, 2.0]: the value at repeat = 0.3 s must equal the value at 0 s, 1.0",
         ),
         (
             "steps = [[0.1, 1.0]]\nrepeat = 0",
-            "r.toml:7: load.l.repeat = 0: allowed is a finite number > 0, in s, ms, us, min, h",
+            "r.toml:7: load.l.repeat = 0: expected a finite number > 0 in s, ms, us, min or h",
         ),
         (
             "constant = 1.0\nrepeat = \"20 ms\"",
-            "r.toml:7: load.l.repeat = \"20 ms\": there is nothing to repeat; allowed beside steps or table",
+            "r.toml:7: load.l.repeat = \"20 ms\": requires `steps` or `table`, which it repeats",
         ),
     ] {
         assert_eq!(refused(signal), text);
@@ -199,7 +199,7 @@ fn invariant_what_is_refused_of_repeat() {
     let refused = Differentiated::new(assembly, &["load.l.repeat"]).map(drop).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "load.l.repeat: a motion has no derivative by a period or by the time of samples; allowed are the \
+        "load.l.repeat: a motion has no derivative with respect to a period or a time between samples; use one of the \
          machine's other numbers"
     );
 }

@@ -329,28 +329,28 @@ fn invariant_what_is_refused_of_sweeps() {
     for (sweep, text) in [
         (
             "{ amplitude = 1.0, from = 0, to = \"5 Hz\", duration = 1.0, law = \"logarithmic\" }",
-            "r.toml:6: load.l.sweep.from = 0: allowed in a logarithmic sweep is a frequency above 0 Hz",
+            "r.toml:6: load.l.sweep.from = 0: must be above 0 Hz in a logarithmic sweep",
         ),
         (
             "{ amplitude = 1.0, from = 1.0, to = \"5 Hz\", duration = 0.0 }",
-            "r.toml:6: load.l.sweep.duration = 0.0: allowed is a finite number > 0, in s, ms, us, min, h",
+            "r.toml:6: load.l.sweep.duration = 0.0: expected a finite number > 0 in s, ms, us, min or h",
         ),
         (
             "{ amplitude = 1.0, from = 0, to = 0, duration = 1.0 }",
-            "r.toml:6: load.l.sweep.to = 0: from and to are 0 Hz; allowed is a frequency above 0 Hz at one end",
+            "r.toml:6: load.l.sweep.to = 0: `from` and `to` are both 0 Hz; one of them must be above 0 Hz",
         ),
         (
             "{ amplitude = 1.0, from = 1.0, to = 2.0, duration = 1.0, law = \"cubic\" }",
-            "r.toml:6: load.l.sweep.law = \"cubic\": allowed is \"linear\" or \"logarithmic\"",
+            "r.toml:6: load.l.sweep.law = \"cubic\": expected \"linear\" or \"logarithmic\"",
         ),
         (
             "{ amplitude = 1.0, from = 1.0, too = 2.0, duration = 1.0 }",
-            "r.toml:6: load.l.sweep.too = 2.0: no such key; the nearest is `to`\n\
-             r.toml:6: load.l.sweep.to: missing; allowed is a finite number >= 0, in Hz, mHz, kHz, MHz, rpm, 1/min, rad/s",
+            "r.toml:6: load.l.sweep.too = 2.0: no such key; did you mean `to`?\n\
+             r.toml:6: load.l.sweep.to: missing; expected a finite number >= 0 in Hz, mHz, kHz, MHz, rpm, 1/min or rad/s",
         ),
         (
             "3.0",
-            "r.toml:6: load.l.sweep = 3.0: allowed is a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", duration = \"60 s\" }, or a list of them",
+            "r.toml:6: load.l.sweep = 3.0: expected a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", duration = \"60 s\" }, or a list of sweeps",
         ),
     ] {
         assert_eq!(refused(sweep), text);
@@ -359,6 +359,6 @@ fn invariant_what_is_refused_of_sweeps() {
                 [body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"p\", \"b\"]\nstiffness = 1.0\n";
     assert_eq!(
         parse(toml, "r.toml", &no_records).unwrap_err().to_string(),
-        "r.toml:3: body.p.motion.rate.sweep.duration = 1.0: it makes 505000 turns; allowed below a rate or an acceleration are 100000"
+        "r.toml:3: body.p.motion.rate.sweep.duration = 1.0: the sweep makes 505000 turns; expected at most 100000 in a rate or an acceleration"
     );
 }

@@ -130,11 +130,11 @@ fn what_is_no_start_is_refused_by_name() {
     let assembly = Arc::new(Assembly::new(d.clone()).unwrap());
     let told = |name: &str, value: &str| Start::default().set_text(&d, name, value).unwrap_err().to_string();
     for (name, value, expected) in [
-        ("pinon.s", "1", "pinon.s: no number of a start has this name; the nearest is `pinion.s`"),
-        ("pinion.a", "1", "pinion.a: no number of a start has this name; the nearest is `pinion.s`"),
-        ("engine.s", "1", "engine.s: its motion is prescribed; allowed are starts of pinion, wheel"),
-        ("pinion.s", "1 mm", "pinion.s = \"1 mm\": allowed is a finite number, in rad, mrad, deg, °"),
-        ("time", "1 m", "time = \"1 m\": allowed is a finite number, in s, ms, us, min, h"),
+        ("pinon.s", "1", "pinon.s: no start value has this name; did you mean `pinion.s`?"),
+        ("pinion.a", "1", "pinion.a: no start value has this name; did you mean `pinion.s`?"),
+        ("engine.s", "1", "engine.s: its motion is prescribed; use start values of pinion, wheel"),
+        ("pinion.s", "1 mm", "pinion.s = \"1 mm\": expected a finite number in rad, mrad, deg or °"),
+        ("time", "1 m", "time = \"1 m\": expected a finite number in s, ms, us, min or h"),
     ] {
         assert_eq!(told(name, value), expected);
     }
@@ -146,22 +146,22 @@ fn what_is_no_start_is_refused_by_name() {
     };
     assert_eq!(
         refused("wheel.v", 1.0),
-        "wheel.v = 1.0: links determine it from `pinion`; allowed are starts of pinion"
+        "wheel.v = 1.0: links determine it from `pinion`; use start values of pinion"
     );
     assert_eq!(
         refused("pinion.s", 3.0),
-        "stop.peg.gap = 2.0: the start at t = 0.0 s violates it by e - gap = 1.0 rad; allowed is e <= gap"
+        "stop.peg.gap = 2.0: the start at t = 0.0 s violates the stop by e - gap = 1.0 rad; expected e <= gap"
     );
     assert!(Start::default().set(&d, "pinion.s", f64::NAN).is_err());
     let file = "tme = 1\n[body.pinon]\ns = 1.0\n[body.engine]\ns = 1.0\n[body.wheel]\ns = \"1 m\"\nx = 1.0\n";
     assert_eq!(
         Start::parse(file, "s.toml", &d).unwrap_err().to_string(),
-        "s.toml:1: tme = 1: no such key; the nearest is `time`\n\
-         s.toml:1: time: missing; allowed is a finite number, in s, ms, us, min, h\n\
-         s.toml:2: body.pinon: no body has this name; the nearest is `pinion`\n\
-         s.toml:4: body.engine: its motion is prescribed; allowed are bodies with mass or inertia\n\
-         s.toml:7: body.wheel.s = \"1 m\": allowed is a finite number, in rad, mrad, deg, °\n\
-         s.toml:8: body.wheel.x = 1.0: no such key; the nearest is `s`"
+        "s.toml:1: tme = 1: no such key; did you mean `time`?\n\
+         s.toml:1: time: missing; expected a finite number in s, ms, us, min or h\n\
+         s.toml:2: body.pinon: no body has this name; did you mean `pinion`?\n\
+         s.toml:4: body.engine: its motion is prescribed; use a body with mass or inertia\n\
+         s.toml:7: body.wheel.s = \"1 m\": expected a finite number in rad, mrad, deg or °\n\
+         s.toml:8: body.wheel.x = 1.0: no such key; did you mean `s`?"
     );
 }
 
@@ -212,8 +212,8 @@ fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
     assert_eq!(Start::default().columns(&of_file, &own).unwrap(), columns);
     assert_eq!(start.columns(&of_file, &names[..2]).unwrap(), columns[..2]);
     for (name, words) in [
-        ("stop.wal.gap", "the nearest is `stop.wall.gap`"),
-        ("start.blck.v", "start.blck.v: no number of a start has this name; the nearest is `block.v`"),
+        ("stop.wal.gap", "did you mean `stop.wall.gap`?"),
+        ("start.blck.v", "start.blck.v: no start value has this name; did you mean `block.v`?"),
     ] {
         let unknown = start.differentiated(machine(), &[name], &mut |_, _| ()).err().unwrap().to_string();
         assert!(unknown.contains(words), "{unknown}");

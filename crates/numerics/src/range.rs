@@ -8,7 +8,7 @@
 /// let share = Range { min: 0.0, max: 1.0, open_min: true, allowed: "0 < share <= 1" };
 /// assert!(share.contains(1.0) && !share.contains(0.0));
 /// let message = share.check("share", 2.0).unwrap_err().to_string();
-/// assert_eq!(message, "share = 2: allowed is 0 < share <= 1");
+/// assert_eq!(message, "share = 2: expected 0 < share <= 1");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
@@ -24,7 +24,7 @@ pub struct Range {
 
 /// Error for a value outside its range (also NaN and infinities).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{name} = {value}: allowed is {allowed}")]
+#[error("{name} = {value}: expected {allowed}")]
 pub struct OutOfRange {
     /// Name of the quantity.
     pub name: &'static str,

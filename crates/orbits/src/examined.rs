@@ -36,7 +36,7 @@ impl Orbit {
                 let mut events = 0;
                 let mut count = |event: &Event| events += u32::from(event.kind != EventKind::Knot);
                 motion.advance_observed(time + self.period(), &mut count)?;
-                return if events == 0 { Ok(0.0) } else { Err(self.differs(end, "has an event")) };
+                return if events == 0 { Ok(0.0) } else { Err(self.differs(end, "has an additional event")) };
             };
             if motion.mode() != &letter.modes[0] {
                 return Err(self.differs(time, "is in another mode"));
@@ -67,7 +67,7 @@ impl Orbit {
                 motion.apply_event(&mut |event| events.push(event.clone()))?;
             }
             if motion.mode() != &letter.modes[1] || (Letter { events, ..letter.clone() }) != *letter {
-                return Err(self.differs(end, "goes on otherwise"));
+                return Err(self.differs(end, "continues differently"));
             }
         }
         Ok(largest)
@@ -75,7 +75,11 @@ impl Orbit {
 
     fn differs(&self, time: f64, how: &str) -> Error {
         let words = self.word().in_words(&self.place.assembly);
-        Error::Described { problem: format!("at t = {time} s the machine {how} than the orbit [{words}]") }
+        Error::Described {
+            problem: format!(
+                "at t = {time} s the simulated motion {how}; the orbit has the events [{words}]"
+            ),
+        }
     }
 
     /// Passes one period of the orbit to observers.
@@ -195,8 +199,9 @@ impl Orbit {
 }
 
 /// Measures of an orbit, for messages.
-const MEASURES: &str = "amplitude.Q, rms.Q, peak_to_peak.Q and maximum.Q of a quantity Q such as box.s or buffer.f; impacts, impact.rate, \
-                        each alone or with .STOP; impact.speed.STOP, impact.impulse.STOP";
+const MEASURES: &str = "amplitude.Q, rms.Q, peak_to_peak.Q or maximum.Q of a quantity Q such as \
+                        box.s or buffer.f; impacts, impact.rate, each alone or with .STOP; \
+                        impact.speed.STOP, impact.impulse.STOP";
 
 /// Parses the name of an orbit's measure; the name of a quantity alone means its largest value.
 ///
@@ -210,7 +215,7 @@ pub fn read_measure(name: &str, d: &Description) -> Result<Measure> {
 }
 
 fn no_measure(name: &str) -> Error {
-    Error::Described { problem: format!("{name}: no measure of an orbit; allowed are {MEASURES}") }
+    Error::Described { problem: format!("{name}: not a measure of an orbit; expected {MEASURES}") }
 }
 
 /// Checks that a measure is defined for an orbit and for the machine's bodies and elements.

@@ -155,8 +155,10 @@ impl Orbit {
 fn in_words(obstacle: Obstacle) -> String {
     match obstacle {
         Obstacle::Refused(error) => error.to_string(),
-        Obstacle::Singular => "the orbit is at a fold or one of a family: it has no derivative".into(),
-        Obstacle::Order => "the events lose their order".into(),
+        Obstacle::Singular => "the orbit is at a fold or belongs to a family of orbits, so it has \
+                               no derivative"
+            .into(),
+        Obstacle::Order => "the order of the events changes".into(),
         _ => "the orbit's equations cannot be followed".into(),
     }
 }

@@ -110,10 +110,12 @@ impl LocusStart {
         let other = || (0..branch.points.len()).filter(is_there).find_map(|k| branch.locus_start(k));
         start.or_else(other).ok_or_else(|| {
             let Special { label, element, .. } = special;
-            let nearest = found.map_or(String::new(), |k| format!("; the nearest is at {}", branch.points[k].value));
+            let nearest =
+                found.map_or(String::new(), |k| format!("; the nearest is at {}", branch.points[k].value));
             let what = format!("{} {element}", label.name());
             let problem = format!(
-                "the branch has no point {} at {} = {value}{nearest}; allowed is a row of the table of this machine",
+                "the branch has no point {} at {} = {value}{nearest}; use a row of a table that \
+                 was computed for this machine",
                 what.trim(),
                 family.parameter
             );
@@ -227,12 +229,13 @@ pub fn locus(start: &LocusStart, second: &Family) -> Result<Vec<LocusPoint>> {
     let failed = |obstacle: Obstacle| match obstacle {
         Obstacle::Refused(error) => error,
         _ if start.special.element.starts_with("spring.") => refused(format!(
-            "{} slips on one side of this point, and on the other may stand at any place: its curve is not followed; allowed are \
-             branches over {} for several values of {}",
+            "{} slips on one side of this point and can stick at any position on the other side; \
+             following its curve is not supported: use branches over {} for several values of {}",
             start.special.element, first.parameter, second.parameter
         )),
         _ => refused(format!(
-            "no curve over {} and {} passes this point: the equations have no solution beside it, as where orbits cross for this value alone",
+            "no curve over {} and {} passes through this point: the equations have no solutions \
+             near it, for example because orbits cross at this value only",
             first.parameter, second.parameter
         )),
     };
@@ -261,12 +264,13 @@ pub fn check_second(first: &Family, second: &Family) -> Result<f64> {
     let name = &second.parameter;
     let refused = |problem: String| Err(Error::Described { problem });
     if first.parameter == *name {
-        return refused(format!("{name} twice: allowed are two parameters"));
+        return refused(format!("{name} is given twice: expected two different parameters"));
     }
     let (held, (from, to)) = (second.present()?, second.range);
     if !(from..=to).contains(&held) {
         return refused(format!(
-            "{name} = {held}: curves begin here, so it must lie in the range {from} to {to}; --set gives it another value"
+            "{name} = {held}: must lie in the range {from} to {to}, because curves begin at this \
+             value; change it by --set"
         ));
     }
     Ok(held)

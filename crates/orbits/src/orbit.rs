@@ -90,13 +90,13 @@ impl Obstructed {
         let Self { obstacle, residual, word } = self;
         let reason = match obstacle {
             Obstacle::Refused(error) => return error,
-            Obstacle::Order => "the events lose their order".to_owned(),
+            Obstacle::Order => "the order of the events changes".to_owned(),
             Obstacle::Singular => "the equations are singular: there is a family of orbits".to_owned(),
             _ => "Newton's method does not converge".to_owned(),
         };
         let problem = format!(
-            "no orbit with the events [{word}] was found: {reason} (residual {residual:e} of the motion's size); a start nearer to the orbit \
-             may help"
+            "no orbit with the events [{word}] was found: {reason} (residual {residual:e}, \
+             relative to the size of the motion); try a start nearer to the orbit"
         );
         Error::Described { problem }
     }

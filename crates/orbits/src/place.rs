@@ -28,8 +28,9 @@ fn rounded_input(d: &Description) -> Option<String> {
     };
     let block = d.blocks.iter().find(rounds)?;
     Some(format!(
-        "block.{} rounds an input to a quantum: its motion jumps with the state, so that no derivative tells of an orbit; allowed is \
-         the file without `quantum`, or motions alone (run, bifurcation)",
+        "block.{} rounds an input to a quantum; orbits of such a machine are not supported, \
+         because its motion is not differentiable: remove `quantum` from the file, or simulate \
+         motions (run, bifurcation)",
         block.name
     ))
 }
@@ -50,11 +51,13 @@ impl Place {
         let period = common_period(d);
         let problem = match runs_on(d, 0.0) {
             Some(why) => format!(
-                "{why}: it has no periodic orbit; allowed are harmonics, constants, uniform motions and what repeats"
+                "{why}, so the machine has no periodic orbit; expected loads and motions that are \
+                 harmonic, constant, uniform or repeated"
             ),
             None if period.is_none() && !is_steady(d) => {
                 "the harmonics' frequencies have no common period up to 1000 periods of the \
-                 slowest: the machine has no periodic orbit; allowed are frequencies in ratios of integers"
+                 slowest, so the machine has no periodic orbit; expected frequencies in ratios of \
+                 small integers"
                     .into()
             }
             None => rounded_input(d).unwrap_or_default(),
@@ -99,12 +102,13 @@ impl Family {
     pub fn new(machine: &Machine, parameter: &str, range: (f64, f64)) -> Result<Self> {
         let name = machine.description.parameter(parameter)?.name;
         if !(range.0 < range.1 && (range.1 - range.0).is_finite()) {
-            let problem = format!("{name}: {} to {}; allowed is a range with length", range.0, range.1);
+            let problem =
+                format!("{name}: {} to {}; the lower end must be less than the upper end", range.0, range.1);
             return Err(Error::Described { problem });
         }
         if name.contains(".start.") {
             let problem =
-                format!("{name}: no orbit depends on the start; allowed are the machine's other numbers");
+                format!("{name}: orbits do not depend on the start; use another parameter of the machine");
             return Err(Error::Described { problem });
         }
         let family = Self { machine: machine.clone(), parameter: name, range };

@@ -110,7 +110,7 @@ impl<'a> Seeker<'a> {
         let family = Arc::new(Family::of_one(machine)?);
         let place = Place::new(machine.description.clone())?;
         let refused = |what: String, allowed: &str| {
-            Err(Error::Described { problem: format!("period = {what}: allowed is {allowed}") })
+            Err(Error::Described { problem: format!("period = {what}: expected {allowed}") })
         };
         let (section, returns) = match (place.period, request.period) {
             (Some(period), None) => (Section::Period(period), (1..=MOST_RETURNS).collect()),
@@ -125,7 +125,7 @@ impl<'a> Seeker<'a> {
                 (Section::Period(period), vec![turns.round() as u32])
             }
             (None, Some(WantedPeriod::Drive(n))) => {
-                return refused(format!("{n}T"), "a time, such as 0.1s: nothing drives this machine");
+                return refused(format!("{n}T"), "a time, such as 0.1s, because nothing drives this machine");
             }
             (None, _) => {
                 let section = Section::of(&machine.description, &machine.section)?;
@@ -236,8 +236,8 @@ impl<'a> Seeker<'a> {
         let word =
             self.request.word.as_ref().map_or(String::new(), |word| format!(" with the events [{word}]"));
         let period = match self.request.period {
-            Some(WantedPeriod::Drive(n)) => format!(" of the period {n}T"),
-            Some(WantedPeriod::Time(time)) => format!(" of the period {} s", significant(time)),
+            Some(WantedPeriod::Drive(n)) => format!(" of period {n}T"),
+            Some(WantedPeriod::Time(time)) => format!(" of period {} s", significant(time)),
             None => String::new(),
         };
         let others = self.others.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -245,12 +245,13 @@ impl<'a> Seeker<'a> {
         sort_by_key(&mut found, String::len);
         found.truncate(NAMED);
         let found = match found.is_empty() {
-            true => "none at all".into(),
+            true => "none".into(),
             false => found.join("; "),
         };
         let problem = format!(
-            "no orbit{word}{period} was found near the motions from the start and from {} random starts; found were: {found}; allowed are \
-             other starts (--start; start= in Python) and more random ones (--starts; tries=)",
+            "no orbit{word}{period} was found near the motions from the start and from {} random \
+             starts; orbits found: {found}; try another start (--start; start= in Python) or more \
+             random starts (--starts; tries= in Python)",
             self.request.starts
         );
         Error::Described { problem }

@@ -44,15 +44,15 @@ pub(super) fn seed(
     record.leave_plain_knots_out();
     let span = motion.time() - from;
     if span <= 0.0 {
-        let problem = format!(
-            "at t = {from} s the next return is the same number of seconds: allowed is a start of which \
-             the period is not lost in rounding"
-        );
+        let problem =
+            format!("at t = {from} s the period is lost in rounding: use a start at an earlier time");
         return Err(Error::Described { problem });
     }
     if let Some(time) = record.jump {
         let problem = format!(
-            "at t = {time} s a knot of a signal moves bodies at once: its orbits are not sought; allowed are knots of forces, stiffness and motions that go on from their place"
+            "at t = {time} s a signal changes the position or velocity of a body by a jump; orbits \
+             of such a machine are not supported: use signals with jumps of forces or stiffness \
+             only, or with continuous motions"
         );
         return Err(Error::Described { problem });
     }
@@ -61,7 +61,8 @@ pub(super) fn seed(
             let ratio = span / period;
             if (ratio - ratio.round()).abs() > WHOLE * ratio || ratio.round() < 1.0 {
                 let problem = format!(
-                    "the motion returns after {span} s, which is no multiple of the drive's period {period} s"
+                    "the motion returns after {span} s, which is not a multiple of the drive \
+                     period {period} s"
                 );
                 return Err(Error::Described { problem });
             }
@@ -74,14 +75,15 @@ pub(super) fn seed(
     let own = system.states();
     let is_empty = record.letters.is_empty();
     if is_empty && periods.is_none() {
-        let problem = "the motion has no events and nothing drives it: it rests, or swings freely; allowed are motions with events or a drive";
+        let problem = "the motion has no events and nothing drives it, so it rests or oscillates \
+                       freely; expected a motion with events or a drive";
         return Err(Error::Described { problem: problem.into() });
     }
     record.with_runs(period, periods);
     record.begin_with_fixed_time(period, periods);
     if record.letters.len() > MOST_LETTERS {
         let problem = format!(
-            "the motion has {} events and samples a period; allowed for an orbit are up to {MOST_LETTERS}",
+            "the motion has {} events and samples per period; an orbit may have at most {MOST_LETTERS}",
             record.letters.len()
         );
         return Err(Error::Described { problem });
@@ -143,8 +145,8 @@ fn move_back(system: &System, state: &mut [f64], time: f64) -> Result<()> {
     let change: Vec<f64> =
         change.iter().enumerate().map(|(i, x)| if is_rounding((i, x)) { 0.0 } else { *x }).collect();
     let Some(along) = carried(system, &change, false) else {
-        let problem =
-            "uniformly moving bodies change what the springs and stops feel: the motion does not repeat";
+        let problem = "uniformly moving bodies change the elongation of springs and stops, so the \
+                       motion does not repeat";
         return Err(Error::Described { problem: problem.into() });
     };
     along.iter().enumerate().for_each(|(i, x)| state[i] += x);
@@ -212,7 +214,8 @@ impl Orbit {
         let MotionClass::Periodic(returns) = found.class else {
             let words = section.in_words(&motion.assembly().description);
             let problem = format!(
-                "the motion settles on no periodic orbit: it is {} at {words}; allowed are other starts and more discarded returns",
+                "the motion does not settle on a periodic orbit: it is {} at {words}; try another \
+                 start (--start) or discard more returns (--discard)",
                 found.class.name()
             );
             return Err(Error::Described { problem });

@@ -104,7 +104,7 @@ pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<B
     let (value, (from, to)) = (family.present()?, family.range);
     if !(from..=to).contains(&value) {
         let problem = format!(
-            "{} = {value}: the branch begins here, so it must lie in the range {from} to {to}",
+            "{} = {value}: must lie in the range {from} to {to}, because the branch begins at this value",
             family.parameter
         );
         return Err(Error::Described { problem });
@@ -117,7 +117,8 @@ pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<B
     let departures = both_ways(&orbit).map_err(|obstacle| match obstacle {
         Obstacle::Singular => {
             let problem = format!(
-                "{} = {value}: the orbit is one of a family of this machine, so that no branch over {} passes it alone",
+                "{} = {value}: the orbit belongs to a family of orbits of this machine, so no \
+                 single branch over {} passes through it",
                 family.parameter, family.parameter
             );
             Error::Described { problem }

@@ -23,28 +23,28 @@ impl Condition {
             }
             Self::Together { letter, stop } => {
                 let words = word.letters[letter].in_words(assembly);
-                format!("{} is not at its gap at {words}", assembly.name_of_stop(stop))
+                format!("the elongation of {} is not its gap at {words}", assembly.name_of_stop(stop))
             }
             Self::Corner { letter, ahead } => {
                 let corner = word.corner(letter, ahead).map(|tick| tick.owner(assembly)).unwrap_or_default();
                 let words = word.letters[letter].in_words(assembly);
-                format!("{words} is on the other side of a knot of {corner}")
+                format!("{words} is on the wrong side of a knot of {corner}")
             }
             Self::Changes { letter, contact } => {
                 let words = word.letters[letter].in_words(assembly);
-                format!("{} need not change at {words}", assembly.name_of_contact(contact))
+                format!("{} does not have to change its state at {words}", assembly.name_of_contact(contact))
             }
             Self::Limited { letter, output, .. } => {
                 let words = word.letters[letter].in_words(assembly);
-                format!("{} is on another side of its limits at {words}", name_of_output(place, output))
+                format!("{} is on the wrong side of its limits at {words}", name_of_output(place, output))
             }
             Self::Stays { letter, watch, .. } => {
                 let element = assembly.name_of_contact(watch.contact());
                 match word.letters.get(letter) {
                     Some(letter) => {
-                        format!("{element} has a further event after {}", letter.in_words(assembly))
+                        format!("{element} has an additional event after {}", letter.in_words(assembly))
                     }
-                    None => format!("{element} has a further event"),
+                    None => format!("{element} has an additional event"),
                 }
             }
         }

@@ -104,16 +104,15 @@ impl WantedWord {
                 if let Some(k) = (0..own.len()).find(|k| again(*k)) {
                     let first = own[k];
                     let problem = format!(
-                        "it cannot close: {first} {name} comes again without {ends} {name}; allowed is {ends} {name} between, or no \
-                         `{ends}` at all, which leaves these events out"
+                        "the word cannot repeat: {first} {name} requires {ends} {name} before the \
+                         next one; add it, or leave out every `{ends}`"
                     );
                     return Err(refused(&self.text, problem));
                 }
                 if *ends != "slip" && !own.iter().any(|kind| begins.contains(kind)) {
                     let begin = begins[0];
-                    let problem = format!(
-                        "it cannot close: {ends} {name} comes without {begin} {name}; allowed is {begin} {name} before it"
-                    );
+                    let problem =
+                        format!("the word cannot repeat: {ends} {name} requires {begin} {name} before it");
                     return Err(refused(&self.text, problem));
                 }
             }
@@ -165,13 +164,14 @@ fn event_of(event: &str, word: &str, assembly: &Assembly) -> Result<(String, Str
     let kinds = || [RIGID, COMPLIANT, SPRING, FRICTION].concat().join(", ");
     let Some((kind, name)) = event.split_once(' ').map(|(kind, name)| (kind, name.trim())) else {
         let problem = format!(
-            "`{event}` is no event; allowed is a kind with an element, e.g. `impact steel, press buffer`; kinds: {}",
+            "`{event}` is not an event; expected a kind and an element, e.g. `impact steel, press \
+             buffer`; kinds: {}",
             kinds()
         );
         return Err(refused(word, problem));
     };
     let Some(all) = elements(kind, assembly) else {
-        return Err(refused(word, format!("`{kind}` is no kind of event; allowed are {}", kinds())));
+        return Err(refused(word, format!("`{kind}` is not a kind of event; expected one of {}", kinds())));
     };
     match all.iter().find(|own| *own == name || plain(own) == name) {
         Some(found) => Ok((kind.into(), found.clone())),
@@ -179,7 +179,7 @@ fn event_of(event: &str, word: &str, assembly: &Assembly) -> Result<(String, Str
             let names: Vec<&str> = all.iter().map(|own| plain(own)).collect();
             let names = if names.is_empty() { "none in this machine".into() } else { names.join(", ") };
             let problem =
-                format!("`{event}`: nothing named {name} has such events; allowed with {kind}: {names}");
+                format!("`{event}`: nothing named {name} has such events; elements with {kind}: {names}");
             Err(refused(word, problem))
         }
     }

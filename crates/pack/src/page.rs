@@ -19,7 +19,7 @@ const LEAST: f64 = 0.7;
 
 /// Sections of the table: heading, explanation, roles.
 const SECTIONS: [(&str, &str, &[Role]); 6] = [
-    ("Inputs", "Added to a signal of the file; 0 until they are set.", &[Role::Input]),
+    ("Inputs", "Added to a signal of the file; 0 unless set.", &[Role::Input]),
     (
         "Outputs",
         "States of stops and friction, impacts and impulses change at events only.",
@@ -27,18 +27,19 @@ const SECTIONS: [(&str, &str, &[Role]); 6] = [
     ),
     (
         "Parameters",
-        "Every number of the file, in SI. Tunable ones may be set at events, or between steps where a host handles no events.",
+        "All parameters of the file, in SI. Tunable parameters may be set at events, or between \
+         steps if the host does not handle events.",
         &[Role::Parameter, Role::Tunable],
     ),
     (
         "Calculated parameters",
-        "They follow from named parameters by expressions, and are not set.",
+        "Calculated from named parameters by expressions; they cannot be set.",
         &[Role::Calculated],
     ),
     ("Event indicators", "For the solver of a host in Model Exchange.", &[Role::Local]),
     (
         "Derivatives over a step",
-        "Read before an event's law they lack its jump, after it they have it.",
+        "Before the law of an event is applied, they do not include its jump; afterwards they do.",
         &[Role::Sensitivity],
     ),
 ];
@@ -73,9 +74,9 @@ pub fn page(plan: &Plan) -> Result<String> {
     let mut text = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{name}</title><style>{STYLE}</style></head>\n\
          <body>\n<h1>{name}</h1>\n<figure>\n{sketch}</figure>\n<p>{}.</p>\n\
-         <p>A piecewise linear machine. In Co-Simulation it is advanced by its exact flow from event to event: its answer depends on no \
-         tolerance and on no step size. In Model Exchange a host's solver integrates between events, and the law at events is the \
-         same. The machine stands in <a href=\"../resources/{FILE}\">resources/{FILE}</a>.</p>\n",
+         <p>A piecewise linear machine. In Co-Simulation it is advanced by its exact flow from event to event: its result does not \
+         depend on a tolerance or a step size. In Model Exchange the solver of the host integrates between events, and the law at \
+         events is the same. The machine's file is <a href=\"../resources/{FILE}\">resources/{FILE}</a>.</p>\n",
         counts.collect::<Vec<_>>().join(", "),
     );
     for (heading, words, roles) in SECTIONS {

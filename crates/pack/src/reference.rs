@@ -29,11 +29,11 @@ const AGREEMENT: f64 = 1e-9;
 
 /// Explanation of the files for a reader (`documentation/fmi-ls-ref.txt`).
 pub const EXPLANATION: &str = "Reference files in extra/org.fmi-standard.fmi-ls-ref (FMI-LS-REF 1.0.0-alpha.1)\n\n\
-default.csv      the default experiment, in every fourth of its steps: coordinates and rates of all bodies, numbers of impacts\n\
-                 so far. Where the motion magnifies roundings it ends where ten digits are no longer the machine's own\n\
-smoke-test.xml   that experiment and its result, in the form of the draft's schema of experiments: an importer of Co-Simulation\n\
-                 that reproduces default.csv to 1e-8 of each column's largest value runs this FMU right\n\
-events.csv       its events, at most 1000: two rows at each one's time, the states before and after its law\n";
+default.csv      the default experiment, every fourth step: coordinates and rates of all bodies, numbers of impacts so far. If\n\
+                 the motion amplifies rounding errors, the file ends where fewer than ten digits are certain\n\
+smoke-test.xml   the default experiment and its result, in the draft's schema of experiments: an importer for Co-Simulation\n\
+                 that reproduces default.csv to 1e-8 of each column's largest value runs this FMU correctly\n\
+events.csv       the events, at most 1000: two rows at the time of each, with the states before and after its law\n";
 
 /// The files by name in the folder; empty for a machine whose motion cannot be computed.
 pub fn files(plan: &Plan) -> Content {
@@ -48,7 +48,7 @@ pub fn files(plan: &Plan) -> Content {
             "result",
             "Coordinates, rates and counts of impacts in the default experiment",
         ),
-        ("text/csv", "events.csv", "result", "States before and after every event of it"),
+        ("text/csv", "events.csv", "result", "States before and after every event of the default experiment"),
     ];
     Content::from([
         ("default.csv".to_owned(), rows.into_bytes()),
@@ -69,7 +69,7 @@ pub const ALWAYS: [Related<'_>; 2] = [
         "experiment/smoke-test",
         "The default experiment with its result: does an importer run this FMU right?",
     ),
-    ("text/plain", "../../documentation/fmi-ls-ref.txt", "document", "What these files are"),
+    ("text/plain", "../../documentation/fmi-ls-ref.txt", "document", "Explanation of these files"),
 ];
 
 /// `fmi-ls-manifest.xml`.

@@ -158,12 +158,12 @@ fn a_step_after_an_impact_names_the_way_back() {
     assert_eq!(host.try_step(40.0, 1.0), ERROR);
     let refusal = format!(
         "currentCommunicationPoint = 40 s, but the last step ended at the impact at t = {time} s: restore the state saved \
-         before the impact, or go on from lastSuccessfulTime"
+         before the impact, or continue from lastSuccessfulTime"
     );
     assert!(last(&host).ends_with(&refusal), "{}", last(&host));
     // SAFETY: a live component.
     assert_eq!(unsafe { fmi2EnterInitializationMode(host.c) }, ERROR);
-    let refusal = "StepFailed of Co-Simulation: restore the state saved before the impact, or go on from lastSuccessfulTime";
+    let refusal = "StepFailed of Co-Simulation: restore the state saved before the impact, or continue from lastSuccessfulTime";
     assert!(last(&host).ends_with(refusal), "{}", last(&host));
 }
 

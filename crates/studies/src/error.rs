@@ -38,7 +38,8 @@ pub enum Error {
     },
     /// A number has an unknown unit, or a unit of another dimension than the parameter's.
     #[error(
-        "{name}: `{unit}` is no unit of it; allowed are {allowed}, or a number without a unit in the first of these"
+        "{name}: `{unit}` is not a unit of it; expected one of {allowed}, or a number without a \
+         unit, read in the first of these"
     )]
     Unit {
         /// The parameter.
@@ -49,7 +50,7 @@ pub enum Error {
         allowed: String,
     },
     /// The value of a parameter is not a number.
-    #[error("{name} = `{text}` is not a number: allowed is {allowed}")]
+    #[error("{name} = `{text}` is not a number: expected {allowed}")]
     NotANumber {
         /// The parameter.
         name: &'static str,
@@ -67,7 +68,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// The requested results do not fit into memory.
-    #[error("{what}: {count} asked for, but no more than {most} fit into memory{}", in_a_square(*.side))]
+    #[error("{what}: {count} requested, but at most {most} fit into memory{}", in_a_square(*.side))]
     TooMany {
         /// Kind of the results.
         what: &'static str,
@@ -80,8 +81,8 @@ pub enum Error {
     },
     /// The starts of a plane lead to more attractors than can be numbered.
     #[error(
-        "the starts lead to more than {most} attractors, the most that are numbered: where nothing holds or damps a body each start may \
-         have one of its own; take fewer cells"
+        "the starts lead to more than {most} attractors, the largest number that is supported; if \
+         nothing holds or damps a body, each start may have its own attractor; use fewer cells"
     )]
     TooManyAttractors {
         /// The largest number.

@@ -75,7 +75,7 @@ pub(crate) fn is_drifting(numbers: &[f64]) -> bool {
 /// Caveat about a motion that was measured before it had settled.
 pub(crate) fn unsettled_in_words(found: &Measured, measures: &[impl std::fmt::Display]) -> Option<String> {
     let name = measures.get(found.unsettled?).map_or("the motion".into(), ToString::to_string);
-    Some(format!("not settled: {name} goes one way while it is measured; discard more"))
+    Some(format!("not settled: {name} drifts while it is measured; discard more periods (--discard)"))
 }
 
 /// Standard deviation of at least two numbers.

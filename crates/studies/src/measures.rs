@@ -96,8 +96,9 @@ impl FromStr for Measure {
             .or_else(|| of("power", Self::Power))
             .ok_or_else(|| Error::Described {
                 problem: format!(
-                    "no output is named `{text}`; allowed are amplitude.Q, rms.Q, peak_to_peak.Q and maximum.Q of a quantity Q such as \
-                     box.s or buffer.f; impacts, impact.rate, each alone or with .STOP; impact.speed.STOP, impact.impulse.STOP; \
+                    "no output is named `{text}`; expected amplitude.Q, rms.Q, peak_to_peak.Q or \
+                     maximum.Q of a quantity Q such as box.s or buffer.f; impacts, impact.rate, \
+                     each alone or with .STOP; impact.speed.STOP, impact.impulse.STOP; \
                      power.ELEMENT, power.LOAD, power.lost; class; exponent"
                 ),
             })
@@ -228,17 +229,17 @@ impl Measure {
     pub fn description(&self) -> String {
         match self {
             Self::Amplitude(q) => format!("largest |{q}|"),
-            Self::Rms(q) => format!("root of the mean square of {q}"),
-            Self::PeakToPeak(q) => format!("largest less least {q}"),
+            Self::Rms(q) => format!("root mean square of {q}"),
+            Self::PeakToPeak(q) => format!("peak-to-peak {q}"),
             Self::Maximum(q) => format!("largest {q}"),
-            Self::Impacts(None) => "impacts and first touches of all stops a period".into(),
-            Self::Impacts(Some(stop)) => format!("impacts or first touches of {stop} a period"),
-            Self::ImpactRate(None) => "impacts and first touches of all stops a second".into(),
-            Self::ImpactRate(Some(stop)) => format!("impacts or first touches of {stop} a second"),
+            Self::Impacts(None) => "impacts and first touches of all stops per period".into(),
+            Self::Impacts(Some(stop)) => format!("impacts or first touches of {stop} per period"),
+            Self::ImpactRate(None) => "impacts and first touches of all stops per second".into(),
+            Self::ImpactRate(Some(stop)) => format!("impacts or first touches of {stop} per second"),
             Self::ImpactSpeed(stop) => format!("largest closing speed of {stop}"),
             Self::ImpactImpulse(stop) => format!("largest impulse of {stop}"),
-            Self::Power(name) => format!("mean power that {name} loses, or puts in if it is a load"),
-            Self::PowerLost => "mean power lost in all elements".into(),
+            Self::Power(name) => format!("mean power that {name} dissipates, or supplies if it is a load"),
+            Self::PowerLost => "mean power dissipated in all elements".into(),
             Self::Class => "1T, 2T, … (period in returns to the section), quasi-periodic, chaotic".into(),
             Self::Exponent => "largest Lyapunov exponent".into(),
         }
@@ -399,7 +400,7 @@ pub fn measure(
     if let (Some(verdict), Some(why)) = (&verdict, runs_on(d, motion.time())) {
         return Err(Error::Described {
             problem: format!(
-                "{verdict}: {why}; allowed are outputs of the window, since only what repeats has a {verdict}"
+                "{verdict}: {why}, but `{verdict}` requires loads that repeat; use other outputs"
             ),
         });
     }

@@ -43,7 +43,8 @@ impl PlaneMachine for Machine {
             None => Ok(()),
             Some(why) => Err(Error::Described {
                 problem: format!(
-                    "{why}: the motions of a plane are classed, and only what repeats has a class; allowed are                     changes within what is discarded (--discard)"
+                    "{why}, but motions can be classified only while all loads repeat; increase \
+                     --discard until the change lies in the discarded periods"
                 ),
             }),
         }

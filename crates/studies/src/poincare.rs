@@ -41,7 +41,7 @@ pub struct SectionPoint {
 pub fn section_of(machine: &Machine, phase: f64) -> Result<Section> {
     let section = Section::of(&machine.description, &machine.section)?;
     let refused = |allowed: &str| {
-        Err(Error::Described { problem: format!("phase = {phase:?} rad: allowed is {allowed}") })
+        Err(Error::Described { problem: format!("phase = {phase:?} rad: expected {allowed}") })
     };
     match section {
         _ if !phase.is_finite() => refused("a finite angle"),

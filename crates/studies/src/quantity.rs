@@ -79,7 +79,7 @@ pub fn unknown(text: &str, known: &[String]) -> Error {
     let near = |name: &String| strsim::jaro(name, text);
     let nearest = known.iter().rev().max_by(|a, b| near(a).total_cmp(&near(b)));
     let advice = nearest.map_or("the machine has none".into(), |near| {
-        format!("the nearest is `{near}`; allowed are {}", known.join(", "))
+        format!("did you mean `{near}`? Expected one of {}", known.join(", "))
     });
     Error::Described { problem: format!("the machine has no `{text}`; {advice}") }
 }

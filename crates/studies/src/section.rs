@@ -101,7 +101,7 @@ impl Section {
         match rule {
             SectionRule::Period(period) if period.is_finite() && *period > 0.0 => Ok(Self::Period(*period)),
             SectionRule::Period(period) => {
-                refused(format!("period = {period:?} s: allowed is a finite time above 0"))
+                refused(format!("period = {period:?} s: expected a finite time > 0"))
             }
             SectionRule::Element(name) => {
                 let plain = name.split_once('.').map_or(name.as_str(), |(_, plain)| plain);
@@ -113,7 +113,7 @@ impl Section {
                             d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
                         let known: Vec<&str> = known.map(String::as_str).collect();
                         let problem = format!("section = {name:?}: no stop or friction has this name");
-                        refused(format!("{problem}; allowed are {}", known.join(", ")))
+                        refused(format!("{problem}; expected one of {}", known.join(", ")))
                     },
                     Ok,
                 )
@@ -126,8 +126,8 @@ impl Section {
                         .find(|s| !s.signal.sweeps.is_empty())
                         .map_or_else(String::new, |s| s.name);
                     refused(format!(
-                        "{name} is a sweep, with which there is no common period; give a period (--period), or an element whose events \
-                         are the section"
+                        "{name} is a sweep, so the loads have no common period; give a period \
+                         (--period) or a stop or friction as section (--section)"
                     ))
                 }
                 None if frequencies(d).next().is_some() => {
@@ -138,15 +138,15 @@ impl Section {
                         "the harmonics' frequencies"
                     };
                     refused(format!(
-                        "{what} have no common period up to 1000 periods of the slowest; give a period, or an element whose events are \
-                         the section"
+                        "{what} have no common period up to 1000 periods of the slowest; give a \
+                         period (--period) or a stop or friction as section (--section)"
                     ))
                 }
                 None if !d.stops.is_empty() => Ok(Self::Stop(0)),
                 None if !d.frictions.is_empty() => Ok(Self::Friction(0)),
-                None => {
-                    refused("the machine has neither harmonics nor stops nor friction; give a period".into())
-                }
+                None => refused(
+                    "the machine has no harmonics, stops or friction; give a period (--period)".into(),
+                ),
             },
         }
     }
@@ -173,7 +173,7 @@ impl Section {
     fn missed(&self, motion: &Motion) -> Error {
         let words = self.in_words(&motion.assembly().description);
         Error::Described {
-            problem: format!("{words}: none within {WITHIN} s before t = {} s", motion.time()),
+            problem: format!("{words}: none within the last {WITHIN} s before t = {} s", motion.time()),
         }
     }
 

@@ -226,7 +226,7 @@ pub fn require_free(assembly: &Assembly) -> Result<()> {
         return Ok(());
     }
     let problem = format!(
-        "{} moves as prescribed, so that no motion is beside it; allowed is a machine with a body that forces move",
+        "{}: all bodies have prescribed motions; expected a machine with a free body, moved by forces",
         assembly.description.name
     );
     Err(Error::Described { problem })

@@ -231,7 +231,7 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     assert_eq!(one, found);
     let wrong = DiagramRequest { of: "blok.s".parse().unwrap(), ..request };
     let error = diagram::diagram(&machine, &wrong, &Task::ALL).unwrap_err().to_string();
-    assert!(error.contains("the nearest is `block.s`"), "{error}");
+    assert!(error.contains("did you mean `block.s`?"), "{error}");
 }
 
 /// Rounding of motions that repeat.
@@ -274,7 +274,7 @@ fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
     let row = swept(&machine, &["peak_to_peak.a.s"], 60, 10);
     let reason = row.reason.unwrap();
     assert!(
-        reason.contains("slowest own oscillation takes 1 s") && reason.contains("4000 periods or more"),
+        reason.contains("slowest natural oscillation, 1 s each") && reason.contains("at least 4000 periods"),
         "{reason}"
     );
 }
@@ -323,7 +323,7 @@ fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
     };
     let machine = stepped("200 s");
     let error = diagram::diagram(&machine, &request, &Task::ALL).unwrap_err().to_string();
-    assert!(error.starts_with("load.f has a step at 200 s: ") && error.contains("--anew"), "{error}");
+    assert!(error.starts_with("load.f has a step at 200 s, and ") && error.contains("--anew"), "{error}");
     let anew = DiagramRequest { anew: true, ..request.clone() };
     let found = diagram::diagram(&machine, &anew, &Task::ALL).unwrap().unwrap();
     assert!(found.down.iter().all(Option::is_none) && found.hysteresis().iter().all(|h| !h));

@@ -52,8 +52,9 @@ fn too_short(time: f64, periods: u32, slowest: f64, option: &str) -> Error {
     let least = (SLOWEST * slowest / (time / f64::from(periods))).ceil();
     Error::Described {
         problem: format!(
-            "{periods} periods ({option}) last {} s, and the machine's slowest own oscillation takes {} s, which must fit in {SLOWEST} \
-             times; allowed are {least} periods or more, or a longer --period",
+            "{periods} periods ({option}) last {} s, but must last at least {SLOWEST} periods of \
+             the machine's slowest natural oscillation, {} s each; use at least {least} periods or \
+             a longer --period",
             significant(time),
             significant(slowest)
         ),

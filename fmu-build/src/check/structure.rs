@@ -45,7 +45,7 @@ pub(super) fn check(model: &Model, found: &mut Vec<String>) {
         let continuous =
             |v: &Variable| v.variability == "continuous" && matches!(v.causality, "local" | "output");
         if !model.by_key(key).is_some_and(continuous) {
-            found.push(format!("EventIndicator {key}: allowed are continuous locals and outputs"));
+            found.push(format!("EventIndicator {key}: expected continuous locals and outputs"));
         }
     }
 }

@@ -41,7 +41,7 @@ pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
     let mut wrong = Vec::new();
     if version != VERSION {
         wrong.push(format!(
-            "Cargo.toml: version {version}, but this program was compiled from {VERSION}: compile it anew"
+            "Cargo.toml: version {version}, but this program was compiled from {VERSION}: compile it again"
         ));
     }
     wrong.extend(packages(folder, workspace)?);
@@ -52,7 +52,7 @@ pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
         wrong.extend(description(name, &found, token, &version));
     }
     if let Some(tag) = intent.tag.as_ref().filter(|tag| **tag != format!("v{version}")) {
-        wrong.push(format!("tag {tag}: allowed is v{version}, the version in Cargo.toml"));
+        wrong.push(format!("tag {tag}: expected v{version}, the version in Cargo.toml"));
     }
     if !intent.preview {
         wrong.extend(uncommitted(folder));
@@ -79,7 +79,7 @@ fn tokens() -> [(&'static str, String); 2] {
 
 /// Errors in version and token of a model description, of FMI 2.0 or 3.0.
 pub(super) fn description(place: &str, xml: &str, token: String, version: &str) -> Vec<String> {
-    const REMEDY: &str = "write it anew by `cargo run --bin fmu-build -- refresh --description`";
+    const REMEDY: &str = "write it again with `cargo run --bin fmu-build -- refresh --description`";
     let root = Element::parse(xml).unwrap_or_default();
     let value = |names: &[&str]| names.iter().find_map(|name| root.attribute(name)).unwrap_or("none");
     let differs = |what: &str, found: &str, expected: &str| {
@@ -100,7 +100,7 @@ fn packages(folder: &Path, workspace: &Value) -> Result<Vec<String>> {
         let name = format!("{member}/Cargo.toml");
         let version = &toml(folder, &name)?["package"]["version"];
         if version.get("workspace").and_then(Value::as_bool) != Some(true) {
-            wrong.push(format!("{name}: version {version}: allowed is `version.workspace = true`"));
+            wrong.push(format!("{name}: version {version}: expected `version.workspace = true`"));
         }
     }
     Ok(wrong)
@@ -118,7 +118,7 @@ fn python(folder: &Path, version: &str) -> Result<Option<String>> {
         None if of_crate => None,
         Some(own) if own == version => None,
         own => Some(format!(
-            "{NAME}: version {}, where Cargo.toml has {version}: allowed is `dynamic = [\"version\"]`",
+            "{NAME}: version {}, where Cargo.toml has {version}: expected `dynamic = [\"version\"]`",
             own.unwrap_or("none")
         )),
     })

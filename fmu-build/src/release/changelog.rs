@@ -33,12 +33,10 @@ pub fn of(changelog: &str, version: &str, preview: bool) -> Result<ChangelogSect
     };
     let section = &sections[own];
     if let Some(newer) = sections[..own].iter().find(|s| s.name != UNRELEASED) {
-        return Err(format!("CHANGELOG.md: [{version}] stands below [{}], a later version", newer.name));
+        return Err(format!("CHANGELOG.md: [{version}] is below [{}], a later version", newer.name));
     }
     if !section.date.as_deref().is_some_and(is_day) {
-        return Err(format!(
-            "CHANGELOG.md: [{version}] has no day: allowed is `## [{version}] - YYYY-MM-DD`"
-        ));
+        return Err(format!("CHANGELOG.md: [{version}] has no day: expected `## [{version}] - YYYY-MM-DD`"));
     }
     if section.text.is_empty() {
         return Err(format!("CHANGELOG.md: [{version}] has no text"));

@@ -72,7 +72,7 @@ fn same_kits(dist: &Path, kits: &[(Option<Vec<u8>>, String)]) -> Result<Vec<Stri
         let kit = bytes.as_ref().map(|bytes| archive::of(Cursor::new(bytes), Path::new(KIT_FILE)));
         let kit = kit.and_then(|content| Kit::from_entries(content.ok()?));
         let Some(kit) = kit else {
-            wrong.push(format!("{place} lacks {KIT_FILE}, of which FMUs of other machines are made"));
+            wrong.push(format!("{place} lacks {KIT_FILE}, from which FMUs of other machines are made"));
             continue;
         };
         let lacking: Vec<&str> = packed
@@ -84,7 +84,7 @@ fn same_kits(dist: &Path, kits: &[(Option<Vec<u8>>, String)]) -> Result<Vec<Stri
             wrong.push(format!("{place}: {KIT_FILE} lacks the library for {}", lacking.join(", ")));
         }
         if *bytes != kits[0].0 {
-            wrong.push(format!("{place}: {KIT_FILE} is not that of {}", kits[0].1));
+            wrong.push(format!("{place}: {KIT_FILE} differs from that of {}", kits[0].1));
         }
     }
     Ok(wrong)
@@ -108,7 +108,7 @@ fn archives(dist: &Path, version: &str) -> Result<Vec<String>> {
                 inspect::slices(bytes).unwrap_or_default().into_iter().zip(platform.targets)
             {
                 if inspect::kind(slice) != Ok(inspect::kind_of_target(target)) {
-                    wrong.push(format!("{place}: {} is no library for {target}", platform.path(edition)));
+                    wrong.push(format!("{place}: {} is not a library for {target}", platform.path(edition)));
                 }
             }
         }
@@ -135,7 +135,7 @@ fn wheel(platform: &WheelPlatform, content: &Content, version: &str, described: 
         about.lines().filter_map(|line| line.strip_prefix("Tag: cp39-abi3-")).collect();
     let named: BTreeSet<&str> = platform.tag.split('.').collect();
     if tags != named {
-        wrong.push(format!("its tags {tags:?} are not those of its name"));
+        wrong.push(format!("its tags {tags:?} differ from the tags in its name"));
     }
     let own = ["LICENSE-MIT", "LICENSE-APACHE"];
     for name in own.iter().chain(&licences::OF_WHEEL) {
@@ -158,7 +158,7 @@ fn native(platform: &WheelPlatform, module: &[u8]) -> std::result::Result<(), St
     let damaged = |error: object::Error| format!("cannot be read: {error}");
     let kind = inspect::kind(module).map_err(damaged)?;
     if kind != inspect::kind_of_target(platform.target) {
-        return Err(format!("is {kind:?}, no library for {}", platform.target));
+        return Err(format!("is {kind:?}, not a library for {}", platform.target));
     }
     let exported = inspect::exports(module).map_err(damaged)?;
     if !exported.contains(ENTRY) {
@@ -189,7 +189,7 @@ fn metadata(about: &str, version: &str) -> Option<String> {
     let field = |key: &str| about.lines().find_map(|line| line.strip_prefix(key)).unwrap_or("none").trim();
     let (name, found, expected) = (field("Name:"), field("Version:"), python_version(version));
     ((name, found) != ("vibro-impact", &*expected))
-        .then(|| format!("tells {name} {found}, where vibro-impact {expected} is expected"))
+        .then(|| format!("gives {name} {found}, where vibro-impact {expected} is expected"))
 }
 
 /// Whether the archives in a package equal the archives next to it.
@@ -200,7 +200,7 @@ fn same_archives(dist: &Path, content: &Content, folder: &str, place: &str) -> R
         let beside = fs::read(&path).map_err(Error::file("reading", &path))?;
         let name = file_name(&path);
         if content.get(&format!("{folder}{name}")) != Some(&beside) {
-            wrong.push(format!("{place}: {folder}{name} is not the archive beside it"));
+            wrong.push(format!("{place}: {folder}{name} is not the archive next to it"));
         }
     }
     Ok(wrong)

@@ -50,7 +50,8 @@ pub fn programs(binaries: &Binaries, version: &str, texts: &Content) -> Result<C
     for (tuple, bytes) in binaries.folders() {
         let program = format!("{PROGRAM}{}", if tuple.ends_with("windows") { ".exe" } else { "" });
         let readme = format!(
-            "vibro-impact {version}, the command line for {tuple}.\n\n{program} --help tells what it does, and of machines of text files:\n\n    \
+            "vibro-impact {version}, the command line for {tuple}.\n\n{program} --help explains \
+             what it does; for machines in text files:\n\n    \
              {program} check machine.toml\n    {program} run machine.toml --until 2s --out results\n    \
              {program} draw machine.toml --out sketch\n\nLicences of what is linked in are in licenses/.\n"
         );

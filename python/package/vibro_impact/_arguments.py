@@ -28,30 +28,30 @@ MOST_ROWS = 100_000_000
 def number(name: str, value: object) -> float:
     """Returns `value` as a finite float."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
-        raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: allowed is a finite number")
+        raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: expected a finite number")
     try:
         found = float(value)
     except OverflowError:
         found = np.inf
     if not np.isfinite(found):
-        raise ValueError(f"{name} = {value!r}: allowed is a finite number")
+        raise ValueError(f"{name} = {value!r}: expected a finite number")
     return found
 
 
 def whole(name: str, value: object, least: int, most: int) -> int:
     """Returns `value` as an integer from `least` to `most`."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral):
-        raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: allowed is a whole number")
+        raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: expected a whole number")
     found = int(value)
     if not least <= found <= most:
-        raise ValueError(f"{name} = {value!r}: allowed is a whole number from {least} to {most}")
+        raise ValueError(f"{name} = {value!r}: expected a whole number from {least} to {most}")
     return found
 
 
 def discarded_and_kept(periods: object) -> tuple[int, int]:
     """Returns a pair of numbers of periods: discarded and kept."""
     if not isinstance(periods, Sequence) or len(periods) != 2:
-        raise TypeError(f"periods = {periods!r}: allowed is a pair of whole numbers: discarded, kept")
+        raise TypeError(f"periods = {periods!r}: expected a pair of whole numbers (discarded, kept)")
     return whole("periods[0]", periods[0], 0, MOST_PERIODS), whole("periods[1]", periods[1], 1, MOST_PERIODS)
 
 
@@ -60,10 +60,10 @@ def choice(name: str, value: object, allowed: Sequence[str]) -> str:
     if isinstance(value, str) and value in allowed:
         return value
     if not isinstance(value, str):
-        raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: allowed is one of {listed(allowed)}")
+        raise TypeError(f"{name} = {value!r} is of type {type(value).__name__}: expected one of {listed(allowed)}")
     near = get_close_matches(value, allowed, 1)
-    advice = f"; the nearest is {near[0]!r}" if near else ""
-    raise ValueError(f"{name} = {value!r}: allowed is one of {listed(allowed)}{advice}")
+    advice = f"; did you mean {near[0]!r}?" if near else ""
+    raise ValueError(f"{name} = {value!r}: expected one of {listed(allowed)}{advice}")
 
 
 def listed(words: Sequence[str]) -> str:
@@ -76,18 +76,18 @@ def array(name: str, value: ArrayLike, allowed: str, dimensions: Optional[int] =
     try:
         raw = np.asanyarray(value)
     except ValueError as error:
-        raise ValueError(f"{name} makes no array ({error}): allowed is {allowed}") from None
+        raise ValueError(f"{name} is not an array ({error}): expected {allowed}") from None
     if raw.dtype.kind not in "iuf":
-        raise TypeError(f"{name} has the dtype {raw.dtype}: allowed is {allowed}")
+        raise TypeError(f"{name} has the dtype {raw.dtype}: expected {allowed}")
     found: Floats = np.ascontiguousarray(raw, dtype=np.float64)
     if dimensions not in (None, raw.ndim):
-        raise ValueError(f"{name} has the shape {raw.shape}: allowed is {allowed}")
+        raise ValueError(f"{name} has the shape {raw.shape}: expected {allowed}")
     masked = np.ma.getmaskarray(raw) if isinstance(raw, np.ma.MaskedArray) else np.zeros((), dtype=bool)
     for wrong, told in ((masked, "is masked"), (~np.isfinite(found), "= {}")):
         if wrong.any():
             where = np.argwhere(wrong)[0]
             place = f"[{', '.join(map(str, where))}]" if len(where) else ""
-            raise ValueError(f"{name}{place} {told.format(found[tuple(where)])}: allowed is {allowed} of finite numbers")
+            raise ValueError(f"{name}{place} {told.format(found[tuple(where)])}: expected {allowed}, all finite")
     return found
 
 
@@ -104,17 +104,17 @@ def converted(given: Any, in_si: Callable[[str], float]) -> Any:
 
 def evenly_spaced(name: str, given: ArrayLike, most: int) -> tuple[tuple[float, float], int]:
     """Returns the ends and the number of increasing, equally spaced values; the error names the first misplaced value."""
-    allowed = "an array of shape (n,), n >= 2, of rising, equally spaced values, e.g. np.linspace(0.5, 5, 451)"
+    allowed = "an array of shape (n,), n >= 2, of increasing, equally spaced values, e.g. np.linspace(0.5, 5, 451)"
     values = array(name, given, allowed)
     whole(f"len({name})", len(values), 2, most)
     first, last = float(values[0]), float(values[-1])
     if not first < last:
-        raise ValueError(f"{name} does not rise, {name}[0] = {first:.12g} and {name}[{len(values) - 1}] = {last:.12g}: allowed is {allowed}")
+        raise ValueError(f"{name} does not increase, {name}[0] = {first:.12g} and {name}[{len(values) - 1}] = {last:.12g}: expected {allowed}")
     even = np.linspace(first, last, len(values))
     off = np.flatnonzero(np.abs(values - even) > 1e-9 * (last - first))
     if len(off):
         i = off[0]
-        raise ValueError(f"{name} is not equally spaced, {name}[{i}] = {values[i]:.12g} instead of {even[i]:.12g}: allowed is {allowed}")
+        raise ValueError(f"{name} is not equally spaced, {name}[{i}] = {values[i]:.12g} instead of {even[i]:.12g}: expected {allowed}")
     return (first, last), len(values)
 
 
@@ -147,7 +147,7 @@ def coordinates(name: str, value: StartOfMachine) -> Coordinates:
     if not isinstance(value, Mapping):
         found = array(name, value, "six numbers, or a mapping such as {'x2': 0.5, 'block.v': 0.2}")
         if found.shape != (6,):
-            raise ValueError(f"{name} has the shape {found.shape}: allowed is (6,): {', '.join(SI_COORDINATES)}")
+            raise ValueError(f"{name} has the shape {found.shape}: expected (6,): {', '.join(SI_COORDINATES)}")
         return Coordinates(0.0, [0.0] * 6, [float(x) for x in found])
     start = Coordinates(_coordinate(name, "time", value.get("time", 0.0)), [0.0] * 6, [None] * 6)
     named: dict[int, str] = {}
@@ -161,8 +161,8 @@ def coordinates(name: str, value: StartOfMachine) -> Coordinates:
         first = named.setdefault(index, coordinate)
         if first != coordinate:
             raise ValueError(
-                f"{name} = {dict(value)!r}: {first} and {coordinate} are one coordinate, in units of L or L omega10 and in SI: allowed "
-                "is each coordinate once"
+                f"{name} = {dict(value)!r}: {first} and {coordinate} are the same coordinate, in units of L or L omega10 and in SI: "
+                "use one of them"
             )
         if coordinate in COORDINATES:
             start.scaled[index] = plain
@@ -183,10 +183,11 @@ def quantity(name: str, unit: str, text: str) -> float:
     """Returns the value in SI of a text with a unit."""
     found = _native.in_si("" if unit == "1" else unit, text)
     if found is None:
-        raise ValueError(f"{name} = {text!r}: allowed is a number, which is in {unit}, or a text with a unit of it")
+        expected = f"a number in {unit}, or a text with a unit that converts to {unit}" if unit not in ("", "1") else "a number"
+        raise ValueError(f"{name} = {text!r}: expected {expected}")
     value, has_unit = found
     if not has_unit and unit not in ("", "1"):
-        raise ValueError(f"{name} = {text!r}: allowed is a number, which is in {unit}, or a text with a unit")
+        raise ValueError(f"{name} = {text!r}: expected a number in {unit}, or a text with a unit")
     return number(name, value)
 
 
@@ -199,5 +200,5 @@ def state(name: str, value: StartOfMachine, system: _native.System) -> list[floa
     """Returns the displacements (m) and velocities (m/s) of a start at time 0."""
     start = coordinates(name, value)
     if start.time != 0.0:
-        raise ValueError(f"{name}: time = {start.time}: allowed is 0, where this begins; simulate begins at other times")
+        raise ValueError(f"{name}: time = {start.time}: must be 0, where this study begins; `simulate` can begin at another time")
     return start.state(system)

@@ -221,8 +221,8 @@ class AnyMachine:
 def merged(first: Optional[Mapping[str, Any]], more: Mapping[str, Any], what: str) -> dict[str, Any]:
     """Merges values by name from a dictionary and from keywords; each name may occur once."""
     if first is not None and not isinstance(first, Mapping):
-        raise TypeError(f"{what} is of type {type(first).__name__}: allowed is a dictionary such as {{'stop.steel.gap': ...}}, or keywords")
+        raise TypeError(f"{what} is of type {type(first).__name__}: expected a dictionary such as {{'stop.steel.gap': ...}}, or keywords")
     twice = [name for name in first or {} if name in more]
     if twice:
-        raise TypeError(f"{twice[0]} is given twice: allowed is each name once")
+        raise TypeError(f"{twice[0]} is given twice: expected each name once")
     return {**(first or {}), **more}

@@ -36,6 +36,6 @@ def _inside(name: str) -> Path:
         if path.exists():
             return path
     raise FileNotFoundError(
-        f"{own} is missing: this package was built without it. The wheel of a release has it. In the repository `cargo run --bin fmu-build` "
-        "makes it in target/: then set VIBRO_IMPACT_ARCHIVES to that folder, or build the package again by `pip install ./python`"
+        f"{own} is missing: this package was built without it. The wheel of a release contains it. In the repository, `cargo run --bin fmu-build` "
+        "builds it in target/: then set VIBRO_IMPACT_ARCHIVES to that folder, or build the package again with `pip install ./python`"
     )

@@ -19,14 +19,14 @@ def after(name: str, value: object, begin: float) -> float:
     """Returns `value` as a finite number greater than `begin`."""
     found = number(name, value)
     if not found > begin:
-        raise ValueError(f"{name} = {value!r}: allowed is a finite number above {begin:g}")
+        raise ValueError(f"{name} = {value!r}: must be greater than {begin:g}")
     return found
 
 
 def listed(times: ArrayLike, begin: float) -> Floats:
     """Returns ascending times that are not before the initial time `begin`."""
     t: Floats = array("times", times, "an array of shape (n,) of times in s").copy()
-    allowed = f"allowed are ascending finite times from {begin:g} on, one at least"
+    allowed = f"expected at least one time, with finite, ascending times >= {begin:g}"
     if len(t) == 0:
         raise ValueError(f"times is empty: {allowed}")
     if not t[0] >= begin:
@@ -50,7 +50,7 @@ def instants(
     """Returns report times from the initial time on: equal parts until a time or of each period, or the listed times."""
     given = [name for name, value in (("until", until), ("periods", periods), ("times", times)) if value is not None]
     if len(given) != 1:
-        raise TypeError(f"{', '.join(given) or 'neither until, periods nor times'}: allowed is one of until, periods and times")
+        raise TypeError(f"{', '.join(given) or 'neither until, periods nor times'}: expected exactly one of until, periods and times")
     if times is not None:
         return listed(times, begin)
     if until is not None:
@@ -59,10 +59,10 @@ def instants(
         return np.array([end if k == count else begin + (end - begin) * k / count for k in range(count + 1)])
     count = whole("periods", periods, 0, MOST_PERIODS)
     if not np.isfinite(period):
-        raise ValueError(f"periods = {periods}: nothing drives the machine periodically; allowed are until and times")
+        raise ValueError(f"periods = {periods}: nothing drives the machine periodically; use until or times")
     rows = whole("per_period", per_period, 1, MOST_SAMPLES) * count + 1
     whole("periods * per_period + 1", rows, 1, MOST_SAMPLES)
     if not np.isfinite(begin + period * rows):
-        raise ValueError(f"periods = {periods}: allowed is an end of the run that a double can hold")
+        raise ValueError(f"periods = {periods}: the run must end at a finite time")
     found: Floats = begin + period * np.arange(rows) / per_period
     return found

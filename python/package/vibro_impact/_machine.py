@@ -334,7 +334,7 @@ class Machine(MachineDescription):
         of = self.columns[0] if of is None else of
         given_by_name = merged(parameter, more, "parameter")
         if len(given_by_name) != 1:
-            raise TypeError(f"parameters {list(given_by_name)}: allowed is exactly one with its values, rising and equally spaced")
+            raise TypeError(f"parameters {list(given_by_name)}: expected exactly one parameter, with increasing, equally spaced values")
         ((name, given),) = given_by_name.items()
         ends, count = evenly_spaced(name, self._in_si(name, given), _MOST_VALUES)
         discard, keep = discarded_and_kept(periods)
@@ -451,8 +451,8 @@ class Machine(MachineDescription):
         )
         if not found:
             raise ValueError(
-                f"{name} from {low} to {high}: no motion settles on a periodic orbit that can be followed; allowed are other starts, more "
-                "discarded returns (settle), more values (seeds)"
+                f"{name} from {low} to {high}: no motion settles on a periodic orbit that can be followed; try other starts, more "
+                "discarded returns (settle) or more values (seeds)"
             )
         return found
 

@@ -38,7 +38,7 @@ class MachineDescription(AnyMachine, metaclass=_Names):
     ) -> None:
         if more:
             given = ", ".join(map(repr, (machine, *more)))
-            raise TypeError(f"vi.Machine({given}): expected one value; numbers of the file are changed by replace({{name: value}})")
+            raise TypeError(f"vi.Machine({given}): expected one argument; change numbers of the file with replace({{name: value}})")
         if machine is None or parameters:
             raise TypeError(_papers(parameters))
         if isinstance(machine, Mapping):
@@ -49,7 +49,7 @@ class MachineDescription(AnyMachine, metaclass=_Names):
             described = _native.Described(None, os.fspath(machine))
         else:
             raise TypeError(
-                f"machine is of type {type(machine).__name__}: allowed is the path of a file, its text, or a dictionary of the same form"
+                f"machine is of type {type(machine).__name__}: expected the path of a file, its text, or a dictionary of the same form"
             )
         object.__setattr__(self, "_described", described)
 
@@ -100,7 +100,7 @@ class MachineDescription(AnyMachine, metaclass=_Names):
             if not isinstance(value, str):
                 number(name, value)
             elif is_number(value) and units.get(name, "1") != "1":
-                raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
+                raise ValueError(f"{name} = {value!r}: expected a number in {units[name]}, or a text with a unit")
         new = [(name, v if isinstance(v, str) else float(v)) for name, v in parameters.items()]
         return self._of(self._described.replace(new))
 
@@ -131,7 +131,7 @@ class MachineDescription(AnyMachine, metaclass=_Names):
             return number(name, value)
         units = self.units
         if is_number(value) and units.get(name, "1") != "1":
-            raise ValueError(f"{name} = {value!r}: allowed is a number, which is in {units[name]}, or a text with a unit")
+            raise ValueError(f"{name} = {value!r}: expected a number in {units[name]}, or a text with a unit")
         return self._described.value(name, value)
 
     @classmethod
@@ -141,7 +141,7 @@ class MachineDescription(AnyMachine, metaclass=_Names):
         return found
 
     def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError("a machine is immutable; replace() gives one with other values")
+        raise AttributeError("a machine is immutable; replace() returns a machine with other values")
 
     def __repr__(self) -> str:
         return f"Machine({self.name!r}, {len(self.parameters)} parameters)"

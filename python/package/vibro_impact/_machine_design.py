@@ -207,10 +207,10 @@ def design(
 def _ends(machine: MachineDescription, what: str, name: str, ends: Any) -> tuple[float, float]:
     """Returns the ends of a range, SI."""
     if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
-        raise TypeError(f"{what} = {ends!r}: expected a pair of its least and largest value, in SI or as texts with units")
+        raise TypeError(f"{what} = {ends!r}: expected a pair of its smallest and largest value, in SI or as texts with units")
     low, high = (_value(machine, name, end) for end in ends)
     if not low < high:
-        raise ValueError(f"{what} = {ends!r}: expected a least value below the largest")
+        raise ValueError(f"{what} = {ends!r}: the first value must be less than the second")
     return low, high
 
 

@@ -102,7 +102,7 @@ class Fit(Result):
 
     def _picture(self) -> str:
         some = [Line(self.t, found, name, colour=k) for k, (name, found) in enumerate(list(self.residuals.items())[:4])]
-        return lines(some, "time (s)", "fitted motion less record, SI")
+        return lines(some, "time (s)", "fitted motion minus record, SI")
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -137,17 +137,17 @@ def _record(record: RecordLike, machine: MachineDescription) -> tuple[Floats, li
         record = _table(record, machine, {})
     if not isinstance(record, Mapping):
         allowed = "a dictionary such as {'box.s': (t, s)}, or the path of a table"
-        raise TypeError(f"record is of type {type(record).__name__}: allowed is {allowed}")
+        raise TypeError(f"record is of type {type(record).__name__}: expected {allowed}")
     t: Optional[Floats] = None
     columns = []
     for name, pair in record.items():
         if not isinstance(name, str) or not isinstance(pair, tuple) or len(pair) != 2:
-            raise TypeError(f"record[{name!r}]: allowed is a name such as 'box.s' with a pair of times and values")
+            raise TypeError(f"record[{name!r}]: expected a name such as 'box.s' with a pair of times and values")
         times, values = (array(f"record[{name!r}][{k}]", part, "an array of shape (n,)") for k, part in enumerate(pair))
         if times.shape != values.shape:
-            raise ValueError(f"record[{name!r}] has shapes {times.shape} and {values.shape}: allowed are two of one length")
+            raise ValueError(f"record[{name!r}] has shapes {times.shape} and {values.shape}: expected two arrays of the same length")
         if t is not None and not np.array_equal(t, times):
-            raise ValueError(f"record[{name!r}] has other times than the column before: allowed are columns at the same times")
+            raise ValueError(f"record[{name!r}] has other times than the previous column: expected the same times in all columns")
         t = times
         columns.append((name, values))
     return np.empty(0) if t is None else t, columns
@@ -187,7 +187,7 @@ def _fit_machine(machine: ParameterValues, record: RecordLike, free: Iterable[st
     names = [free] if isinstance(free, str) else list(free)
     unknown = [name for name in names if name not in SI_NAMES and not name.startswith(("start.", "record."))]
     if unknown:
-        allowed = "allowed are its physical parameters (SI_NAMES), start.BODY.s, start.BODY.v, record.shift and record.offset.COLUMN"
+        allowed = "expected one of its physical parameters (SI_NAMES), start.BODY.s, start.BODY.v, record.shift or record.offset.COLUMN"
         raise ValueError(f"free: {unknown[0]!r} of a PaperMachine cannot be fitted: {allowed}")
     if start is None or isinstance(start, Mapping) and not any(str(name).endswith((".s", ".v")) for name in start):
         values = np.asarray(state("start", start, machine._system), dtype=np.float64)
@@ -356,7 +356,7 @@ def fit_records(
     names = shared + single
     for one in machines:
         if not isinstance(one, MachineDescription):
-            raise TypeError(f"machine is of type {type(one).__name__}: allowed are Machine and PaperMachine")
+            raise TypeError(f"machine is of type {type(one).__name__}: expected Machine or PaperMachine")
     count = len(records)
     for what, each in (("machines", machines), ("events", events), ("sigma", sigma), ("start", start)):
         if each is not None and len(each) != count:
@@ -365,10 +365,10 @@ def fit_records(
         raise ValueError("records is empty; expected at least one record")
     unknown = [name for name in within or {} if name not in names]
     if unknown:
-        raise ValueError(f"within: {unknown[0]!r} is not free: allowed are {', '.join(names)}")
+        raise ValueError(f"within: {unknown[0]!r} is not free: expected one of {', '.join(names)}")
     ranges = {name: _range(machines[0], name, ends) for name, ends in (within or {}).items()}
     if loss not in _LOSSES:
-        raise ValueError(f"loss = {loss!r}: allowed are {', '.join(_LOSSES)}")
+        raise ValueError(f"loss = {loss!r}: expected one of {', '.join(_LOSSES)}")
     given = []
     for k, (machine, record) in enumerate(zip(machines, records)):
         t, columns = _record(record, machine)
@@ -397,14 +397,14 @@ def fit_records(
 def _contacts(events: Optional[Mapping[str, ArrayLike]]) -> list[tuple[str, list[float]]]:
     """Contact times of each stop, s."""
     if events is not None and not isinstance(events, Mapping):
-        raise TypeError(f"events is of type {type(events).__name__}: allowed is a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
+        raise TypeError(f"events is of type {type(events).__name__}: expected a dictionary of times by stop, such as {{'wall': [0.12, 0.31]}}")
     return [(stop, array(f"events[{stop!r}]", times, "an array of shape (n,) of times in s").tolist()) for stop, times in (events or {}).items()]
 
 
 def _range(machine: MachineDescription, name: str, ends: Any) -> tuple[float, float]:
     """Range of a free parameter, SI."""
     if isinstance(ends, str) or not isinstance(ends, Sequence) or len(ends) != 2:
-        raise TypeError(f"within: {name} = {ends!r}: allowed is a pair of its least and largest value, in SI or as texts with units")
+        raise TypeError(f"within: {name} = {ends!r}: expected a pair of its smallest and largest value, in SI or as texts with units")
     return _bound(machine, name, ends[0]), _bound(machine, name, ends[1])
 
 
@@ -418,7 +418,7 @@ def _bound(machine: MachineDescription, name: str, value: Union[float, str]) -> 
         own = name.removeprefix("start.")
         return dict(numbers_of(machine, {own: value}))[own]
     if name.startswith("record."):
-        raise TypeError(f"within: {name} = {value!r}: allowed are numbers, in the unit of the record's column")
+        raise TypeError(f"within: {name} = {value!r}: expected a number in the unit of the record's column")
     return number("within", machine._in_si(name, value))
 
 
@@ -435,11 +435,11 @@ def _length(segments: Union[str, float]) -> Optional[float]:
     """Length of segments, s: None for ``auto``, 0 for ``none``."""
     if isinstance(segments, str):
         if segments not in ("auto", "none"):
-            raise ValueError(f"segments = {segments!r}: allowed are 'auto', 'none' and a length in s")
+            raise ValueError(f"segments = {segments!r}: expected 'auto', 'none' or a length in s")
         return None if segments == "auto" else 0.0
     length = number("segments", segments)
     if not length > 0:
-        raise ValueError(f"segments = {segments!r}: allowed is a length above 0 s")
+        raise ValueError(f"segments = {segments!r}: must be greater than 0 s")
     return length
 
 
@@ -448,13 +448,13 @@ def _sigma(machine: MachineDescription, sigma: Optional[Mapping[str, Union[float
         return None
     missing: Union[set[str], Any] = set(names) ^ set(sigma)
     if missing:
-        raise ValueError(f"sigma: {sorted(missing)[0]!r} is missing or no column: needed are {', '.join(names)}")
+        raise ValueError(f"sigma: {sorted(missing)[0]!r} is missing or is not a column: expected exactly {', '.join(names)}")
     found = []
     for name in names:
         value, unit = sigma[name], "s" if name == "contacts" else machine.measures.get(f"maximum.{name}", "1").split(":")[0]
         own = quantity(f"sigma[{name!r}]", unit, value) if isinstance(value, str) else number(f"sigma[{name!r}]", value)
         if not own > 0.0:
-            raise ValueError(f"sigma[{name!r}] = {value!r}: allowed is a finite number above 0")
+            raise ValueError(f"sigma[{name!r}] = {value!r}: expected a finite number > 0")
         found.append(own)
     return found
 

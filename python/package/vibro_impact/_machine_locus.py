@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: Labels of points of a curve over two parameters: why the curve ends, or which two conditions hold there.
 LOCUS_LABELS = {
     "EP": "end of a parameter's range",
-    "GR": "another contact is touched: the orbit changes its events there",
+    "GR": "grazing: the orbit touches another contact, and its events change",
     "CP": "cusp of a fold curve",
     "LPBP": "a fold curve meets the pitchfork curve of a symmetric orbit, and ends",
     "LPPD": "fold-flip: multipliers 1 and -1",

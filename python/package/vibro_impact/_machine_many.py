@@ -40,13 +40,13 @@ def runs(
 def names_of(parameters: Iterable[str]) -> list[str]:
     """Returns names of parameters; raises for duplicates."""
     if isinstance(parameters, str):
-        raise TypeError(f"derivatives = {parameters!r}: allowed is a list of names of parameters")
+        raise TypeError(f"derivatives = {parameters!r}: expected a list of parameter names")
     names = list(parameters)
     for i, name in enumerate(names):
         if not isinstance(name, str):
-            raise TypeError(f"derivatives = {name!r}: allowed are names of parameters")
+            raise TypeError(f"derivatives = {name!r}: expected the name of a parameter")
         if name in names[:i]:
-            raise ValueError(f"derivatives: {name} stands there twice; allowed is each parameter once")
+            raise ValueError(f"derivatives: {name} is given twice; expected each parameter once")
     return names
 
 

@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 
 #: Labels of special points of a branch of a machine of your own.
 LABELS = {
-    "LP": "fold: the branch turns round in the parameter",
+    "LP": "fold: the branch reverses in the parameter",
     "BP": "branch point: two branches cross",
     "PD": "period doubling",
     "NS": "Neimark-Sacker: a second frequency appears",
-    "GR": "a stop is touched with speed zero",
-    "ST": "a friction begins or ceases to stick, or slips once more",
-    "CC": "two events of different elements change places",
-    "SA": "an output of a block comes to a limit or leaves it",
-    "CH": "impacts cease to accumulate",
+    "GR": "grazing: a stop is touched at zero speed",
+    "ST": "a friction element starts or stops sticking, or slips once more",
+    "CC": "two events of different elements swap their order",
+    "SA": "an output of a block reaches or leaves a limit",
+    "CH": "impacts stop accumulating",
     "EP": "end of the parameter's range",
-    "MX": "the branch could not be followed on",
+    "MX": "the branch could not be followed further",
 }
 
 #: Labels of points at which curves over two parameters begin.
@@ -79,7 +79,7 @@ class Orbit(Result):
     def measure(self, name: str) -> float:
         """Returns a measure of :func:`measure_many` over one period, such as ``amplitude.box.s``, in SI; not a power, class or exponent."""
         if not isinstance(name, str):
-            raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+            raise TypeError(f"name = {name!r}: expected the name of an output, such as 'amplitude.box.s'")
         return self._solved().measure(name)
 
     def gradient(self, name: str) -> dict[str, Optional[float]]:
@@ -90,7 +90,7 @@ class Orbit(Result):
         frequencies.
         """
         if not isinstance(name, str):
-            raise TypeError(f"name = {name!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+            raise TypeError(f"name = {name!r}: expected the name of an output, such as 'amplitude.box.s'")
         return {parameter: value for parameter, value, _ in self._solved().gradient(name)}
 
     def energies(self) -> Optional[dict[str, float]]:
@@ -221,7 +221,7 @@ class Branch(Result):
 
 def _ends(machine: MachineDescription, name: str, low: Union[float, str], high: Union[float, str]) -> tuple[float, float]:
     if not isinstance(name, str):
-        raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
+        raise TypeError(f"name = {name!r}: expected the name of a parameter")
     return number("low", machine._in_si(name, low)), number("high", machine._in_si(name, high))
 
 
@@ -229,7 +229,7 @@ def _of(machine: MachineDescription, of: Optional[str]) -> str:
     if of is None:
         return next((name for name in machine.measures if name.startswith("amplitude.")), "impacts")
     if not isinstance(of, str):
-        raise TypeError(f"of = {of!r}: allowed is the name of an output, such as 'amplitude.box.s'")
+        raise TypeError(f"of = {of!r}: expected the name of an output, such as 'amplitude.box.s'")
     return of
 
 
@@ -253,7 +253,7 @@ def find_orbit(
     numbers = numbers_of(machine, start)
     settle, tries = whole("settle", settle, 0, _MOST_RETURNS), whole("tries", tries, 0, 100_000)
     if word is not None and not isinstance(word, str):
-        raise TypeError(f"word = {word!r}: allowed is a text of events, such as 'impact steel, press buffer'")
+        raise TypeError(f"word = {word!r}: expected a text of events, such as 'impact steel, press buffer'")
     periods, time = _period(machine, period)
     with Bar(progress, 1, "orbits" if word is None and period is None else "returns at most") as bar:
         found = _native.orbit(
@@ -274,7 +274,7 @@ def _period(machine: MachineDescription, period: Union[None, float, str]) -> tup
     turns = period.strip()
     if turns.endswith("T"):
         if not turns[:-1].strip().isdecimal() or not 1 <= int(turns[:-1]) <= 32:
-            raise ValueError(f"period = {period!r}: allowed are '1T' to '32T', or a time, such as 0.1 or '0.1 s'")
+            raise ValueError(f"period = {period!r}: expected '1T' to '32T', or a time, such as 0.1 or '0.1 s'")
         return int(turns[:-1]), None
     return None, positive("period", seconds("period", period))
 

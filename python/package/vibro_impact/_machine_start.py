@@ -28,16 +28,16 @@ def numbers_of(machine: MachineDescription, start: StartLike, name: str = "start
         return machine._described.start([], [(of, _value(of, value)) for of, value in start.items()])
     if isinstance(start, (str, os.PathLike)):
         return machine._described.read_start(os.fspath(start))
-    raise TypeError(f"{name} is of type {type(start).__name__}: allowed are numbers by name, or the path of a start's file")
+    raise TypeError(f"{name} is of type {type(start).__name__}: expected numbers by name, or the path of a start file")
 
 
 def _value(name: str, value: Union[float, str]) -> Union[float, str]:
     if not isinstance(name, str):
-        raise TypeError(f"start: {name!r} is no name; allowed are names such as time, box.s, box.v")
+        raise TypeError(f"start: {name!r} is not a name; expected a name such as time, box.s, box.v")
     if not isinstance(value, str):
         return number(name, value)
     if is_number(value):
-        raise ValueError(f"{name} = {value!r}: allowed is a number, which is in SI, or a text with a unit")
+        raise ValueError(f"{name} = {value!r}: expected a number in SI, or a text with a unit")
     return value
 
 
@@ -49,10 +49,10 @@ def time_of(numbers: Numbers) -> float:
 def listed_starts(starts: Any) -> list[Any]:
     """Returns the starts of a nonempty sequence."""
     if isinstance(starts, (str, os.PathLike)) or not isinstance(starts, Iterable):
-        raise TypeError(f"starts is of type {type(starts).__name__}: allowed is a start, or a sequence with one for each motion")
+        raise TypeError(f"starts is of type {type(starts).__name__}: expected a start, or a sequence with one start for each motion")
     several = list(starts)
     if not several:
-        raise ValueError("starts is empty: allowed is a start, or a sequence with one for each motion")
+        raise ValueError("starts is empty: expected a start, or a sequence with one start for each motion")
     return several
 
 
@@ -64,5 +64,5 @@ def starts_of(machines: list[MachineDescription], starts: Any) -> tuple[list[Mac
     if len(machines) == 1:
         machines = machines * len(several)
     if len(machines) != len(several):
-        raise ValueError(f"starts has {len(several)} starts: allowed is one, or one for each of {len(machines)} machines")
+        raise ValueError(f"starts has {len(several)} starts: expected one start, or one for each of {len(machines)} machines")
     return machines, [numbers_of(machine, start, f"starts[{i}]") for i, (machine, start) in enumerate(zip(machines, several))]

@@ -94,7 +94,7 @@ class Section(Result):
     def __getitem__(self, column: str) -> Floats:
         names = self.machine.columns
         if column not in names:
-            raise KeyError(f"{column}: allowed are {', '.join(names)}")
+            raise KeyError(f"{column}: no such column; expected one of {', '.join(names)}")
         found: Floats = self.values[:, names.index(column)]
         return found
 
@@ -135,7 +135,7 @@ def basins_of(
 ) -> Basins:
     """Returns the result of :meth:`Machine.basins`."""
     if len(ranges) != 2:
-        raise TypeError(f"ranges {list(ranges)}: allowed are two numbers of a start, e.g. {{'block.s': ('-4 mm', '4 mm', 60)}}")
+        raise TypeError(f"ranges {list(ranges)}: expected two numbers of a start, e.g. {{'block.s': ('-4 mm', '4 mm', 60)}}")
     x, y = (_range(machine, name, given) for name, given in ranges.items())
     settle = whole("settle", settle, 0, MOST_PERIODS)
     with Bar(progress, 0, "parts") as bar:
@@ -151,11 +151,11 @@ def _range(machine: MachineDescription, name: str, given: Any) -> tuple[str, flo
     try:
         first, last, cells = given
     except (TypeError, ValueError):
-        raise TypeError(f"{name} = {given!r}: allowed is (from, to, cells), e.g. ('-4 mm', '4 mm', 60)") from None
+        raise TypeError(f"{name} = {given!r}: expected (from, to, cells), e.g. ('-4 mm', '4 mm', 60)") from None
     name = name[5:] if name.startswith("body.") else name
     low, high = (dict(numbers_of(machine, {name: value}))[name] for value in (first, last))
     if not low < high:
-        raise ValueError(f"{name} = {given!r}: allowed is from < to")
+        raise ValueError(f"{name} = {given!r}: expected from < to")
     return name, low, high, whole(f"{name}[2]", cells, 1, _MOST_CELLS)
 
 

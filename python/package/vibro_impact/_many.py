@@ -251,13 +251,13 @@ def simulate_many(
     given, shape = _arrays(several, merged(parameters, more, "parameters"))
     if until is not None or times is not None or is_described:
         if (until is None) == (times is None) or periods is not None:
-            raise TypeError("of described machines allowed is `until` or `times`, and no `periods`; of PaperMachine the other way round")
+            raise TypeError("a Machine requires `until` or `times`, and no `periods`; a PaperMachine takes only `periods`")
     if times is not None:
         if given or (errors, executor, checkpoint) != ("raise", None, None):
-            raise TypeError("times: allowed with several machines, without arrays, errors, executor and checkpoint")
+            raise TypeError("times: cannot be combined with arrays of parameters, errors, executor or checkpoint: use several machines, or until")
         return runs(_checked(several, MachineDescription), starts, times, derivatives, progress)
     if names_of(derivatives):
-        raise TypeError("derivatives: allowed for described machines, with `times`")
+        raise TypeError("derivatives: requires described machines and `times`")
     in_rows = choice("errors", errors, ("raise", "row")) == "row"
     count = whole("periods", 400 if periods is None else periods, 0, MOST_PERIODS)
     motions = _motions(several, starts, given, is_described, "a motion over periods")
@@ -407,7 +407,7 @@ def _measured(
     names = measure_names(measures)
     given, shape = _arrays(several, merged(parameters, {}, "parameters"))
     if section is not None and not is_described:
-        raise TypeError("section: allowed for described machines; the paper's machine is looked at once a drive period")
+        raise TypeError("section: requires described machines; the paper's machine is sampled once in each drive period")
     in_rows = choice("errors", errors, ("raise", "row")) == "row"
     periods = whole("periods", periods, 1, MOST_PERIODS)
     settle = whole("settle", (300 if is_described else 400) if settle is None else settle, 0, MOST_PERIODS)
@@ -433,7 +433,7 @@ def sweep_of(machine: AnyMachine, parameters: dict[str, Any], measures: Sequence
     allowed = "a list or an array of shape (n,) of values"
     for name, values in parameters.items():
         if isinstance(values, str) or np.ndim(values) != 1:
-            raise TypeError(f"{name}: allowed is {allowed}")
+            raise TypeError(f"{name}: expected {allowed}")
     own: Any = machine
     found = [array(name, own._in_si(name, values), allowed) for name, values in parameters.items()]
     grid = np.meshgrid(*found, indexing="ij") if found else []
@@ -451,7 +451,7 @@ def _checked(several: list[Any], kind: type[AnyMachine]) -> list[Any]:
     for index, machine in enumerate(several):
         if not isinstance(machine, kind):
             allowed = "Machine" if kind is MachineDescription else "PaperMachine" if index else "Machine or PaperMachine"
-            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: allowed is {allowed}")
+            raise TypeError(f"machines[{index}] is of type {type(machine).__name__}: expected {allowed}")
     return several
 
 
@@ -460,7 +460,7 @@ def _arrays(several: list[Any], parameters: dict[str, Any]) -> tuple[dict[str, F
     if not parameters:
         return {}, None
     if len(several) != 1:
-        raise TypeError(f"arrays of parameters with {len(several)} machines: allowed is one machine, or several without arrays")
+        raise TypeError(f"arrays of parameters with {len(several)} machines: expected one machine, or several without arrays")
     found = []
     for name, given in parameters.items():
         values = several[0]._in_si(name, given)
@@ -469,7 +469,7 @@ def _arrays(several: list[Any], parameters: dict[str, Any]) -> tuple[dict[str, F
         same = np.broadcast_arrays(*found)
     except ValueError:
         shapes = ", ".join(f"{name} {values.shape}" for name, values in zip(parameters, found))
-        raise ValueError(f"{shapes}: allowed are arrays that can be broadcast against each other") from None
+        raise ValueError(f"{shapes}: expected arrays that can be broadcast together") from None
     return {name: values.reshape(-1).copy() for name, values in zip(parameters, same)}, same[0].shape
 
 
@@ -477,7 +477,7 @@ def _of_one_structure(machines: list[MachineDescription]) -> None:
     columns = machines[0].columns
     for index, machine in enumerate(machines):
         if machine.columns != columns:
-            raise ValueError(f"machines[{index}] has the columns {machine.columns}: allowed are those of machines[0], {columns}")
+            raise ValueError(f"machines[{index}] has the columns {machine.columns}: expected the columns of machines[0], {columns}")
 
 
 def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_described: bool, what: str) -> _Motions:
@@ -499,5 +499,5 @@ def _motions(several: list[Any], starts: Any, given: dict[str, Floats], is_descr
         begins = coordinates("starts", starts)
         state("starts", starts, several[0]._system)  # raises if a start has a time
     if not isinstance(begins, Coordinates) and len(begins) not in (len(table), 1 if is_described else len(table)):
-        raise ValueError(f"starts has {len(begins)} rows: allowed is one start, or one for each of {len(table)} motions")
+        raise ValueError(f"starts has {len(begins)} rows: expected one start, or one for each of {len(table)} motions")
     return _Motions(several, begins, names, table)

@@ -28,7 +28,7 @@ def measure_names(measures: Sequence[str]) -> list[str]:
     """Returns names of measures as a list; raises for anything else."""
     names = [] if isinstance(measures, str) or not isinstance(measures, Iterable) else list(measures)
     if not isinstance(measures, Iterable) or isinstance(measures, str) or not all(isinstance(name, str) for name in names):
-        raise TypeError(f"measures = {measures!r}: allowed is a sequence of names, e.g. ['amplitude.x1']")
+        raise TypeError(f"measures = {measures!r}: expected a sequence of names, e.g. ['amplitude.x1']")
     return names
 
 

@@ -309,21 +309,21 @@ class PaperMachine(ParameterValues):
         tries = whole("tries", tries, 1, 1_000_000)
         if word is None:
             if symmetric:
-                raise TypeError("symmetric = True: allowed with a word, half of a symmetric orbit")
+                raise TypeError("symmetric = True: requires `word`, the events of half the orbit")
             wanted = None if period is None else self._turns(period)
             system, begin, _ = self._begun(start)
             found = find_orbit(self, None, (system, begin, settle), 1, False, tries, progress)
             if wanted not in (None, found.periods):
                 raise ValueError(
-                    f"period = {period!r}: the motion settles on an orbit of {found.periods} drive periods; allowed is the word of the orbit "
-                    "that is sought, another start, or no period"
+                    f"period = {period!r}: the motion settles on an orbit of {found.periods} drive periods; use the word of the wanted orbit, "
+                    "another start, or no period"
                 )
             return found
         return find_orbit(self, word, None, self._turns(period), bool(symmetric), tries, progress)
 
     def _turns(self, period: Union[None, float, str]) -> int:
         """Returns a period as a number of drive periods."""
-        allowed = f"allowed are '1T' to '1000T', or a multiple of the drive's period, {self.period:.9g} s"
+        allowed = f"expected '1T' to '1000T', or a multiple of the drive's period, {self.period:.9g} s"
         if period is None:
             return 1
         if isinstance(period, str) and period.strip().endswith("T"):
@@ -399,8 +399,8 @@ class PaperMachine(ParameterValues):
         found = self.branches(name, low, high, of=of, seeds=seeds, depth=depth, settle=settle, progress=progress)
         if not found:
             raise ValueError(
-                f"{name} from {low} to {high}: no motion settles on a periodic orbit that can be followed; allowed are more "
-                "discarded periods (settle), more values (seeds)"
+                f"{name} from {low} to {high}: no motion settles on a periodic orbit that can be followed; try more "
+                "discarded periods (settle) or more values (seeds)"
             )
         return found
 
@@ -439,7 +439,7 @@ class PaperMachine(ParameterValues):
         settle = whole("settle", settle, 0, MOST_PERIODS)
         angle = number("phase", phase)
         if stop and angle:
-            raise ValueError(f"phase = {phase!r}: allowed is 0 at a section of a stop's impacts")
+            raise ValueError(f"phase = {phase!r}: must be 0 at a section of a stop's impacts")
         system, begin, time = self._begun(start)
         with Bar(progress, periods + settle, "periods") as bar:
             found = _native.paper_poincare(system, begin, stop, angle, settle, periods, bar.report)

@@ -66,7 +66,7 @@ class Load:
             for name, given, what in (("t", t, "times in s"), ("force", force, "forces in N"))
         )
         if times.shape != forces.shape:
-            raise ValueError(f"force has the shape {forces.shape}: allowed is that of t, {times.shape}")
+            raise ValueError(f"force has the shape {forces.shape}: expected the shape of t, {times.shape}")
         times.flags.writeable = forces.flags.writeable = False
         load = _native.Load(body, times, forces, interpolation == "cubic")
         values = {"body": body, "t": times, "force": forces, "interpolation": interpolation, "_native": load}
@@ -103,10 +103,10 @@ def load_list(loads: Iterable[Load]) -> list[_native.Load]:
     try:
         found = list(loads)
     except TypeError:
-        raise TypeError(f"loads = {loads!r}: allowed is a sequence of Load") from None
+        raise TypeError(f"loads = {loads!r}: expected a sequence of Load") from None
     for index, load in enumerate(found):
         if not isinstance(load, Load):
-            raise TypeError(f"loads[{index}] = {load!r} is of type {type(load).__name__}: allowed is Load")
+            raise TypeError(f"loads[{index}] = {load!r} is of type {type(load).__name__}: expected Load")
     return [load._native for load in found]
 
 

@@ -25,14 +25,14 @@ _WEIGHTS = {"x1": (1.0, 0.0, 0.0), "x2": (0.0, 1.0, 0.0), "x3": (0.0, 0.0, 1.0),
 
 #: Labels of special points of a branch.
 PAPER_LABELS = {
-    "LP": "fold: the branch turns round in the parameter",
+    "LP": "fold: the branch reverses in the parameter",
     "BP": "branch point: on a symmetric orbit the symmetry breaks",
     "PD": "period doubling",
     "NS": "Neimark-Sacker: a second frequency appears",
-    "GR": "grazing: the block touches a stop with speed zero",
-    "CH": "an impact with speed zero is pressed into its stop: chatter beyond",
+    "GR": "grazing: the block touches a stop at zero speed",
+    "CH": "an impact at zero speed is pressed into its stop: chatter beyond this point",
     "EP": "end of the parameter's range",
-    "MX": "the branch could not be followed on",
+    "MX": "the branch could not be followed further",
 }
 
 
@@ -107,7 +107,7 @@ class PaperOrbit(Result):
         name, ends = _span(self.machine, name, low, high)
         value = getattr(self.machine, name)
         if not ends[0] <= value <= ends[1]:
-            raise ValueError(f"low = {low!r}, high = {high!r}: allowed is a range that holds {name} = {value!r} of the machine")
+            raise ValueError(f"low = {low!r}, high = {high!r}: expected a range that contains {name} = {value!r} of the machine")
         of = displacement(of)
         with Bar(progress, 1, "branches") as bar:
             found = _native.paper_follow(self._handle(), name, ends, _WEIGHTS[of], bar.report)
@@ -170,7 +170,7 @@ class PaperBranch(Result):
 def _span(machine: ParameterValues, name: str, low: Value, high: Value) -> tuple[str, tuple[float, float]]:
     """Returns the name of a parameter and its range."""
     if not isinstance(name, str):
-        raise TypeError(f"name = {name!r}: allowed is the name of a parameter")
+        raise TypeError(f"name = {name!r}: expected the name of a parameter")
     return find(name), (number("low", machine._in_si(name, low)), number("high", machine._in_si(name, high)))
 
 
@@ -210,7 +210,7 @@ def find_orbit(
             found = _native.paper_settled_orbit(*settled, bar.report)
         else:
             if not isinstance(word, str):
-                raise TypeError(f"word = {word!r}: allowed is a word of the letters U and L, e.g. 'UL'")
+                raise TypeError(f"word = {word!r}: expected a word of the letters U and L, e.g. 'UL'")
             closing, half_periods = (-1, period) if symmetric else (1, 2 * period)
             all_found = _native.paper_orbit(machine._system, word, closing, half_periods, tries, bar.report)
             # Orbits of the word itself come before orbits of a shorter word.

@@ -84,8 +84,8 @@ def find(given: str) -> str:
     similar = [other for other in PARAMETERS if other.lower() == given.lower() and other != name]
     if similar and given != name:
         warnings.warn(
-            f"`{given}` is {name}, {_unit(name)}; `{similar[0]}` is another parameter, {_unit(similar[0])}. Where the first is meant, "
-            f"{name} says so without this warning",
+            f"`{given}` is {name}, {_unit(name)}; `{similar[0]}` is another parameter, {_unit(similar[0])}. If the first is meant, "
+            f"write {name} to avoid this warning",
             SimilarNameWarning,
             stacklevel=_outside(),
         )
@@ -111,7 +111,7 @@ def named(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
     groups: dict[str, float] = {}
     for given, value in parameters.items():
         if not isinstance(given, str):
-            raise TypeError(f"{given!r} is no name: allowed are names of parameters such as 'stop.gap'")
+            raise TypeError(f"{given!r} is not a name: expected the name of a parameter, such as 'stop.gap'")
         name = find(given)
         part = si if name in SI_NAMES else groups
         if name in part:
@@ -125,7 +125,7 @@ def as_changes(parameters: Any) -> tuple[dict[str, float], dict[str, float]]:
     si, groups = named(parameters)
     for group, own in _MEANT.items():
         if group in groups and own in si:
-            raise TypeError(f"{group} and {own} are given: allowed is one of the two, since {group} says what {own} is")
+            raise TypeError(f"{group} cannot be combined with {own}, which it determines: use one of them")
     return si, groups
 
 

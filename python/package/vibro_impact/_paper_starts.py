@@ -19,7 +19,7 @@ def pairs(several: list[ParameterValues], starts: Any, what: str) -> tuple[list[
     if len(several) == 1:
         several = several * len(rows)
     if len(rows) != len(several):
-        raise ValueError(f"starts has {len(rows)} rows: allowed is one start, or one for each of {len(several)} machines")
+        raise ValueError(f"starts has {len(rows)} rows: expected one start, or one for each of {len(several)} machines")
     for index, machine in enumerate(several):
         try:
             machine._needs_period(what)
@@ -32,7 +32,7 @@ def states(starts: Any) -> Floats:
     """Returns starts given as an array of shape (n, 6)."""
     found = array("starts", starts, "an array of shape (n, 6)", 2)
     if found.shape[1] != 6:
-        raise ValueError(f"starts has the shape {found.shape}: allowed is (n, 6)")
+        raise ValueError(f"starts has the shape {found.shape}: expected (n, 6)")
     return found
 
 
@@ -47,7 +47,7 @@ def several_of(starts: Any) -> Optional[list[Any]]:
 def states_of_rows(machine: ParameterValues, names: list[str], table: Floats, several: list[Any]) -> Floats:
     """Returns starts as an array of shape (n, 6) for rows of parameter values; units of L are taken from the machine of each row."""
     if len(several) != len(table):
-        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(table)} motions")
+        raise ValueError(f"starts has {len(several)} rows: expected one start, or one for each of {len(table)} motions")
     found = np.zeros((len(table), 6))
     for i, (start, row) in enumerate(zip(several, table)):
         try:
@@ -66,6 +66,6 @@ def _rows(machines: list[ParameterValues], starts: Any) -> Floats:
     if several is None:
         return np.array([state("starts", starts, m._system) for m in machines]).reshape(-1, 6)
     if len(machines) not in (1, len(several)):
-        raise ValueError(f"starts has {len(several)} rows: allowed is one start, or one for each of {len(machines)} machines")
+        raise ValueError(f"starts has {len(several)} rows: expected one start, or one for each of {len(machines)} machines")
     own = machines if len(machines) == len(several) else machines * len(several)
     return np.array([state(f"starts[{i}]", s, m._system) for i, (s, m) in enumerate(zip(several, own))]).reshape(-1, 6)

@@ -81,7 +81,7 @@ def diagram_of(
     """Returns the result of :meth:`PaperMachine.bifurcation`."""
     machine._needs_period("a bifurcation diagram")
     if len(parameter) != 1:
-        raise TypeError(f"parameters {list(parameter)}: allowed is exactly one with its values, e.g. f10=np.linspace(0.5, 5, 451)")
+        raise TypeError(f"parameters {list(parameter)}: expected exactly one parameter with its values, e.g. f10=np.linspace(0.5, 5, 451)")
     ((given, values),) = parameter.items()
     name, of = find(given), displacement(of)
     ends, count = evenly_spaced(given, machine._in_si(given, values), _MOST_VALUES)
@@ -149,7 +149,7 @@ def basins_of(
     """Returns the result of :meth:`PaperMachine.basins`."""
     machine._needs_period("a plane of basins")
     if len(ranges) != 2:
-        raise TypeError(f"ranges {list(ranges)}: allowed are two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")
+        raise TypeError(f"ranges {list(ranges)}: expected two of {', '.join(COORDINATES)}, e.g. v2=(-2, 2, 100)")
     x, y = (_range(name, given, machine) for name, given in ranges.items())
     x_name, y_name = COORDINATES[x[0]], COORDINATES[y[0]]
     settle = whole("settle", settle, 0, MOST_PERIODS)
@@ -170,11 +170,11 @@ def _range(name: str, given: Any, machine: ParameterValues) -> tuple[int, float,
     try:
         first, last, cells = given
     except (TypeError, ValueError):
-        raise TypeError(f"{name} = {given!r}: allowed is (from, to, cells), e.g. (-2, 2, 100)") from None
+        raise TypeError(f"{name} = {given!r}: expected (from, to, cells), e.g. (-2, 2, 100)") from None
     ends = [coordinates(name, {own: end}) for end in (first, last)]
     low, high = (end.si[index] if own in SI_COORDINATES else end.scaled[index] for end in ends)
     if low is None or high is None or not low < high:
-        raise ValueError(f"{name} = {given!r}: allowed is from < to")
+        raise ValueError(f"{name} = {given!r}: expected from < to")
     if own in SI_COORDINATES:
         ones = machine._system.dimensional([1.0] * 6)  # L, and L omega10
         low, high = low / ones[index], high / ones[index]

@@ -89,8 +89,8 @@ class ParameterValues(AnyMachine):
         if missing:
             values = ", ".join(f"{name} = {value:.6g}" for name, value in missing)
             warnings.warn(
-                f"the machine is given in SI, but not {values}: these are the default set's values, a machine of 1 kg, 1 N/m and a "
-                "gap of 1 m. Give them too, or say so by vi.PaperMachine().replace(...)",
+                f"the machine is given in SI without {values}: these are values of the default set, a machine of 1 kg, 1 N/m and a "
+                "gap of 1 m. Give them too, or use vi.PaperMachine().replace(...) if the default values are meant",
                 MixedParametersWarning,
                 stacklevel=2,
             )
@@ -108,7 +108,7 @@ class ParameterValues(AnyMachine):
             raise TypeError(_unnamed("vi.PaperMachine.from_groups", given, "groups as keywords, such as f10=1.5"))
         si, found = named(groups)
         if si:
-            raise TypeError(f"{next(iter(si))} is a physical parameter: allowed are {', '.join(GROUP_NAMES)}")
+            raise TypeError(f"{next(iter(si))} is a physical parameter: expected one of {', '.join(GROUP_NAMES)}")
         return cls(**found)
 
     def replace(  # type: ignore[override] # names of keywords are checked
@@ -182,7 +182,7 @@ class ParameterValues(AnyMachine):
         vars(self).update(_system=system, _si=si, _groups=groups)
 
     def __setattr__(self, name: str, value: object) -> None:
-        raise AttributeError(f"a machine is immutable: {name} is changed by replace({name}=...), which makes another")
+        raise AttributeError(f"a machine is immutable: use replace({name}=...), which returns another machine")
 
     def __delattr__(self, name: str) -> None:
         raise AttributeError("a machine is immutable")
@@ -200,7 +200,7 @@ class ParameterValues(AnyMachine):
             except TypeError as error:
                 raise AttributeError(str(error)) from None
             if found == name:
-                raise AttributeError(f"{name} is not defined: box_k = {self.box_k}, and the dimensionless form needs box_k > 0")
+                raise AttributeError(f"{name} is not defined: box_k = {self.box_k}, and the dimensionless form requires box_k > 0")
             return getattr(self, found)
 
     def __repr__(self) -> str:
@@ -227,10 +227,7 @@ class ParameterValues(AnyMachine):
 
     def _needs_period(self, what: str) -> None:
         if not np.isfinite(self.period):
-            raise ValueError(
-                f"drive_frequency = {self.drive_frequency}: {what} goes by drive periods and needs drive_frequency > 0, whose period "
-                "a double can hold"
-            )
+            raise ValueError(f"drive_frequency = {self.drive_frequency}: {what} requires drive_frequency > 0 with a finite period")
 
 
 def _unnamed(call: str, given: tuple[Any, ...], expected: str) -> str:

@@ -27,7 +27,7 @@ def require(what: str, result: object, *kinds: type) -> None:
     """Raises for results of types that the picture does not draw."""
     if not isinstance(result, kinds):
         allowed = " or ".join(kind.__name__ for kind in kinds)
-        raise TypeError(f"{what} is of type {type(result).__name__}: allowed is {allowed}")
+        raise TypeError(f"{what} is of type {type(result).__name__}: expected {allowed}")
 
 
 def axes_of(axes: Optional[Axes]) -> Axes:

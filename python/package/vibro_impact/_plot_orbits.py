@@ -39,7 +39,7 @@ def branch(branch: Union[Branch, PaperBranch], axes: Optional[Axes] = None) -> A
     The quantity is the largest maximum for the paper's machine, and the branch's measure in SI for a machine of your own.
     """
     if isinstance(branch, Sequence):
-        raise TypeError(f"branch is of type {type(branch).__name__}: allowed is Branch or PaperBranch; plot.response draws several")
+        raise TypeError(f"branch is of type {type(branch).__name__}: expected Branch or PaperBranch; plot.response draws several")
     require("branch", branch, Branch, PaperBranch)
     axes = axes_of(axes)
     if isinstance(branch, Branch):
@@ -93,9 +93,9 @@ def _several(what: str, results: Any, *kinds: type) -> Sequence[Any]:
         return [results]
     if not isinstance(results, Sequence) or isinstance(results, str):
         allowed = " or ".join(kind.__name__ for kind in kinds)
-        raise TypeError(f"{what} is of type {type(results).__name__}: allowed is a list of {allowed}")
+        raise TypeError(f"{what} is of type {type(results).__name__}: expected a list of {allowed}")
     if not results:
-        raise ValueError(f"{what} is empty: allowed is one or more")
+        raise ValueError(f"{what} is empty: expected at least one")
     for index, one in enumerate(results):
         require(f"{what}[{index}]", one, *kinds)
     return results
@@ -113,7 +113,7 @@ def locus(curves: Union[Locus, Sequence[Locus]], axes: Optional[Axes] = None) ->
     axes = axes_of(axes)
     for index, one in enumerate(several):
         if one.names != several[0].names:
-            raise ValueError(f"curves[{index}] is over {one.names}: allowed are curves over {several[0].names}, as curves[0]")
+            raise ValueError(f"curves[{index}] is over {one.names}: expected curves over {several[0].names}, as curves[0]")
     kinds = list(dict.fromkeys((one.label, one.element) for one in several))
     for kind in kinds:
         own = [one for one in several if (one.label, one.element) == kind]

@@ -71,8 +71,9 @@ def place_of(names: list[str], name: str) -> int:
         return names.index(name)
     except ValueError:
         if name.endswith((".impacts", ".class")) or name == "class":
-            raise KeyError(f"{name}: has no derivative; allowed are {', '.join(names)}") from None
-        raise KeyError(f"{name}: allowed are {', '.join(names) or 'none, since none were asked for'}") from None
+            raise KeyError(f"{name}: has no derivative; expected one of {', '.join(names)}") from None
+        expected = f"expected one of {', '.join(names)}" if names else "no derivatives were requested"
+        raise KeyError(f"{name}: no such name; {expected}") from None
 
 
 def column_of(columns: list[str], values: Floats, name: str) -> Floats:

@@ -36,7 +36,7 @@ class Sketch:
         elif to.suffix == ".png":
             to.write_bytes(self._described.sketch_as_png())
         else:
-            raise ValueError(f"path = {to}: allowed are files that end in .svg or .png")
+            raise ValueError(f"path = {to}: expected a file that ends in .svg or .png")
         return to
 
     def _repr_svg_(self) -> str:

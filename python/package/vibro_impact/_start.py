@@ -53,7 +53,7 @@ class Start(Mapping[str, float]):
         try:
             return self._numbers[name]
         except KeyError:
-            raise KeyError(f"{name}: allowed are {', '.join(self._numbers)}") from None
+            raise KeyError(f"{name}: no such name; expected one of {', '.join(self._numbers)}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._numbers)

@@ -62,7 +62,7 @@ class Table(Result):
         columns = self.columns
         if isinstance(name, str):
             if name not in columns:
-                raise KeyError(f"{name}: allowed are {', '.join(columns)}")
+                raise KeyError(f"{name}: no such column; expected one of {', '.join(columns)}")
             return columns[name]
         return {key: _plain(column.reshape(-1)[name]) for key, column in columns.items()}
 

@@ -26,7 +26,7 @@ def needed(module: str, what: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError:
-        raise ImportError(f"{what} needs {module}, which is not installed: `pip install {module}`") from None
+        raise ImportError(f"{what} requires {module}, which is not installed: `pip install {module}`") from None
 
 
 def frame(columns: Mapping[str, Any], t: Floats) -> pandas.DataFrame:

@@ -16,7 +16,7 @@ def toml(machine: Mapping[str, Any]) -> str:
 
 def _key(name: object) -> str:
     if not isinstance(name, str):
-        raise TypeError(f"{name!r} is of type {type(name).__name__}: allowed as a name is a text")
+        raise TypeError(f"{name!r} is of type {type(name).__name__}: expected a text as a name")
     return json.dumps(name)
 
 
@@ -37,4 +37,4 @@ def _value(name: str, value: object) -> str:
         return str(int(value))
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
-    raise TypeError(f"{name} is of type {type(value).__name__}: allowed are numbers, texts, booleans, lists, arrays, sparse matrices and dictionaries")
+    raise TypeError(f"{name} is of type {type(value).__name__}: expected a number, text, boolean, list, array, sparse matrix or dictionary")

@@ -53,11 +53,11 @@ def rows_of(work: Work, executor: Any, checkpoint: Union[None, str, os.PathLike[
     """
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise TypeError(
-            f"executor is of type {type(executor).__name__}: allowed is what has `submit`, as executors of concurrent.futures, of loky and mpi4py, "
-            "and a Client of dask have"
+            f"executor is of type {type(executor).__name__}: expected an object with `submit`, such as an executor of concurrent.futures, "
+            "loky or mpi4py, or a dask Client"
         )
     if checkpoint is not None and not isinstance(checkpoint, (str, os.PathLike)):
-        raise TypeError(f"checkpoint = {checkpoint!r} is of type {type(checkpoint).__name__}: allowed is the path of a folder")
+        raise TypeError(f"checkpoint = {checkpoint!r} is of type {type(checkpoint).__name__}: expected the path of a folder")
     count = work.count()
     if executor is None and checkpoint is None:
         with Bar(progress, count, "motions") as bar:
@@ -141,16 +141,16 @@ class _Folder:
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as problem:
-            raise type(problem)(f"checkpoint = {path}: {problem}: allowed is a folder") from problem
+            raise type(problem)(f"checkpoint = {path}: {problem}: expected a folder") from problem
         own = path / "manifest.toml"
         if own.exists():
             there = own.read_text(encoding="utf-8")
             if there != manifest:
                 lines = zip(there.splitlines(), manifest.splitlines())
-                other = "; ".join(f"`{a}` in place of `{b}`" for a, b in lines if a != b) or "its manifest.toml is cut"
-                raise ValueError(f"checkpoint = {path}: holds parts of other work, {other}: allowed is another folder, or this one emptied")
+                other = "; ".join(f"`{a}` instead of `{b}`" for a, b in lines if a != b) or "its manifest.toml is cut short"
+                raise ValueError(f"checkpoint = {path}: holds parts of other work, {other}: use another folder, or empty this one")
         elif any(path.iterdir()):
-            raise ValueError(f"checkpoint = {path}: holds files but no manifest.toml of parts: allowed is an empty folder or a new one")
+            raise ValueError(f"checkpoint = {path}: holds files but no manifest.toml of parts: expected an empty or a new folder")
         else:
             self._write(own, manifest)
 
@@ -163,7 +163,7 @@ class _Folder:
             return None
         total, _, rows = self._file(k).read_bytes().partition(b"\n")
         if total != _sum_of(rows):
-            raise ValueError(f"{self._file(k)} is damaged, its sum is not that of its rows: allowed is to delete it")
+            raise ValueError(f"{self._file(k)} is damaged, its checksum does not match its rows: delete this file")
         found: list[Any] = json.loads(rows)
         return found
 

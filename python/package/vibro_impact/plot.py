@@ -164,7 +164,7 @@ def forces(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union[
         stops = [name for name in all_forces if any(key.startswith(f"stop.{name[:-2]}.") for key in run.machine.parameters)]
         names = (stops or all_forces) if given is None else [choice("of", name, all_forces) for name in given]
         if not names:
-            raise ValueError("run: its machine has no element with a force; allowed are springs, compliant stops, friction and loads")
+            raise ValueError("run: its machine has no element with a force; expected a spring, compliant stop, friction or load")
         return _history_of_described(run, axes, names)
     for name in ("upper", "lower") if given is None else given:
         sign = 1 if choice("of", name, ("upper", "lower")) == "upper" else -1

@@ -41,23 +41,23 @@ impl Page {
     }
 }
 
-/// Makes the live page of the vibro-impact machine, or the workbench for described machines.
+/// Builds the live page of the vibro-impact machine, or the workbench for machine files.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// Which page
+    /// Page to build
     #[arg(value_enum, default_value = "explorer")]
     page: Page,
-    /// A kit (`fmu-build --kit`) whose libraries go into the workbench, for FMUs
+    /// Kit (machine-kit.zip) with the libraries for FMUs, included in the workbench
     #[arg(long)]
     kit: Option<PathBuf>,
-    /// Where the page goes [default: target/PAGE/PAGE.html]
+    /// File of the page [default: target/PAGE/PAGE.html]
     #[arg(long, short, alias = "output")]
     out: Option<PathBuf>,
     /// Compile the core faster, without link-time optimization
     #[arg(long)]
     quick: bool,
-    /// Compile the core without WebAssembly's vectors of 128 bits, to measure what they give
+    /// Compile the core without 128-bit vectors of WebAssembly, to measure their benefit
     #[arg(long)]
     scalar: bool,
 }

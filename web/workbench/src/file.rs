@@ -89,7 +89,9 @@ pub(crate) fn read(text: &str, names: &[String], texts: &[String]) -> Result<Mac
     let records = |wanted: &str| {
         let place = names.iter().position(|name| name == wanted);
         place.map(|place| texts[place].clone()).ok_or_else(|| {
-            let words = format!("no record {wanted} is here: drop it beside the machine's file");
+            let words = format!(
+                "the record {wanted} is missing: drop it on this page together with the machine's file"
+            );
             io::Error::new(io::ErrorKind::NotFound, words)
         })
     };
@@ -175,7 +177,7 @@ pub fn edited(
 ) -> Result<String, JsError> {
     let machine = read(text, &names, &texts)?;
     let span = places(text, &machine.description).remove(name);
-    let span = span.ok_or_else(|| refused(&[(None, format!("{name}: the text has no such number"))]))?;
+    let span = span.ok_or_else(|| refused(&[(None, format!("{name}: no such parameter in the text"))]))?;
     machine.quantity(name, value).map_err(|error| refused(&[(None, error.to_string())]))?;
     let typed = quantity_in(machine.si_unit(name), value.trim()).and_then(|q| q.unit);
     // The unit keeps its spelling.

@@ -43,7 +43,7 @@ impl Chosen {
             }
             for column in found {
                 if chosen.names.contains(&column.name) {
-                    let problem = format!("names {} twice; allowed is each column once", column.name);
+                    let problem = format!("names {} twice; list each column once", column.name);
                     return Err(Error::Refused { what: format!("--columns {name}"), problem });
                 }
                 chosen.names.push(column.name.clone());

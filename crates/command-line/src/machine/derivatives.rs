@@ -33,7 +33,7 @@ pub fn check_parameters(machine: &Description, start: &Start, names: &[String]) 
     }
     for (i, name) in names.iter().enumerate() {
         if names[..i].contains(name) {
-            let problem = "stands there twice; allowed is each parameter once".into();
+            let problem = "is listed twice; list each parameter once".into();
             return Err(Error::Refused { what: format!("--derivatives {name}"), problem });
         }
     }

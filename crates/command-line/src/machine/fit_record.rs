@@ -30,7 +30,7 @@ pub fn read_record(data: Option<&Path>, events: Option<&Path>, machine: &Descrip
     if measured.samples() == 0 {
         let paths: Vec<String> =
             [data, events].into_iter().flatten().map(|path| path.display().to_string()).collect();
-        let problem = "has no sample; allowed is a record with columns or times of contacts".into();
+        let problem = "has no samples; expected columns or times of contacts".into();
         return Err(Error::Refused { what: paths.join(", "), problem });
     }
     Ok(measured)

@@ -30,7 +30,7 @@ pub fn read_start(machine: &Machine, given: &str, note: &mut dyn FnMut(String)) 
         let name = name.trim();
         let plain = name.strip_prefix("body.").unwrap_or(name);
         if named.contains(&plain) {
-            return Err(refused(given, format!("{plain} stands there twice; allowed is each number once")));
+            return Err(refused(given, format!("{plain} is given twice; give it once")));
         }
         named.push(plain);
         let set = machine.set_start(&mut start, name, value);

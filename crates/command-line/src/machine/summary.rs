@@ -93,7 +93,7 @@ pub fn summary(machine: Description) -> Result<String> {
     lines.extend(following(d));
     lines.extend(neutral(&assembly));
     if assembly.system().states() == 0 {
-        lines.push("moves as prescribed: no body is moved by forces".into());
+        lines.push("all bodies have prescribed motions: none is moved by forces".into());
         return Ok(lines.join("\n"));
     }
     lines.push(equilibrium(&assembly));
@@ -111,7 +111,7 @@ fn following(d: &Description) -> Vec<String> {
         format!("  {} = {}{unit} ({})", own.name, short(own.value), own.expression)
     };
     let lines: Vec<_> = d.following().into_iter().map(line).collect();
-    let title = (!lines.is_empty()).then(|| "what follows from parameters".to_owned());
+    let title = (!lines.is_empty()).then(|| "derived from parameters".to_owned());
     title.into_iter().chain(lines).collect()
 }
 
@@ -184,7 +184,7 @@ fn of_stop(state: StopState) -> &'static str {
         StopState::Closed => "closed",
         StopState::Below => "not touched",
         StopState::Pressed => "pressed",
-        StopState::Free => "beyond its gap without force",
+        StopState::Free => "beyond its gap, without force",
         StopState::Capped => "pressed at its cap",
         StopState::Rebounding => "pressed without its dashpot",
         StopState::Off => "at another stiffness",
@@ -202,7 +202,7 @@ fn of_friction(state: FrictionState) -> &'static str {
 /// Note on how natural frequencies account for blocks.
 fn of_blocks(d: &Description) -> String {
     let has = |is_sampled: bool| d.blocks.iter().any(|block| block.sampling.is_some() == is_sampled);
-    let words = [(false, "with continuous blocks"), (true, "with what sampled blocks put out held")];
+    let words = [(false, "with continuous blocks"), (true, "with the outputs of sampled blocks held")];
     let words: Vec<_> = words.into_iter().filter(|own| has(own.0)).map(|own| own.1).collect();
     if words.is_empty() { String::new() } else { format!(", {}", words.join(", ")) }
 }
@@ -210,7 +210,8 @@ fn of_blocks(d: &Description) -> String {
 fn equilibrium(assembly: &Assembly) -> String {
     if let Some((block, read)) = assembly.description.feedback() {
         return format!(
-            "equilibrium: not looked for, since block.{} feeds back {read}; `vibro run` goes to where it settles",
+            "equilibrium: not computed, because block.{} feeds back {read}; use `vibro run` to \
+             find where it settles",
             block.name
         );
     }
@@ -256,7 +257,7 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     lines.extend(rates.iter().map(|rate| format!("  no oscillation, decay {} 1/s", short(*rate))));
     let still = values.iter().filter(|v| v.0.hypot(v.1) <= ZERO * largest).count();
     if still > 0 {
-        lines.push(format!("  0 Hz: {still} of {size} coordinates and rates go on evenly or are held"));
+        lines.push(format!("  0 Hz: {still} of {size} states move uniformly or are held"));
     }
     lines.extend(spans.iter().flat_map(spans::in_words));
     lines
@@ -319,7 +320,8 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
     lines.extend(contacts(record));
     if record.followed.left_out > 0.0 {
         lines.push(format!(
-            "extremes and contacts: of {} s only the samples and events were looked at, since a body is too fast there",
+            "extremes and contacts: for {} s only samples and events were evaluated, because a \
+             body is too fast",
             short(record.followed.left_out)
         ));
     }
@@ -331,8 +333,9 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
     };
     let end = kinetic + stored;
     lines.push(format!(
-        "energy: {} J at the start, {} J at the end; work of loads {} J, of prescribed motions {} J; lost in dashpots {} J, in compliant \
-         stops {} J, in friction {} J, at impacts {} J; balance off by {:.1e} J",
+        "energy: {} J at the start, {} J at the end; work of loads {} J, of prescribed motions {} \
+         J; lost in dashpots {} J, in compliant stops {} J, in friction {} J, at impacts {} J; \
+         balance off by {:.1e} J",
         short(record.energy),
         short(end),
         sum(&energy.loads),
@@ -347,7 +350,7 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
         lines.push(format!("lost in dashpots and sliders in series {} J", sum(&energy.branches)));
     }
     if record.motion.assembly().description.steps_stiffness() {
-        lines.push(format!("steps of stiffness put in {} J", short(energy.switched.value())));
+        lines.push(format!("work of stiffness steps {} J", short(energy.switched.value())));
     }
     lines
 }

@@ -112,7 +112,7 @@ fn a_manifest_of_another_form_that_cannot_be_read_says_which() {
     let unreadable = text.replace("discard = 1\n", "discard = \"many\"\n");
     assert!(unreadable != text);
     let older = unreadable.replace(&format!("format = {FORMAT}\n"), "format = 2\n");
-    for (manifest, word) in [(&unreadable, "damaged"), (&older, "in form 2, and this vibro")] {
+    for (manifest, word) in [(&unreadable, "damaged"), (&older, "in form 2, but this version of vibro")] {
         std::fs::write(&path, manifest).unwrap();
         let error = open(&folder, 1).unwrap_err();
         assert!(error.is_usage() && error.to_string().contains(word), "{error}");
@@ -141,7 +141,7 @@ fn files_of_others_are_never_removed() {
     for folder in [&damaged, &foreign] {
         let before = entries(folder).unwrap();
         let error = PartFolder::open(folder, &manifest(1), true).unwrap_err();
-        assert!(error.is_usage() && error.to_string().contains("left as it is"), "{error}");
+        assert!(error.is_usage() && error.to_string().contains("was not changed"), "{error}");
         assert_eq!(entries(folder).unwrap(), before);
     }
     let store = open(&mixed, 1).unwrap();

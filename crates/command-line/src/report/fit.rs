@@ -73,7 +73,7 @@ fn verdict(verdict: &Verdict) -> String {
     };
     let remark = match verdict {
         Verdict::Fits => "",
-        _ => " No errors are shown: they would hold for another motion than the record's.",
+        _ => " No errors are shown: they would hold for a motion other than the record's.",
     };
     format!("<p class=\"verdict {class}\"><b>{}</b>.{remark}</p>\n", escape(&verdict.to_string()))
 }
@@ -98,18 +98,18 @@ fn numbers(request: &FitRequest, fitted: &Fitted) -> String {
         vec![escape(name), shown, error, escape(&symbol), begin, white]
     });
     let header =
-        ["number", "fitted", "standard error", "unit", "first value", "error if residuals were white noise"];
+        ["number", "fitted", "standard error", "unit", "first value", "error for white-noise residuals"];
     let combinations: String = own
         .undetermined
         .iter()
         .map(|own| {
-            format!(
-                "<li>The record does not determine, in parts of the values: {}</li>",
-                escape(&own.to_string())
-            )
+            format!("<li>Not determined by the record (relative changes): {}</li>", escape(&own.to_string()))
         })
         .collect();
-    let lost = fitted.lost.iter().map(|lost| format!("<li>{}; differences stand in</li>", escape(lost)));
+    let lost = fitted
+        .lost
+        .iter()
+        .map(|lost| format!("<li>{}; finite differences are used instead</li>", escape(lost)));
     let at_bounds = fitted.at_bounds.iter().map(|(name, _)| format!("<li>{} {AT_BOUND}</li>", escape(name)));
     let notes = combinations + &lost.chain(at_bounds).collect::<String>();
     let notes = if notes.is_empty() { notes } else { format!("<ul>{notes}</ul>\n") };
@@ -157,7 +157,10 @@ fn residuals(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> String {
     let segments = match fitted.segments.len() {
         0 => String::new(),
         own => {
-            format!("<p>The motion is divided into {} segments, each with a start of its own.</p>\n", own + 1)
+            format!(
+                "<p>The motion is divided into {} segments, each with its own initial state.</p>\n",
+                own + 1
+            )
         }
     };
     let places = misfit.places.iter().map(ToString::to_string);
@@ -168,13 +171,13 @@ fn residuals(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> String {
     let free = measured.samples().saturating_sub(fitted.values.len());
     let cost = request.sigma.as_ref().map_or(String::new(), |_| {
         format!(
-            " Sum of the squares over those of the noise: {} for {free} degrees of freedom.",
+            " Sum of squares of the residuals, in units of their noise: {} for {free} degrees of freedom.",
             significant(fitted.cost)
         )
     });
     format!(
-        "<h2>Residuals</h2>\n{}<p>Correlation of a residual with the next one: {}. The fitted motion keeps near the \
-         record until {} s.{cost}</p>\n{notes}{segments}",
+        "<h2>Residuals</h2>\n{}<p>Correlation of a residual with the next one: {}. The fitted \
+         motion stays near the record until {} s.{cost}</p>\n{notes}{segments}",
         table(&header, rows),
         rounded(fitted.uncertainty.persistence),
         significant(fitted.near_until),
@@ -194,7 +197,7 @@ fn origin(command_line: &str, files: &[&Path]) -> Result<String> {
     }
     let header = ["file", "bytes", "digest (FNV-1a)"].map(String::from);
     Ok(format!(
-        "<h2>How it was made</h2>\n<p>vibro {}:</p>\n<pre>{}</pre>\n{}",
+        "<h2>How it was computed</h2>\n<p>vibro {}:</p>\n<pre>{}</pre>\n{}",
         env!("CARGO_PKG_VERSION"),
         escape(command_line),
         table(&header, rows)

@@ -173,11 +173,8 @@ fn remarks<M: ShownBasins>(machine: &M, basins: &Basins<M::Attractor>, listed: &
     lines.extend(machine.rest_in_words(basins));
     let ended = format!("lead to motions that end: {}", basins.ended.as_deref().unwrap_or_default());
     let mut others = vec![
-        (BasinCell::NotSettled, "not settled: followed for 8192 periods or more"),
-        (
-            BasinCell::Undecided,
-            "of undecided attractor: chaotic or quasi-periodic, but on which attractor was not decided",
-        ),
+        (BasinCell::NotSettled, "not settled after 8192 periods or more"),
+        (BasinCell::Undecided, "chaotic or quasi-periodic, but their attractor is undecided"),
         (BasinCell::Ended, &ended),
     ];
     if M::Attractor::SHARES_OF_ALL {

@@ -124,7 +124,7 @@ pub fn diagram<M: ShownDiagram>(
         shared_legend: false,
     };
     let drawn = if request.at_section { "values at the section" } else { "local maxima" };
-    let directions = if request.anew { "each value started anew" } else { "both directions" };
+    let directions = if request.anew { "each value from the same start" } else { "both directions" };
     let told = |value: f64| machine.with_unit(&request.axis.name, value);
     // With `anew` there is one direction.
     let remarks = remarks(&parameter, diagram, (!request.anew).then_some(&apart[..]), &told);

@@ -255,6 +255,6 @@ fn remarks(machine: &Machine, parameter: &str, rows: &[Row]) -> Vec<String> {
     };
     let words =
         format!("{covered} of {} periodic rows of both directions lie on a stable branch", rows.len());
-    let missing = listed("lie on no branch that was followed", missing.iter().map(told));
+    let missing = listed("do not lie on a branch that was followed", missing.iter().map(told));
     [words].into_iter().chain(missing).collect()
 }

@@ -12,7 +12,7 @@ use vibro_studies::fit::{FitRequest, Fitted, Misfit, Suspect, Verdict};
 use vibro_studies::{Machine, significant};
 
 /// Remark on a parameter at an end of its range.
-pub const AT_BOUND: &str = "is at an end of its range: its error is of one side";
+pub const AT_BOUND: &str = "is at an end of its range: its error holds to one side only";
 /// Largest number of points in a curve.
 const POINTS: usize = 2000;
 /// Largest number of columns in the picture.
@@ -26,7 +26,7 @@ const DRAWN: usize = 4;
 pub fn fit(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> Result<Study> {
     let mut remarks = vec![format!("verdict: {}", fitted.verdict)];
     if fitted.verdict != Verdict::Fits {
-        remarks.push("no errors: they would hold for another motion than the record's".into());
+        remarks.push("no errors are shown: they would hold for a motion other than the record's".into());
     }
     for ((name, value), error) in fitted.values.iter().zip(&fitted.uncertainty.errors) {
         let unit = request.machine.si_unit(name);
@@ -34,7 +34,7 @@ pub fn fit(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> Result<Stu
         remarks.push(match error {
             Some(_) if fitted.verdict != Verdict::Fits => format!("{name} = {}{unit}", significant(*value)),
             Some(error) => {
-                let vague = if *error > value.abs() { ", which may be 0: less than its error" } else { "" };
+                let vague = if *error > value.abs() { ", less than its error: may be 0" } else { "" };
                 format!("{name} = {} ± {}{unit}{vague}", significant(*value), significant(*error))
             }
             None if is_undetermined(fitted, name) => {
@@ -44,12 +44,12 @@ pub fn fit(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> Result<Stu
         });
     }
     for own in &fitted.uncertainty.undetermined {
-        remarks.push(format!("not determined, in parts of the values: {own}"));
+        remarks.push(format!("not determined (relative changes): {own}"));
     }
     remarks.extend(fitted.at_bounds.iter().map(|(name, _)| format!("{name} {AT_BOUND}")));
-    remarks.extend(fitted.lost.iter().map(|lost| format!("{lost}; differences stand there")));
+    remarks.extend(fitted.lost.iter().map(|lost| format!("{lost}; finite differences are used instead")));
     for (name, rms) in &fitted.rms {
-        remarks.push(format!("residual of {name}: {} rms, SI", significant(*rms)));
+        remarks.push(format!("rms residual of {name}: {} SI", significant(*rms)));
     }
     remarks.extend(misfit.places.iter().map(ToString::to_string));
     remarks.extend(misfit.suspects.iter().map(|own| suspected(&request.machine, own)));
@@ -58,7 +58,7 @@ pub fn fit(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> Result<Stu
         let most = defects.fold(0.0, |most: f64, defect| most.max(defect.abs()));
         let count = fitted.segments.len() + 1;
         remarks.push(format!(
-            "in {count} segments, which miss each next start by {} at most, SI",
+            "in {count} segments; largest gap between the end of a segment and the start of the next: {} SI",
             significant(most)
         ));
     }
@@ -66,12 +66,13 @@ pub fn fit(request: &FitRequest, fitted: &Fitted, misfit: &Misfit) -> Result<Stu
     let end = request.measured.times.last().copied().unwrap_or(last);
     if last < end {
         remarks.push(format!(
-            "the fitted motion leaves the record at {} s: a local minimum, or another law",
+            "the fitted motion departs from the record at {} s: a local minimum, or the machine \
+             lacks an effect",
             significant(last)
         ));
     }
     let what = format!(
-        "fit of {} numbers to {} samples in {} simulations",
+        "fit of {} parameters to {} samples in {} simulations",
         fitted.values.len(),
         request.measured.samples(),
         fitted.simulations
@@ -119,7 +120,10 @@ pub fn suspected(machine: &Machine, own: &Suspect) -> String {
     };
     let (name, value, better) = (&own.name, shown(own.value), shown(own.better));
     let what = if is_of_file { format!("{name} ({value})") } else { format!("{name} (none)") };
-    format!("{what}: with {better} the residuals would be {:.1} % of what they are", 100.0 * own.left)
+    format!(
+        "{what}: with {better} the residuals would fall to {:.1} % of their present size",
+        100.0 * own.left
+    )
 }
 
 /// Whether a parameter is part of an undetermined combination.

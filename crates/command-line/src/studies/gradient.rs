@@ -45,14 +45,14 @@ pub fn add_gradient(study: &mut Study, machine: &Machine, orbit: &Orbit, of: &Me
     let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
     let value = format!("{of} = {}{unit}", significant(own));
     study.remarks.push(match words.is_empty() {
-        false => format!("{value} changes, for 1 % more of a parameter, most by {}", words.join(", ")),
+        false => format!("{value}; largest changes for a 1 % larger parameter: {}", words.join(", ")),
         true => {
-            format!("{value}: no change in proportion to a parameter's; gradient.csv has the derivatives")
+            format!("{value}: relative changes are not available; gradient.csv has the derivatives")
         }
     });
     let without = rows.iter().filter(|row| row.derivative.is_err()).count();
     if without > 0 {
-        study.remarks.push(format!("{without} parameters have no derivative; gradient.csv says why"));
+        study.remarks.push(format!("{without} parameters have no derivative; gradient.csv has the reasons"));
     }
     Ok(())
 }

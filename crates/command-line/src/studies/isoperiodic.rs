@@ -245,7 +245,9 @@ fn remarks<M: ShownPlane>(plane: &Isoperiodic<M::Point>) -> Vec<String> {
     lines.extend(M::remarks(plane));
     let refused = plane.points.len() - motions().count();
     if refused > 0 {
-        lines.push(format!("{refused} points left out: there is no such system, or the simulator refused"));
+        lines.push(format!(
+            "{refused} points left out: the parameters are not valid there, or the simulation failed"
+        ));
     }
     lines
 }

@@ -37,21 +37,19 @@ pub fn orbit(machine: &Machine, orbit: &Orbit, name: &str) -> Result<Study> {
             significant(orbit.spectral_radius()),
             match orbit.trivial_multipliers() {
                 0 => String::new(),
-                n => format!(", beside {n} that are 1 by theory"),
+                n => format!(", not counting {n} that are exactly 1"),
             }
         ),
     ];
     match (orbit.violation(), orbit.check_by_motion()) {
-        (Some(violation), _) => remarks.push(format!("it is no motion of the machine: {violation}")),
-        (None, Ok(apart)) => {
-            remarks.push(format!("the machine's own motion meets each event within {} s", significant(apart)))
-        }
-        (None, Err(error)) => remarks.push(format!("the machine's own motion differs: {error}")),
+        (Some(violation), _) => remarks.push(format!("it is not a motion of the machine: {violation}")),
+        (None, Ok(apart)) => remarks
+            .push(format!("a simulation reaches each event within {} s of the orbit", significant(apart))),
+        (None, Err(error)) => remarks.push(format!("a simulation differs from the orbit: {error}")),
     }
     if orbit.drifts().iter().any(|drift| *drift != 0.0) {
         let drifts: Vec<String> = orbit.drifts().iter().map(|x| significant(*x)).collect();
-        remarks
-            .push(format!("it drifts by {} (SI) a period along what no force depends on", drifts.join(", ")));
+        remarks.push(format!("it drifts by {} (SI) per period along neutral directions", drifts.join(", ")));
     }
     let mut tables = vec![
         ("orbit-events".into(), event_table(orbit)?),
@@ -59,7 +57,9 @@ pub fn orbit(machine: &Machine, orbit: &Orbit, name: &str) -> Result<Study> {
     ];
     match orbit.energies()? {
         Some(energies) => tables.push(("orbit-energies".into(), energy_table(&energies)?)),
-        None => remarks.push("energies: no motion stays on so unstable an orbit for a period".into()),
+        None => remarks.push(
+            "energies: not available, because the orbit is too unstable to simulate for a period".into(),
+        ),
     }
     let what = format!("periodic orbit of {} s, {told}", significant(orbit.period()));
     let figure = Figure {

@@ -169,16 +169,16 @@ pub(super) fn remarks<P: DiagramPoint>(
         let count = |sought: Option<bool>| apart.iter().filter(|apart| **apart == sought).count();
         let (elsewhere, undecided) = (count(Some(true)), count(None));
         let undecided =
-            if undecided > 0 { format!(", of {undecided} it is undecided") } else { String::new() };
+            if undecided > 0 { format!("; undecided at {undecided} values") } else { String::new() };
         lines.push(format!(
-            "{elsewhere} of {} values end elsewhere with the value falling{undecided}",
+            "{elsewhere} of {} values have another motion if the value falls{undecided}",
             apart.len()
         ));
     }
     let falling = diagram.down.iter().filter(|_| apart.is_some());
     let refused = diagram.up.iter().chain(falling).filter(|p| p.is_none()).count();
     if refused > 0 {
-        lines.push(format!("{refused} values left out: the simulator refused them"));
+        lines.push(format!("{refused} values left out: the simulation failed"));
     }
     lines
 }

@@ -31,8 +31,9 @@ pub fn response(
     if branches.is_empty() {
         let (from, to) = family.range;
         let problem = format!(
-            "{parameter} from {} to {}: no motion settles on a periodic orbit that can be followed; allowed are other \
-             starts (--start), more discarded returns (--discard), more values (--seeds)",
+            "{parameter} from {} to {}: no motion settles on a periodic orbit that can be \
+             followed; try other starts (--start), more discarded returns (--discard) or more \
+             values (--seeds)",
             machine.told(parameter, from),
             machine.told(parameter, to)
         );

@@ -68,7 +68,8 @@ impl SectionAxes {
                     let further =
                         further.into_iter().zip(held).filter(|(_, held)| *held).map(|(name, _)| name);
                     let allowed: Vec<&str> = further.chain(columns.iter().map(String::as_str)).collect();
-                    let problem = format!("no number of this section; allowed are {}", allowed.join(", "));
+                    let problem =
+                        format!("not a column of this section; expected one of {}", allowed.join(", "));
                     Error::Refused { what: format!("--of {name}"), problem }
                 }),
             }
@@ -76,7 +77,7 @@ impl SectionAxes {
         let Some((x, y)) = text.split_once(',') else {
             return Err(Error::form(
                 format!("--of {text}"),
-                "two names with a comma between, e.g. box.s,box.v",
+                "two names separated by a comma, e.g. box.s,box.v",
             ));
         };
         let names = [x.trim().to_owned(), y.trim().to_owned()];

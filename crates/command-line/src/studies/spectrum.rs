@@ -27,8 +27,8 @@ pub fn exponent(
     let mut motion = motion.without_energy_accounts();
     settle(&mut motion, &section, discard)?;
     if let Some(why) = runs_on(&machine.description, motion.time()) {
-        let problem =
-            "only what repeats has an exponent; allowed are changes within what is discarded (--discard)";
+        let problem = "an exponent exists only while all loads repeat; increase --discard until \
+                       the change lies in the discarded periods";
         return Err(crate::Error::Refused { what: why, problem: problem.into() });
     }
     let found = settled(&mut motion, &section, Some(periods))?;
@@ -48,7 +48,7 @@ pub fn exponent(
     let told =
         exponent.map_or("undecided: the motion has not settled".into(), |e| match (e.value, found.period) {
             (f64::NEG_INFINITY, _) => {
-                "-inf: contacts take every direction, or there is none but neutral ones".into()
+                "-inf: contacts remove every direction, or all directions are neutral".into()
             }
             (value, Some(period)) => {
                 format!(
@@ -85,7 +85,7 @@ pub fn spectrum(
     name: &str,
 ) -> Result<Study> {
     if let Some(why) = runs_on(&machine.description, 0.0) {
-        let problem = "only what repeats has exponents; allowed are harmonics, constants and uniform motions";
+        let problem = "exponents require loads and motions that are harmonic, constant or uniform";
         return Err(crate::Error::Refused { what: why, problem: problem.into() });
     }
     let found = vibro_studies::spectrum(machine, start, (discard, periods), &mut || {
@@ -108,10 +108,10 @@ pub fn spectrum(
     let mut remarks = vec![format!("exponents: {} 1/s, {how}", words.join(", "))];
     remarks.push(match held {
         0 => format!(
-            "sum: {} 1/s, the mean rate at which volumes grow",
+            "sum: {} 1/s, the mean growth rate of volumes",
             significant(found.exponents.iter().map(|e| e.value).sum())
         ),
-        _ => format!("{held} are -inf: contacts, and samples of blocks, take these directions"),
+        _ => format!("{held} are -inf: contacts or samples of blocks remove these directions"),
     });
     let figure = Figure {
         title: format!("{}: Lyapunov exponents on their way", machine.description.name),

@@ -12,13 +12,13 @@ pub mod pointers;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// A pointer that is null, or misaligned for its type.
-    #[error("{argument} is null or misaligned: allowed is a valid pointer")]
+    #[error("{argument} is null or misaligned: expected a valid pointer")]
     Pointer {
         /// The argument.
         argument: &'static str,
     },
     /// A count that is not possible.
-    #[error("{argument} = {value}: allowed is {allowed}")]
+    #[error("{argument} = {value}: expected {allowed}")]
     Count {
         /// The argument.
         argument: &'static str,
@@ -28,7 +28,7 @@ pub enum Fault {
         allowed: String,
     },
     /// A text that is not valid.
-    #[error("{argument} = \"{value}\": allowed is {allowed}")]
+    #[error("{argument} = \"{value}\": expected {allowed}")]
     Text {
         /// The argument.
         argument: &'static str,

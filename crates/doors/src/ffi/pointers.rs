@@ -46,7 +46,7 @@ pub fn check_array<T>(
     (argument, limit): (&'static str, usize),
 ) -> Result<(), Fault> {
     if count > limit {
-        let allowed = format!("up to {limit}");
+        let allowed = format!("at most {limit}");
         return Err(Fault::Count { argument: "number of elements", value: count, allowed });
     }
     if count == 0 { Ok(()) } else { check_pointer(pointer, argument) }

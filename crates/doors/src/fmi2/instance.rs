@@ -132,7 +132,7 @@ impl<C: Component> Instance<C> {
     /// # Errors
     /// Always.
     pub fn cancel_step(&mut self) -> Outcome<C> {
-        Err(CallProblem::Sequence { what: "steps are synchronous: there is none to cancel" })
+        Err(CallProblem::Sequence { what: "steps are synchronous: there is no step to cancel" })
     }
 
     /// `fmi2GetRealStatus` (FMI 2.0, 4.2.3).

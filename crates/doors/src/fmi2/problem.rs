@@ -17,7 +17,7 @@ pub type Outcome<C, T = ()> = Result<T, CallProblem<<C as Model>::Problem>>;
 #[non_exhaustive]
 pub enum CallProblem<P: Refusal> {
     /// The call is not allowed in this state (FMI 2.0, 3.2.3 and 4.2.4).
-    #[error("not allowed in state {stage:?} of {}{}", interface.name(), way_on(*stage, early))]
+    #[error("cannot be called in state {stage:?} of {}{}", interface.name(), way_on(*stage, early))]
     State {
         /// The call.
         function: Function,
@@ -69,7 +69,10 @@ impl<P: Refusal> From<Fault> for CallProblem<P> {
 fn way_on(stage: Stage, early: &EarlyEnd) -> String {
     match stage {
         Stage::StepFailed => {
-            format!(": restore the state saved before the {}, or go on from lastSuccessfulTime", early.event)
+            format!(
+                ": restore the state saved before the {}, or continue from lastSuccessfulTime",
+                early.event
+            )
         }
         _ => String::new(),
     }

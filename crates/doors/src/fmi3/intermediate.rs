@@ -96,7 +96,7 @@ impl<C: Component> Instance<C> {
         match self.update {
             Some(update) if update.set_requested => Err(CallProblem::Intermediate {
                 what: "a variable is read".to_owned(),
-                allowed: "to set inputs: intermediateVariableGetAllowed is false",
+                allowed: "only inputs can be set, since intermediateVariableGetAllowed is false",
             }),
             _ => Ok(()),
         }
@@ -122,7 +122,8 @@ impl<C: Component> Instance<C> {
             if !(update.set_requested && self.required.contains(&reference)) {
                 return Err(CallProblem::Intermediate {
                     what: format!("{} is set", variable.name),
-                    allowed: "to set inputs in requiredIntermediateVariables, where intermediateVariableSetRequested is true",
+                    allowed: "only inputs in requiredIntermediateVariables can be set, and only where \
+                              intermediateVariableSetRequested is true",
                 });
             }
         }

@@ -53,7 +53,7 @@ impl<C: Component> Instance<C> {
             self.component.directional_derivative(unknowns, &[*known], &[1.0], part)?;
             if !sum.is_finite() {
                 let what = format!("adjoint derivative by {}", self.component.variable(*known)?.name);
-                let allowed = "a finite number: seed and derivatives are too large together";
+                let allowed = "a finite number; seed and derivatives are too large together";
                 return Err(refused(what, *sum, allowed));
             }
         }

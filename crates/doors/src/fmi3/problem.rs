@@ -16,7 +16,7 @@ pub type Outcome<C, T = ()> = Result<T, CallProblem<<C as Model>::Problem>>;
 #[non_exhaustive]
 pub enum CallProblem<P: Refusal> {
     /// The call is not allowed in this state (FMI 3.0.2, 2.3, 3.2 and 4.2).
-    #[error("not allowed in state {stage:?} of {}{}{}", interface.name(), led_there(*failed), way_on(*stage))]
+    #[error("cannot be called in state {stage:?} of {}{}{}", interface.name(), led_there(*failed), way_on(*stage))]
     State {
         /// The state of the instance.
         stage: Stage,
@@ -35,7 +35,7 @@ pub enum CallProblem<P: Refusal> {
         what: &'static str,
     },
     /// A variable that must not be accessed in Intermediate Update Mode (FMI 3.0.2, 4.2.2).
-    #[error("{what} in Intermediate Update Mode: allowed is {allowed}")]
+    #[error("{what} in Intermediate Update Mode: {allowed}")]
     Intermediate {
         /// The access.
         what: String,

@@ -104,7 +104,7 @@ impl<T: Tabular> Hybrid for FromTable<T> {
                 return Ok(Met { stopped: true, ..met });
             }
         }
-        let what = format!("a step with {MOST_EVENTS} events up to t = {} s: allowed are fewer", self.time());
+        let what = format!("a step with {MOST_EVENTS} events up to t = {} s: expected fewer", self.time());
         Err(Problem::Sequence { what: what.into() })
     }
 

@@ -5,7 +5,7 @@ use crate::problem::Problem;
 use crate::values::Base;
 
 /// The variables that may be set, for messages.
-pub(super) const SETTABLE: &str = "parameters and states until initialization ends, and inputs";
+pub(super) const SETTABLE: &str = "inputs (and parameters and states until initialization ends)";
 
 /// Role of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

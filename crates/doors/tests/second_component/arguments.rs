@@ -34,10 +34,10 @@ fn null_and_misaligned_pointers_and_impossible_counts_are_errors_of_fmi2() {
     let odd_x = odd(x.cast()).cast::<f64>();
     unsafe {
         assert_eq!(fmi2GetReal(c, null(), 2, x), ERROR);
-        let refusal = "fmi2GetReal: vr is null or misaligned: allowed is a valid pointer";
+        let refusal = "fmi2GetReal: vr is null or misaligned: expected a valid pointer";
         assert_eq!(host.last(), format!("ball %d 3 logStatusError {refusal}"));
         assert_eq!(fmi2GetReal(c, vr, 1, odd_x), ERROR);
-        assert!(host.last().ends_with("value is null or misaligned: allowed is a valid pointer"));
+        assert!(host.last().ends_with("value is null or misaligned: expected a valid pointer"));
         assert_eq!(fmi2GetReal(c, null(), 0, null_mut()), OK);
         for status in [
             fmi2GetReal(odd(c), vr, 1, x),
@@ -78,29 +78,33 @@ fn wrong_calls_are_errors_of_fmi3_that_terminate_and_are_named() {
         [
             (
                 "GetFloat64",
-                "value reference 0 is no Float64 variable: allowed are those of the model",
+                "value reference 0 is not a variable of type Float64: expected a value reference of the model",
                 &|c| fmi3GetFloat64(c, &0, 1, v, 1),
             ),
-            ("GetFloat64", "value reference 4294967295 is no Float64", &|c| {
+            ("GetFloat64", "value reference 4294967295 is not a variable of type Float64", &|c| {
                 fmi3GetFloat64(c, &u32::MAX, 1, v, 1)
             }),
-            ("GetFloat64", "value reference 8 is no Float64", &|c| fmi3GetFloat64(c, &BOUNCES, 1, v, 1)),
-            ("GetFloat32", "is no Float32", &|c| fmi3GetFloat32(c, &HEIGHT, 1, &mut 0.0, 1)),
-            ("GetBinary", "is no Binary", &|c| {
+            ("GetFloat64", "value reference 8 is not a variable of type Float64", &|c| {
+                fmi3GetFloat64(c, &BOUNCES, 1, v, 1)
+            }),
+            ("GetFloat32", "is not a variable of type Float32", &|c| {
+                fmi3GetFloat32(c, &HEIGHT, 1, &mut 0.0, 1)
+            }),
+            ("GetBinary", "is not a variable of type Binary", &|c| {
                 fmi3GetBinary(c, &HEIGHT, 1, &mut 0, [null()].as_mut_ptr(), 1)
             }),
-            ("GetFloat64", "nValues = 2: allowed is 1", &|c| fmi3GetFloat64(c, &HEIGHT, 1, v, 2)),
-            ("SetFloat64", "nValues = 0: allowed is 1", &|c| fmi3SetFloat64(c, &HEIGHT, 1, null(), 0)),
+            ("GetFloat64", "nValues = 2: expected 1", &|c| fmi3GetFloat64(c, &HEIGHT, 1, v, 2)),
+            ("SetFloat64", "nValues = 0: expected 1", &|c| fmi3SetFloat64(c, &HEIGHT, 1, null(), 0)),
             ("GetFloat64", "values is null or misaligned", &|c| fmi3GetFloat64(c, &HEIGHT, 1, null_mut(), 1)),
             ("GetFloat64", "values is null or misaligned", &|c| fmi3GetFloat64(c, &HEIGHT, 1, odd(v), 1)),
             ("GetFloat64", "valueReferences is null or misaligned", &|c| fmi3GetFloat64(c, null(), 1, v, 1)),
             ("GetFloat64", "number of elements", &|c| fmi3GetFloat64(c, &HEIGHT, usize::MAX, v, 1)),
-            ("SetTime", "not allowed in state StepMode of Co-Simulation", &|c| fmi3SetTime(c, 1.0)),
+            ("SetTime", "cannot be called in state StepMode of Co-Simulation", &|c| fmi3SetTime(c, 1.0)),
             ("SetFMUState", "", &|c| fmi3SetFMUState(c, std::ptr::without_provenance_mut(12345))),
-            ("GetDirectionalDerivative", "nSeed = 1: allowed is 2", &|c| {
+            ("GetDirectionalDerivative", "nSeed = 1: expected 2", &|c| {
                 fmi3GetDirectionalDerivative(c, &HEIGHT, 1, [2, 3].as_ptr(), 2, &1.0, 1, v, 1)
             }),
-            ("SetFloat64", "v cannot be set at a communication point: allowed are", &|c| {
+            ("SetFloat64", "v cannot be set at a communication point: only", &|c| {
                 fmi3SetFloat64(c, &SPEED, 1, &1.0, 1)
             }),
             ("GetOutputDerivatives", "this FMU does not offer derivatives of outputs: its model", &|c| {
@@ -165,7 +169,7 @@ fn steps_that_cannot_be_made_are_errors_at_the_time_reached() {
         (FALL, 0.0, "communicationStepSize = 0"),
         (FALL, -1.0, "communicationStepSize = -1"),
         (FALL, f64::INFINITY, "communicationStepSize = inf"),
-        (FALL, 9.75, "step to t = 10 s: allowed is up to the stop time 2 s"),
+        (FALL, 9.75, "step to t = 10 s: must end by the stop time 2 s"),
     ] {
         let host = Host::of_fmi3(Interface::CoSimulation);
         unsafe {
@@ -268,9 +272,9 @@ fn a_panic_makes_the_instance_fatal_and_nothing_leads_out() {
         assert!(three.last().contains("4 logStatusFatal fmi3GetFloat64: internal error: 50 % of nothing;"));
         for _ in 0..2 {
             assert_eq!(fmi2Reset(two.c), ERROR);
-            assert!(two.last().ends_with("fmi2Reset: not allowed in state Fatal of Co-Simulation"));
+            assert!(two.last().ends_with("fmi2Reset: cannot be called in state Fatal of Co-Simulation"));
             assert_eq!(fmi3Reset(three.c), ERROR);
-            assert!(three.last().ends_with("fmi3Reset: not allowed in state Fatal of Co-Simulation"));
+            assert!(three.last().ends_with("fmi3Reset: cannot be called in state Fatal of Co-Simulation"));
         }
     }
 }

@@ -12,9 +12,9 @@ use std::ptr::{from_mut, null, null_mut};
 fn instantiations_of_fmi2_that_cannot_be_are_null_and_logged() {
     let token = token();
     for (name, kind, guid, text) in [
-        (c"a", 1, c"{no}", "a 3 logStatusError fmi2Instantiate: fmuGUID = \"{no}\": allowed is {"),
-        (c" ", 1, &*token, "  3 logStatusError fmi2Instantiate: instanceName = \" \": allowed is"),
-        (c"a", 2, &*token, "a 3 logStatusError fmi2Instantiate: fmuType = 2: allowed is 0"),
+        (c"a", 1, c"{no}", "a 3 logStatusError fmi2Instantiate: fmuGUID = \"{no}\": expected {"),
+        (c" ", 1, &*token, "  3 logStatusError fmi2Instantiate: instanceName = \" \": expected"),
+        (c"a", 2, &*token, "a 3 logStatusError fmi2Instantiate: fmuType = 2: expected 0"),
     ] {
         let host = Host::of_fmi2(name, kind, guid);
         assert!(host.c.is_null());
@@ -41,11 +41,8 @@ fn instantiations_of_fmi3_that_cannot_be_are_null_and_logged() {
             fmi3InstantiateCoSimulation(name, token, null(), 0, logging, 0, 0, list, count, host, keep, None)
         };
         for (c, text) in [
-            (
-                make(name, c"{no}".as_ptr(), 1, &[]),
-                "CoSimulation: instantiationToken = \"{no}\": allowed is {",
-            ),
-            (make(c" ".as_ptr(), token, 1, &[]), "CoSimulation: instanceName = \" \": allowed is text"),
+            (make(name, c"{no}".as_ptr(), 1, &[]), "CoSimulation: instantiationToken = \"{no}\": expected {"),
+            (make(c" ".as_ptr(), token, 1, &[]), "CoSimulation: instanceName = \" \": expected text"),
             (make(null(), token, 1, &[]), "CoSimulation: instanceName is null"),
             (make(name, null(), 1, &[]), "CoSimulation: instantiationToken is null"),
             (make(name, token, 1, &[9999]), "CoSimulation: value reference 9999 is no"),
@@ -93,13 +90,17 @@ fn logging_is_switched_by_category() {
 fn messages_are_finished_text() {
     let (host, category) = (Host::of_fmi2(c"ball %d", 1, &token()), c"100 % #1".as_ptr());
     assert_eq!(unsafe { fmi2DoStep(host.c, 0.0, 1.0, 0) }, ERROR);
-    let refusal = "fmi2DoStep: not allowed in state Instantiated of Co-Simulation";
+    let refusal = "fmi2DoStep: cannot be called in state Instantiated of Co-Simulation";
     assert_eq!(host.last(), format!("ball %d 3 logStatusError {refusal}"));
     assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 1, 1, &category) }, ERROR);
-    assert!(host.last().contains("category = \"100 %% ##1\": allowed is logEvents, "), "{}", host.last());
+    assert!(
+        host.last().contains("category = \"100 %% ##1\": expected one of logEvents, "),
+        "{}",
+        host.last()
+    );
     let host = Host::of_fmi3(Interface::CoSimulation);
     assert_eq!(unsafe { fmi3SetDebugLogging(host.c, 1, 1, &category) }, ERROR);
-    assert!(host.last().contains("category = \"100 % ##1\": allowed is logEvents, "), "{}", host.last());
+    assert!(host.last().contains("category = \"100 % ##1\": expected one of logEvents, "), "{}", host.last());
 }
 
 /// Calls into the instance from its own logger: the instance, and the statuses.

@@ -208,8 +208,11 @@ fn every_cell_of_both_state_machines_of_fmi2() {
                 let host = brought_to2(interface, phase);
                 let before = saved(&host);
                 let status = unsafe { play2(host.c, *function) };
-                let refusal =
-                    format!("{}: not allowed in state {stage:?} of {}", function.name(), interface.name());
+                let refusal = format!(
+                    "{}: cannot be called in state {stage:?} of {}",
+                    function.name(),
+                    interface.name()
+                );
                 let allowed = function.allowed(interface, stage);
                 assert_eq!(host.last().contains(&refusal), !allowed, "{refusal}: {}", host.last());
                 if !allowed {
@@ -268,8 +271,11 @@ fn every_cell_of_both_state_machines_of_fmi3() {
                 let before = instance().component.save().unwrap();
                 let phase = instance().component.life().phase;
                 let status = unsafe { play3(host.c, *function) };
-                let refusal =
-                    format!("{}: not allowed in state {stage:?} of {}", function.name(), interface.name());
+                let refusal = format!(
+                    "{}: cannot be called in state {stage:?} of {}",
+                    function.name(),
+                    interface.name()
+                );
                 let allowed = function.allowed(interface, stage);
                 assert_eq!(host.last().contains(&refusal), !allowed, "{refusal}: {}", host.last());
                 if allowed && has_no_elements(*function) {
@@ -303,7 +309,7 @@ fn an_error_of_fmi3_leaves_terminated() {
                     let changes = matches!(function, F::Reset | F::SetFMUState);
                     let allowed = function.allowed(interface, S::Terminated) && !changes;
                     let status = play3(host.c, *function);
-                    let known = host.last().contains("not allowed in state Terminated");
+                    let known = host.last().contains("cannot be called in state Terminated");
                     assert!(allowed || known || changes, "{}: {status} {}", function.name(), host.last());
                     if *function == F::Reset {
                         assert_eq!(status, OK);

@@ -184,7 +184,7 @@ impl Machine {
         if value.is_finite() {
             return Ok(value);
         }
-        let allowed = "a finite number: seed, states or inputs are too large together";
+        let allowed = "a finite number; seed, states or inputs are too large together";
         Err(Problem::value(format!("derivative of {}", row.name), value, allowed).into())
     }
 }

@@ -197,12 +197,12 @@ impl Model for Machine {
         let mut next = Self::new(self.plan.clone(), self.life);
         next.life.take_over(&saved.life)?;
         if saved.life.phase.has_motion().is_some_and(|motion| motion != saved.moving.is_some()) {
-            return Err(refused("its phase does not go with what moves in it").into());
+            return Err(refused("its phase does not match its motion").into());
         }
         let count = self.values.len();
         if [saved.values.len(), saved.phases.len()] != [count; 2] || saved.pending.len() != self.pending.len()
         {
-            return Err(refused("it is of another machine").into());
+            return Err(refused("it is from another machine").into());
         }
         next.values.clone_from(&saved.values);
         next.phases.clone_from(&saved.phases);
@@ -211,7 +211,7 @@ impl Model for Machine {
         if let Some(saved_moving) = &saved.moving {
             let on_course = next.life.interface == Interface::ModelExchange;
             if on_course != saved_moving.course.is_some() {
-                return Err(refused("its motion is not one of this interface type").into());
+                return Err(refused("its motion is of another interface type").into());
             }
             next.moving = Some(Moving::resumed(self.moving.as_ref(), &self.plan, saved_moving)?);
             let fits = |shown: &&crate::machine::Shown| {

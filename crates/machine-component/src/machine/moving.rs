@@ -62,7 +62,7 @@ impl Moving {
         saved: &SavedMoving,
     ) -> Result<Self, MachineProblem> {
         let SavedMoving { hybrid, origin, course, numbers } = saved;
-        let unfit = || refused("its motion is not one of this machine");
+        let unfit = || refused("its motion is from another machine");
         let same = present.filter(|moving| *moving.numbers == *numbers);
         if numbers.len() != plan.table.parameters.len() || !origin.is_finite() {
             return Err(unfit().into());

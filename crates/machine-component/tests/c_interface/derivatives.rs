@@ -374,9 +374,9 @@ fn derivatives_that_are_no_finite_numbers_are_refused_by_name() {
     machine.begin();
     let (input, unknown) = (machine.reference("load.push.input"), machine.reference("b.a"));
     for (seed, text) in [
-        ([f64::NAN, 0.0], "seed of load.push.input = NaN: allowed is a finite number"),
-        ([0.0, f64::INFINITY], "seed of load.push.input = inf: allowed is a finite number"),
-        ([f64::MAX, f64::MAX], "derivative of b.a = inf: allowed is a finite number"),
+        ([f64::NAN, 0.0], "seed of load.push.input = NaN: expected a finite number"),
+        ([0.0, f64::INFINITY], "seed of load.push.input = inf: expected a finite number"),
+        ([f64::MAX, f64::MAX], "derivative of b.a = inf: expected a finite number"),
     ] {
         let mut along = 7.0;
         let knowns = [input; 2];

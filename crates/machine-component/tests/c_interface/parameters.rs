@@ -10,7 +10,7 @@ fn parameters_that_are_no_machine_are_refused_by_name_and_nothing_is_lost() {
     let ball = Instance::of("refused", &plan, false);
     assert_eq!(ball.set("stop.floor.restitution", 1.5), DISCARD);
     let last = || ball.messages.last().unwrap().clone();
-    assert!(last().ends_with("stop.floor.restitution = 1.5: allowed is a number from 0 to 1"), "{}", last());
+    assert!(last().ends_with("stop.floor.restitution = 1.5: expected a number from 0 to 1"), "{}", last());
     // A start beyond the stop is refused only when initialization ends, because start and gap may
     // be set in either order.
     assert_eq!(ball.set("body.ball.start.s", 2.0), OK);
@@ -86,7 +86,7 @@ fn a_change_that_does_not_go_with_the_state_is_refused_by_name_and_nothing_is_lo
     assert_eq!(ball.set("stop.floor.gap", 0.1), DISCARD);
     assert!(last().contains("stop.floor.gap = 0.1: stop.floor at t = 0.25 s: e - gap = "), "{}", last());
     assert_eq!(ball.set("body.ball.mass", -1.0), DISCARD);
-    assert!(last().ends_with("body.ball.mass = -1: allowed is a finite number > 0"), "{}", last());
+    assert!(last().ends_with("body.ball.mass = -1: expected a finite number > 0"), "{}", last());
     assert_eq!(
         [ball.get("stop.floor.gap"), ball.get("body.ball.mass"), ball.get("ball.s")],
         [1.0, 0.02, before]

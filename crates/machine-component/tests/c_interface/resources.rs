@@ -19,7 +19,7 @@ fn another_machines_file_or_description_is_refused_at_instantiation() {
         assert!(refused.messages[0].contains(ball.token()), "{:?}", refused.messages);
         let file = folder.join(FILE);
         let said =
-            format!("{}: this is not the text of which the model description was made", file.display());
+            format!("{}: this is not the text from which the model description was made", file.display());
         assert!(refused.messages[0].contains(&said), "{:?}", refused.messages);
     }
     let nowhere = Instance::new(Path::new("/nowhere"), &ball, ball.token(), false);
@@ -46,7 +46,7 @@ fn a_damaged_file_is_named_with_the_line_that_is_no_machines() {
         let (message, file) = (refused.messages.join("\n"), folder.join(FILE));
         assert!(message.contains(&format!("{}:{line}: ", file.display())), "{name}: {message}");
         assert!(
-            message.contains(said) && message.contains("this is not the text of which"),
+            message.contains(said) && message.contains("this is not the text from which"),
             "{name}: {message}"
         );
         assert!(message.contains(ball.token()), "{name}: {message}");

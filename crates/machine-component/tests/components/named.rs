@@ -125,7 +125,7 @@ fn a_named_parameter_that_makes_a_number_wrong_is_refused_by_its_own_name() {
         (machine, ended.err().unwrap_or_default())
     };
     let wrong =
-        "bounce = 0.75: then stop.right.restitution = 1 - 2 * bounce = -0.5: allowed is a number from 0 to 1";
+        "bounce = 0.75: then stop.right.restitution = 1 - 2 * bounce = -0.5: expected a number from 0 to 1";
     assert_eq!(begun(&[("bounce", 0.75), ("v0", 0.25)]).1, wrong);
     // During the motion it is refused at once, and nothing has changed.
     let (mut machine, ended) = begun(&[]);

@@ -79,7 +79,7 @@ fn time_in_event_mode_is_the_present_one() {
     machine.enter_event().unwrap();
     machine.set_time(0.125).unwrap();
     let refused = machine.set_time(0.25).unwrap_err().to_string();
-    assert!(refused.contains("time = 0.25: allowed is the present time in Event Mode"), "{refused}");
+    assert!(refused.contains("time = 0.25: expected the present time in Event Mode"), "{refused}");
 }
 
 #[test]

@@ -20,7 +20,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         // Feeds are in the order of their loads, at most one for each load.
         let is_next = i == 0 || machine.feeds[i - 1].load < feed.load;
         if !is_there || !is_next || feed.load >= machine.loads.len() {
-            let text = "there is no such load or output, counted from 0, or they are not in order";
+            let text = "no load or output has this index, counted from 0, or the feeds are not in \
+                the order of their loads";
             problems.push(Problem::new(format!("feeds[{i}]"), None, text));
         }
     }
@@ -30,7 +31,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let kept: usize = machine.blocks.iter().map(|block| block.start.len() + block.kept()).sum();
     if kept > MOST_STATES {
         let text = format!(
-            "blocks keep {kept} numbers: states, outputs, and outputs under way; allowed are up to {MOST_STATES}"
+            "blocks keep {kept} numbers (states, outputs and delayed outputs); expected at most {MOST_STATES}"
         );
         problems.push(Problem::new("block", None, text));
     }
@@ -39,7 +40,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             let names: Vec<String> =
                 way.iter().chain(&way[..1]).map(|own| machine.name_of_output(*own)).collect();
             let text = format!(
-                "an algebraic loop through d: {}; allowed are loops with a state, or with a sampled block and a delay, between",
+                "an algebraic loop through `d`: {}; put a state, or a sampled block with a delay, \
+                 into the loop",
                 names.join(" reads ")
             );
             problems.push(Problem::new(format!("block.{}.d", machine.blocks[way[0].0].name), None, text));
@@ -56,7 +58,9 @@ fn check_limited(machine: &Description, place: (usize, usize), problems: &mut Ve
     }
     if let Some(other) = machine.limit_behind(place) {
         let text = format!(
-            "depends by d on {}, which has limits, too; of continuous blocks allowed is one of them, a state between, or a sampled block",
+            "depends through `d` on {}, which has limits, too; give only one of them limits, put a \
+             state between \
+             them, or use a sampled block",
             machine.name_of_output(other)
         );
         let name = format!("block.{}.limits.{}", block.name, block.outputs[place.1]);
@@ -75,7 +79,7 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
     ];
     for (key, rows, count, columns) in shapes {
         if rows.len() != count || rows.iter().any(|row| row.len() != columns) {
-            let text = format!("allowed are {count} rows of {columns} numbers");
+            let text = format!("expected {count} rows of {columns} numbers");
             problems.push(Problem::new(format!("{of}.{key}"), None, text));
         }
     }
@@ -84,7 +88,7 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
         problems.push(Problem::new(
             &of,
             None,
-            "allowed are outputs with limits each, and quanta for each input",
+            "expected at least one output, limits for each output, and a quantum for each input",
         ));
     }
     for (i, input) in block.inputs.iter().enumerate() {
@@ -98,20 +102,20 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
             BlockInput::Output(i, j) => machine.blocks.get(i).is_some_and(|own| j < own.outputs.len()),
         };
         if !is_there {
-            let text = "there is no such body, element, signal or output, counted from 0";
+            let text = "no body, element, signal or output has this index, counted from 0";
             problems.push(Problem::new(format!("{of}.inputs[{i}]"), None, text));
         }
     }
     for (output, limits) in block.outputs.iter().zip(&block.limits) {
         let Some([low, high]) = *limits else { continue };
         if low.is_nan() || high.is_nan() || low >= high {
-            let text = format!("allowed is a number above the lower limit, {low:?}");
+            let text = format!("must be greater than the lower limit, {low:?}");
             problems.push(refused(format!("{of}.limits.{output}[1]"), high, text));
         }
     }
     if let Some(own) = block.sampling.as_ref().filter(|own| own.delay > own.period * MOST_UNDER_WAY as f64) {
         let text =
-            format!("allowed are up to {MOST_UNDER_WAY} samples, {:?} s", own.period * MOST_UNDER_WAY as f64);
+            format!("must be at most {MOST_UNDER_WAY} samples, {:?} s", own.period * MOST_UNDER_WAY as f64);
         problems.push(refused(format!("{of}.delay"), own.delay, text));
     }
 }
@@ -120,8 +124,9 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
 pub(super) fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
     if let Some((block, read)) = machine.feedback() {
         let text = format!(
-            "the machine starts at rest, and block.{} reads {read}: what it feeds back has no equilibrium that loads lead to; \
-             allowed is a start of the bodies and of the block instead",
+            "cannot be combined with a block that feeds motion back to loads: block.{} reads \
+             {read}; give the \
+             bodies and the block start values instead",
             block.name
         );
         problems.push(Problem::new("start", Some("\"rest\"".into()), text));

@@ -12,7 +12,7 @@ pub(crate) const MOST_COORDINATES: usize = 500;
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let inner = machine.bodies.iter().filter(|body| body.is_inner()).count();
     if inner > MOST_COORDINATES {
-        let text = format!("there are {inner} coordinates; allowed are up to {MOST_COORDINATES} in all");
+        let text = format!("there are {inner} coordinates in all; expected at most {MOST_COORDINATES}");
         problems.push(Problem::new("modal", None, text));
     }
     for modal in &machine.modals {
@@ -24,15 +24,18 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             let name = Description::name_of_coordinate(&matrix.name, i);
             let own = machine.bodies.get(body).filter(|own| own.name == name);
             if !matches!(own.map(|own| &own.kind), Some(BodyKind::Free(free)) if free.inertia == 1.0) {
-                problems.push(Problem::new(name, None, "allowed is what Description::add_matrix makes"));
+                problems.push(Problem::new(
+                    name,
+                    None,
+                    "expected the body that Description::add_matrix makes",
+                ));
             }
         }
     }
     let owned: usize = machine.elements().map(|element| element.coordinates().len()).sum();
     if problems.is_empty() && owned != inner {
-        let text = format!(
-            "{inner} bodies are named as coordinates; of {owned} coordinates allowed is one body each"
-        );
+        let text =
+            format!("{inner} bodies are named as coordinates; expected {owned}, one for each coordinate");
         problems.push(Problem::new("modal", None, text));
     }
     for body in &machine.bodies {
@@ -41,7 +44,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         let is_inner = |i: usize| machine.bodies.get(i).is_some_and(|own| own.is_inner());
         let sound = |&(i, factor): &(usize, f64)| is_inner(i) && factor.is_finite() && factor != 0.0;
         if row.is_empty() || !rises || !row.iter().all(sound) {
-            let text = "allowed is a row of coordinates at rising places, with finite factors other than 0";
+            let text = "expected coordinates in increasing order, with finite factors other than 0";
             problems.push(Problem::new(format!("body.{}", body.name), None, text));
         }
     }
@@ -50,11 +53,11 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
 fn check_modal(machine: &Description, modal: &Modal, problems: &mut Vec<Problem>) {
     let (of, count) = (format!("modal.{}", modal.name), modal.frequencies.len());
     if count == 0 {
-        problems.push(Problem::new(format!("{of}.frequencies"), None, "allowed are one frequency or more"));
+        problems.push(Problem::new(format!("{of}.frequencies"), None, "expected at least one frequency"));
     }
     if ![1, count].contains(&modal.damping_ratios.len()) {
         let text = format!(
-            "has {} values; allowed is one, or one for each of {count} modes",
+            "has {} values; expected one, or one for each of {count} modes",
             modal.damping_ratios.len()
         );
         problems.push(Problem::new(format!("{of}.damping_ratio"), None, text));
@@ -68,10 +71,10 @@ fn check_modal(machine: &Description, modal: &Modal, problems: &mut Vec<Problem>
                 problems.push(refused(
                     format!("{of}.masses[{i}]"),
                     free.inertia,
-                    "allowed without masses is 1",
+                    "must be 1 if the modes have no masses",
                 ));
             }
-            _ => problems.push(Problem::new(name, None, "allowed is a free body of this name for each mode")),
+            _ => problems.push(Problem::new(name, None, "expected a free body of this name for each mode")),
         }
     }
 }

@@ -17,8 +17,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         let terms = coordinates(machine, &link.arms.terms);
         let terms: Vec<_> = terms.into_iter().filter(|term| free[term.0]).collect();
         if terms.is_empty() {
-            let text =
-                "ties bodies of prescribed motion only; allowed is a link with a body with mass or inertia";
+            let text = "connects only bodies with prescribed motion; requires a body with mass or inertia";
             problems.push(Problem::new(name, None, text));
         } else if !ties.add(free.len(), &terms) {
             let text =
@@ -33,7 +32,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         let others: Vec<_> = others.iter().map(|l| format!("link.{}", l.name)).collect();
         let with = if others.is_empty() { String::new() } else { format!("with {} ", others.join(", ")) };
         let text = format!(
-            "{with}it holds every body still; allowed are fewer links than bodies, or a body whose motion is prescribed"
+            "{with}it holds every body still; use fewer links than bodies, or prescribe the motion of a body"
         );
         problems.push(Problem::new(format!("link.{}", last.name), None, text));
     }

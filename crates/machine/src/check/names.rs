@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 const LONGEST: usize = 100;
 
 /// The allowed names, in words.
-const NAME: &str = "allowed are up to 100 characters of A to Z, a to z, 0 to 9 and _, a letter first";
+const NAME: &str = "expected at most 100 characters of A to Z, a to z, 0 to 9 and _, starting with a letter";
 
 /// The problem of a name, if it has one.
 pub(crate) fn problem_of(name: &str) -> Option<&'static str> {
@@ -31,11 +31,7 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     unique(machine.elements().map(|e| (e.section(), e.name())), &mut problems);
     apart(machine, &mut problems);
     if machine.bodies.iter().any(|b| b.name == "ground") {
-        problems.push(Problem::new(
-            "body.ground",
-            None,
-            "`ground` is what stands still; allowed is another name",
-        ));
+        problems.push(Problem::new("body.ground", None, "`ground` is the fixed frame; use another name"));
     }
     let counts = [
         ("body", machine.bodies.len()),
@@ -50,7 +46,7 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     ];
     for (name, count) in counts {
         if count > MOST {
-            problems.push(Problem::new(name, None, format!("there are {count}; allowed are up to {MOST}")));
+            problems.push(Problem::new(name, None, format!("there are {count}; expected at most {MOST}")));
         }
     }
     problems
@@ -66,7 +62,7 @@ fn made_names<'a>(bodies: impl Iterator<Item = &'a Body>, problems: &mut Vec<Pro
         if let Some(text) = problem_of(of).or_else(|| problem_of(last)) {
             problems.push(Problem::new(format!("body.{}", body.name), None, text));
         } else if !seen.insert(&body.name) {
-            problems.push(Problem::new(&body.name, None, "is there twice"));
+            problems.push(Problem::new(&body.name, None, "is given twice; keep one of them"));
         }
     }
 }
@@ -82,7 +78,7 @@ fn unique<'a>(names: impl Iterator<Item = (&'static str, &'a str)>, problems: &m
         } else if let Some(other) = first.insert(name, section) {
             let same = other == section;
             let text = if same {
-                "is there twice".into()
+                "is given twice; keep one of them".into()
             } else {
                 format!("another element has this name: {other}.{name}")
             };
@@ -104,7 +100,7 @@ fn apart(machine: &Description, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(
                 format!("signal.{name}"),
                 None,
-                "has another meaning; allowed is another name",
+                "this name is reserved; use another name",
             ));
         }
     }

@@ -29,8 +29,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         for (what, after, which) in [("e", "", 0), ("e'", "/s", 1)] {
             let (e, size) = elongation(&link.arms, &starts, which);
             if e.abs() > WRITTEN * size {
-                let text =
-                    format!("at the start {what} = {e:?} {unit}{after}; allowed are starts with {what} = 0");
+                let text = format!("at the start {what} = {e:?} {unit}{after}; expected {what} = 0");
                 problems.push(Problem::new(format!("link.{}", link.name), None, text));
                 break;
             }
@@ -40,7 +39,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         let (e, size) = elongation(&stop.arms, &starts, 0);
         if matches!(stop.law, StopLaw::Rigid { .. }) && e - stop.gap > ZERO * (size + stop.gap.abs()) {
             let text = format!(
-                "the start violates it with e = {e:?} {}; allowed is e <= gap",
+                "the start violates the stop with e = {e:?} {}; expected e <= gap",
                 unit(stop.arms.dimension)
             );
             problems.push(refused(format!("stop.{}.gap", stop.name), stop.gap, text));
@@ -51,15 +50,15 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
 fn at_rest(machine: &Description, problems: &mut Vec<Problem>) {
     for spring in &machine.springs {
         let Some(series) = spring.series.filter(|own| own.slider != 0.0) else { continue };
-        let text = "the machine starts at rest; allowed is no inner place beside start = \"rest\"";
+        let text = "cannot be combined with `start = \"rest\"`, the start of the machine: remove one of them";
         problems.push(refused(format!("spring.{}.slider", spring.name), series.slider, text));
     }
     for body in &machine.bodies {
         let BodyKind::Free(free) = &body.kind else { continue };
         for (key, value) in [("s", free.s), ("v", free.v)] {
             if value != 0.0 {
-                let text =
-                    "the machine starts at rest; allowed is no start of a body beside start = \"rest\"";
+                let text = "cannot be combined with `start = \"rest\"`, the start of the machine: \
+                            remove one of them";
                 problems.push(refused(format!("body.{}.start.{key}", body.name), value, text));
             }
         }

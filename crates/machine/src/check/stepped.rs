@@ -7,7 +7,9 @@ use crate::refusal::Problem;
 use crate::stepped::{MOST_LEVELS, count, given, zero};
 
 /// Allowed parts of a stiffness that steps, in words.
-const ALLOWED: &str = "allowed in a stiffness are constant, steps or a table with interpolation = \"hold\", and repeat: it is constant between its steps";
+const ALLOWED: &str = "is not supported in a stiffness, which is constant between its steps; use \
+    constant, steps or a table with \
+    interpolation = \"hold\", and repeat";
 
 /// Problems of all stiffnesses that step in time.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
@@ -20,7 +22,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             problems.push(Problem::new(
                 &name,
                 None,
-                "steps beside points or a partner in series; allowed is a number",
+                "cannot step in time with points or a partner in series; expected a number",
             ));
         }
         check_signal(&name, signal, spring.stiffness, problems);
@@ -31,7 +33,9 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         any = true;
         match stop.law {
             StopLaw::Rigid { .. } => {
-                problems.push(Problem::new(&name, None, "steps beside restitution; allowed is one of them"));
+                let text = "cannot be combined with `restitution`: use `restitution` for a rigid stop, or \
+                            `stiffness` for a compliant one";
+                problems.push(Problem::new(&name, None, text));
             }
             StopLaw::Compliant { stiffness, .. } => check_signal(&name, signal, stiffness, problems),
         }
@@ -39,7 +43,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let falls = machine.springs.iter().find(|own| slopes(&own.points).iter().any(|slope| *slope < 0.0));
     if let (true, true, Some(spring)) = (any, machine.starts_at_rest, falls) {
         let text =
-            "a line falls, and a stiffness steps; allowed is one of them in a machine that starts at rest";
+            "falling lines cannot be combined with a stiffness that steps in a machine that starts at rest";
         problems.push(Problem::new(format!("spring.{}.points", spring.name), None, text));
     }
 }
@@ -57,25 +61,27 @@ fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Pro
         problems.push(Problem::new(format!("{name}.{key}"), None, ALLOWED));
     }
     if signal.table.is_some() && !signal.steps.is_empty() {
-        let text = "stand beside a table; allowed is one of them in a stiffness";
+        let text = "cannot be combined with `table` in a stiffness: use one of them";
         problems.push(Problem::new(format!("{name}.steps"), None, text));
     }
     if beside != 0.0 {
-        problems.push(refused(name, beside, "allowed is 0 beside a stiffness that steps"));
+        problems.push(refused(name, beside, "must be 0 if the stiffness steps in time"));
     }
     if problems.len() > count_before {
         return;
     }
     if signal.steps.is_empty() && signal.table.is_none() {
         let text =
-            "does not step; allowed are steps or a table with interpolation = \"hold\", or a number alone";
+            "does not step; expected steps or a table with interpolation = \"hold\", or a number alone";
         problems.push(Problem::new(name, None, text));
         return;
     }
     let count = count(signal);
     if count > MOST_LEVELS {
         let text = format!(
-            "has {count} levels; allowed are {MOST_LEVELS}, one before the first step and one behind each, or one for each value of a table"
+            "has {count} levels; expected at most {MOST_LEVELS}, counting one before the first step and \
+             one after each step, \
+             or one for each value of a table"
         );
         problems.push(Problem::new(name, None, text));
         return;
@@ -90,9 +96,9 @@ fn check_levels(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     let negative = |(i, k): &(usize, &f64)| **k < -zero(&all) && !(*i == 0 && is_unused);
     if let Some((i, k)) = all.iter().enumerate().find(negative) {
         let text = match (&signal.table, i) {
-            (Some(_), _) => "a value of the table with the constant; allowed is a stiffness >= 0".to_owned(),
-            (None, 0) => "the stiffness before the first step; allowed is a number >= 0".to_owned(),
-            (None, i) => format!("the stiffness behind steps[{}]; allowed is a number >= 0", i - 1),
+            (Some(_), _) => "this value of the table, plus the constant, must be at least 0".to_owned(),
+            (None, 0) => "the stiffness before the first step must be at least 0".to_owned(),
+            (None, i) => format!("the stiffness after steps[{}] must be at least 0", i - 1),
         };
         problems.push(refused(name, *k, text));
     }

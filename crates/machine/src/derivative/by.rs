@@ -64,15 +64,17 @@ impl By {
                 match has_derivative(&assembly.description, &name) {
                     true => Ok(()),
                     false => {
-                        let text = "a motion has no derivative by a period or by the time of samples; allowed are the machine's other numbers";
+                        let text = "a motion has no derivative with respect to a period or a time \
+                            between samples; use one of \
+                            the machine's other numbers";
                         Err(Refusal::one(Problem::new(name, None, text)).into())
                     }
                 }
             }
             Self::Start(place) if *place >= count => Err(Error::OutOfRange {
-                name: "number of the start".into(),
+                name: "index of a start value".into(),
                 value: *place as f64,
-                allowed: format!("0 to {}", count - 1),
+                allowed: format!("a whole number from 0 to {}", count - 1),
             }),
             Self::Start(_) | Self::Time => Ok(()),
         }

@@ -149,7 +149,7 @@ fn check_sizes(of: &str, given: &Given, problems: &mut Vec<Problem>) {
     for (key, own) in squares.into_iter().chain([("gyroscopic", given.gyroscopic.as_ref())]) {
         let Some(own) = own.filter(|own| own.shape() != (n, n) || n == 0) else { continue };
         let text = format!(
-            "has {} rows and {} columns; allowed are as many as mass has rows, {n}",
+            "has {} rows and {} columns; expected as many of each as mass has rows, {n}",
             own.nrows(),
             own.ncols()
         );
@@ -162,7 +162,7 @@ fn check_sizes(of: &str, given: &Given, problems: &mut Vec<Problem>) {
         vectors.into_iter().chain(nodes).chain([("damping_ratio", if ratios == 1 { n } else { ratios })])
     {
         if len != n {
-            let text = format!("has {len} numbers; allowed is one for each of {n} coordinates");
+            let text = format!("has {len} numbers; expected one for each of {n} coordinates");
             problems.push(Problem::new(format!("{of}.{key}"), None, text));
         }
     }
@@ -172,7 +172,7 @@ fn check_sizes(of: &str, given: &Given, problems: &mut Vec<Problem>) {
 fn massless(of: &str, mass: &DMatrix<f64>) -> Option<Problem> {
     let i = (0..mass.nrows()).find(|&i| mass.row(i).iter().all(|x| *x == 0.0))?;
     let text = format!(
-        "row {i}, counted from 0, is zero: the coordinate has no mass; allowed are matrices from which it is condensed"
+        "row {i}, counted from 0, is zero: the coordinate has no mass; condense it out of the matrices"
     );
     Some(Problem::new(format!("{of}.mass"), None, text))
 }
@@ -188,8 +188,9 @@ fn symmetric(name: &str, a: &mut DMatrix<f64>, sign: f64) -> Option<Problem> {
             if (x - y).abs() > DIGITS * size {
                 let what = if sign > 0.0 { "symmetric" } else { "skew" };
                 let text = format!(
-                    "is not {what}: the entry of row {i} and column {j}, counted from 0, is {x:?}, that across the \
-                     diagonal {:?}; allowed is a {what} matrix",
+                    "is not {what}: the entry in row {i} and column {j}, counted from 0, is {x:?}, \
+                     the entry across the \
+                     diagonal is {:?}; expected a {what} matrix",
                     a[(j, i)]
                 );
                 return Some(Problem::new(name, None, text));
@@ -216,7 +217,8 @@ fn not_negative(name: &str, values: &mut [f64]) -> Result<(), Problem> {
     let largest = values.last().map_or(0.0, |last| last.abs()).max(f64::MIN_POSITIVE);
     if let Some(least) = values.first().filter(|least| **least < -DIGITS * largest) {
         let text = format!(
-            "its least eigenvalue is {least:?} beside the largest, {largest:?}; allowed is a positive semidefinite matrix"
+            "its smallest eigenvalue is {least:?}, its largest is {largest:?}; expected a positive \
+             semidefinite matrix"
         );
         return Err(Problem::new(name, None, text));
     }
@@ -228,8 +230,7 @@ fn not_negative(name: &str, values: &mut [f64]) -> Result<(), Problem> {
 fn normal(name: &str, first: usize, given: Given) -> Result<(DMatrix<f64>, Matrix), Problem> {
     let of = format!("matrix.{name}");
     let Some(factor) = Cholesky::new(given.mass.clone()) else {
-        let text =
-            "is not positive definite; allowed is a matrix with a positive kinetic energy for all rates";
+        let text = "is not positive definite; expected a matrix with positive kinetic energy for all rates";
         return Err(Problem::new(format!("{of}.mass"), None, text));
     };
     let lower = factor.l();

@@ -13,7 +13,9 @@ pub(super) fn quantity(text: &str, allowed: &str) -> Result<(f64, &'static str),
     let refused = || allowed.to_owned();
     let (_, symbol) = split(text).ok_or_else(refused)?;
     if symbol == "g" {
-        return Err("gram or 9.80665 m/s2? allowed is a mass in kg or an acceleration in m/s2".into());
+        let text = "`g` is ambiguous (gram or 9.80665 m/s2): use kg for a mass, \
+                    or m/s2 for an acceleration";
+        return Err(text.into());
     }
     // Hz stays 1/s, but revolutions are converted to rad.
     let first = FIRST.into_iter().skip(usize::from(!symbol.ends_with("Hz")));

@@ -12,7 +12,7 @@ const KEYS: [&str; 12] =
 
 /// Message that lists the quantities a block can read.
 const READ: &str =
-    "allowed are s, v of bodies and nodes, e, rate of elements, signals, and outputs of blocks";
+    "expected s or v of a body or node, e or rate of an element, a signal, or an output of a block";
 
 /// Largest number of states, inputs or outputs of a block.
 const MOST: f64 = 500.0;
@@ -66,8 +66,7 @@ impl Known<'_> {
                 "v" => return Ok(BlockInput::Rate(body)),
                 "a" => {
                     return Err(
-                        "is an acceleration, which follows from the forces of the same instant, and \
-                                so from the block's own output",
+                        "is an acceleration, which depends on the block's own output at the same instant",
                     );
                 }
                 _ => {}
@@ -83,8 +82,8 @@ impl Known<'_> {
         };
         match what {
             "f" => Err(
-                "is a force, which contacts and sticking friction find from the accelerations of the same \
-                        instant, and so from the block's own output",
+                "is a force; forces of contact and sticking friction depend on the accelerations, and so \
+                 on the block's own output, at the same instant",
             ),
             "e" if element.quantities().contains(&What::E) => Ok(BlockInput::Elongation(place)),
             "rate" if element.quantities().contains(&What::E) => Ok(BlockInput::ElongationRate(place)),
@@ -100,7 +99,7 @@ fn names_of(outputs: &[(String, Vec<String>)]) -> impl Iterator<Item = String> +
 
 /// Returns the names of a block's outputs; empty if the list is refused.
 fn outputs(reading: &mut Reading, table: &FileTable) -> Vec<String> {
-    let allowed = "allowed is a list of names, such as [\"u\"]";
+    let allowed = "expected a list of names, such as [\"u\"]";
     let Some(entry) = reading.required(table, "outputs", allowed) else { return Vec::new() };
     let Some(items) = reading.items(&entry).filter(|items| !items.is_empty()) else {
         reading.refuse(&entry, allowed);
@@ -112,9 +111,9 @@ fn outputs(reading: &mut Reading, table: &FileTable) -> Vec<String> {
         if let Some(text) = crate::check::problem_of_name(&name) {
             reading.refuse(item, text);
         } else if ["x", "start"].contains(&name.as_str()) {
-            reading.refuse(item, "is what states are called; allowed is another name");
+            reading.refuse(item, "is reserved for states; use another name");
         } else if all.contains(&name) {
-            reading.refuse(item, "is there twice");
+            reading.refuse(item, "is given twice; keep one of them");
         } else {
             all.push(name);
         }
@@ -157,7 +156,7 @@ fn block(reading: &mut Reading, table: &FileTable, outputs: &[String], known: &K
 
 /// Returns the inputs, each with its name.
 fn inputs(reading: &mut Reading, table: &FileTable, known: &Known) -> Option<Vec<(BlockInput, String)>> {
-    let allowed = "allowed is a list of names, such as [\"cart.s\", \"reference\"]";
+    let allowed = "expected a list of names, such as [\"cart.s\", \"reference\"]";
     let entry = reading.required(table, "inputs", allowed)?;
     let Some(items) = reading.items(&entry).filter(|items| items.len() as f64 <= MOST) else {
         reading.refuse(&entry, allowed);
@@ -186,7 +185,7 @@ fn states(reading: &mut Reading, table: &FileTable) -> Option<usize> {
     };
     let found = super::reading::finite(entry.value).filter(|x| x.fract() == 0.0 && (0.0..=MOST).contains(x));
     if found.is_none() {
-        reading.refuse(&entry, format!("allowed is a whole number from 0 to {MOST}"));
+        reading.refuse(&entry, format!("expected a whole number from 0 to {MOST}"));
     }
     found.map(|count| count as usize)
 }
@@ -199,7 +198,7 @@ fn matrix(
     [rows, columns]: [usize; 2],
     is_required: bool,
 ) -> Option<Vec<Vec<f64>>> {
-    let allowed = format!("allowed are {rows} rows of {columns} numbers, such as {}", example(rows, columns));
+    let allowed = format!("expected {rows} rows of {columns} numbers, such as {}", example(rows, columns));
     let entry = match is_required {
         true => reading.required(table, key, &allowed)?,
         false => match reading.optional(table, key) {
@@ -244,7 +243,7 @@ fn list(reading: &mut Reading, items: &[Entry], kind: NumberKind) -> Option<Vec<
 fn start(reading: &mut Reading, table: &FileTable, states: usize) -> Option<Vec<f64>> {
     let Some(entry) = reading.optional(table, "start") else { return Some(vec![0.0; states]) };
     let Some(items) = reading.items(&entry).filter(|items| items.len() == states) else {
-        reading.refuse(&entry, format!("allowed is a list of a number for each of {states} states"));
+        reading.refuse(&entry, format!("expected a list of {states} numbers, one for each state"));
         return None;
     };
     list(reading, &items, kinds::BLOCK_START)
@@ -254,7 +253,7 @@ fn start(reading: &mut Reading, table: &FileTable, states: usize) -> Option<Vec<
 fn limits(reading: &mut Reading, table: &FileTable, outputs: &[String]) -> Option<Vec<Option<[f64; 2]>>> {
     let mut all = vec![None; outputs.len()];
     let Some(entry) = reading.optional(table, "limits") else { return Some(all) };
-    let allowed = "allowed is a table of outputs with two limits, such as { u = [-10, 10] }";
+    let allowed = "expected a table of outputs with two limits, such as { u = [-10, 10] }";
     let limits = reading.table(&entry, allowed)?;
     let (entries, mut is_sound) = (reading.all(&limits), true);
     for entry in &entries {
@@ -270,7 +269,8 @@ fn limits(reading: &mut Reading, table: &FileTable, outputs: &[String]) -> Optio
         };
         let items = reading.items(entry).unwrap_or_default();
         let [low, high] = &items[..] else {
-            reading.refuse(entry, "allowed are two limits, such as [-10, 10]; one may be -inf or inf");
+            let text = "expected two limits, such as [-10, 10]; the lower may be -inf, the upper inf";
+            reading.refuse(entry, text);
             is_sound = false;
             continue;
         };
@@ -291,7 +291,7 @@ fn limit(reading: &mut Reading, entry: &Entry, infinite: f64) -> Option<f64> {
     match digits.as_str().trim_start_matches('+').parse::<f64>() {
         Ok(value) if value == infinite => Some(value),
         Ok(value) if !value.is_finite() => {
-            reading.refuse(entry, format!("allowed is a finite number, or {infinite:?}"));
+            reading.refuse(entry, format!("expected a finite number or {infinite:?}"));
             None
         }
         _ => reading.number(entry, kinds::OUTPUT_LIMIT, Dimension::Translation),
@@ -308,7 +308,7 @@ fn sampling(
     if !table.has("sample") {
         let found = ["delay", "quantum"].into_iter().filter_map(|key| reading.optional(table, key));
         let found: Vec<_> = found.collect();
-        let text = "stands without sample; allowed is it beside sample, of a block that is sampled";
+        let text = "requires `sample`, the time between the samples of the block";
         found.iter().for_each(|entry| reading.refuse(entry, text));
         return found.is_empty().then_some(None);
     }
@@ -328,7 +328,7 @@ fn quanta(
 ) -> Option<Vec<Option<f64>>> {
     let mut all = vec![None; inputs.len()];
     let Some(entry) = reading.optional(table, "quantum") else { return Some(all) };
-    let quanta = reading.table(&entry, "allowed is a table of inputs, such as { \"cart.s\" = 5e-8 }")?;
+    let quanta = reading.table(&entry, "expected a table of inputs, such as { \"cart.s\" = 5e-8 }")?;
     let mut is_sound = true;
     for entry in nested(reading, &quanta, inputs) {
         let Some(place) = inputs.iter().position(|own| *own == entry.key) else {
@@ -370,7 +370,7 @@ pub(super) fn follow(
     (load, factor): (usize, f64),
     machine: &Description,
 ) -> Option<Feed> {
-    let name = reading.string(from, "allowed is an output of a block, such as \"pid.u\"")?;
+    let name = reading.string(from, "expected an output of a block, such as \"pid.u\"")?;
     let all = machine
         .blocks
         .iter()

@@ -10,7 +10,8 @@ use crate::refusal::Problem;
 use toml::de::DeValue;
 
 /// Message that lists the keys of which a body needs exactly one.
-const KINDS: &str = "allowed is one of mass, inertia, motion";
+const KINDS: &str = "`mass` for a body that translates, `inertia` for a body that rotates, \
+                     or `motion` for a prescribed motion";
 
 /// Dimensions, each with its word in a file.
 pub(super) const DIMENSIONS: [(Dimension, &str); 2] =
@@ -74,8 +75,8 @@ fn body(
         _ => {
             reading.known(table, &["mass", "inertia", "motion", "dimension", "gravity", "start"]);
             let text = match given.len() {
-                0 => format!("has no inertia; {KINDS}"),
-                _ => format!("has {}; {KINDS}", given.join(" and ")),
+                0 => format!("requires {KINDS}"),
+                _ => format!("`{}` cannot be combined: use {KINDS}", given.join("` and `")),
             };
             reading.refuse_table(table, text);
             None
@@ -102,7 +103,7 @@ fn free(
         free.gravity = reading.number_or(table, "gravity", kinds::COSINE, dimension, 0.0).unwrap_or(0.0);
     }
     let Some(entry) = reading.optional(table, "start") else { return BodyKind::Free(free) };
-    if let Some(start) = reading.table(&entry, "allowed is a table such as { s = 0.0, v = 0.0 }") {
+    if let Some(start) = reading.table(&entry, "expected a table such as { s = 0.0, v = 0.0 }") {
         reading.known(&start, &["s", "v"]);
         free.s = reading.number_or(&start, "s", kinds::START, dimension, 0.0).unwrap_or(0.0);
         free.v = reading.number_or(&start, "v", kinds::START_RATE, dimension, 0.0).unwrap_or(0.0);
@@ -111,7 +112,7 @@ fn free(
             // after a change of a parameter.
             reading.refuse_table(
                 &start,
-                "the machine starts at rest; allowed is no start of a body beside start = \"rest\"",
+                "cannot be combined with `start = \"rest\"`, the start of the machine: remove one of them",
             );
         }
     }
@@ -168,7 +169,7 @@ fn integrated(reading: &mut Reading, table: &FileTable, level: Level, dimension:
             "s" | "constant" | "offset" if place.is_some() => {
                 reading.refuse(
                     &entry,
-                    "the place at time 0 is there already; allowed is one of s, constant, offset",
+                    "the position at time 0 is given twice; use one of `s`, `constant` and `offset`",
                 );
             }
             "s" | "constant" | "offset" => {
@@ -177,8 +178,8 @@ fn integrated(reading: &mut Reading, table: &FileTable, level: Level, dimension:
             _ if own == key || beside.contains(&own) => {}
             _ if own == "v" || own == "rate" || signals::KEYS.contains(&own) => {
                 let text = format!(
-                    "stands beside {key}, from which place and rate follow; allowed beside it is {}",
-                    beside.join(", ")
+                    "cannot be combined with `{key}`, which determines the motion: use `{}` for the start",
+                    beside.join("` and `")
                 );
                 reading.refuse(&entry, text);
             }
@@ -260,7 +261,7 @@ fn neighbour(name: &str, root: &FileTable) -> Option<Dimension> {
 
 /// Refuses bodies with gravity in a file without `gravity`.
 pub(super) fn without_gravity(reading: &mut Reading, machine: &Description) {
-    let text = "gravity is missing at the top level, such as gravity = \"9.81 m/s2\"";
+    let text = "requires `gravity` at the top level of the file, such as `gravity = \"9.81 m/s2\"`";
     for body in &machine.bodies {
         if let BodyKind::Free(Free { gravity, .. }) = body.kind
             && gravity != 0.0

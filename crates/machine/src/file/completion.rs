@@ -3,7 +3,8 @@
 //! The file's reader finds the completions: [`ASKED`], a word that no machine has, replaces the
 //! unfinished word, and the reader collects the words it would allow.
 
-use super::reading::{self, ASKED, Allowed, FileTable, Reading};
+use super::reading::{ASKED, Allowed, FileTable, Reading};
+use super::syntax;
 use super::{TABLES, VALUES, machine, no_records};
 use crate::elements::SECTIONS;
 use vibro_numerics::quantities::split;
@@ -193,7 +194,7 @@ fn allowed(head: &str, tail: &str, place: &Place) -> Allowed {
     };
     let mut first = None;
     for way in ways {
-        let (root, broken) = reading::toml(&way);
+        let (root, broken) = syntax::toml(&way);
         let mut reading = Reading::new(&way, &no_records);
         machine(&mut reading, &FileTable::root(root.get_ref()));
         let found = reading.allowed;

@@ -3,7 +3,8 @@
 
 use super::any_unit::quantity;
 use super::named::candidates;
-use super::reading::{self, FileTable, Reading};
+use super::reading::{FileTable, Reading};
+use super::syntax;
 use super::{Records, machine};
 use crate::check::check_structure;
 use crate::description::Description;
@@ -77,7 +78,7 @@ fn is_machine(text: &str, records: Records, mut other: Description) -> bool {
 
 /// Returns the machine of a text, and the places of its numbers.
 fn read(text: &str, records: Records) -> Option<(Description, Places)> {
-    let (root, broken) = reading::toml(text);
+    let (root, broken) = syntax::toml(text);
     let mut reading = Reading::new(text, records);
     let found = machine(&mut reading, &FileTable::root(root.get_ref()));
     let is_sound = broken.is_empty() && reading.problems.is_empty() && check_structure(&found).is_empty();

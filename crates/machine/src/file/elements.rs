@@ -128,7 +128,7 @@ fn stop(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -
 
 fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<(StopLaw, Option<Signal>)> {
     if !table.has("restitution") && !table.has("stiffness") {
-        let text = "has no law; allowed is restitution (a rigid stop) or stiffness (a compliant one)";
+        let text = "requires `restitution` (rigid stop) or `stiffness` (compliant stop)";
         reading.refuse_table(table, text);
         return None;
     }
@@ -137,7 +137,8 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
         for key in ["stiffness", "damping", "law"] {
             if let Some(entry) = reading.optional(table, key) {
                 alone = false;
-                let text = "stands beside restitution; allowed is restitution (a rigid stop) or stiffness (a compliant one)";
+                let text = "cannot be combined with `restitution`: use `restitution` for a rigid stop, \
+                            or `stiffness` for a compliant one";
                 reading.refuse(&entry, text);
             }
         }
@@ -187,13 +188,13 @@ fn friction(
 
 fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Load> {
     reading.known(table, &[&["on", "from", "factor"], &signals::KEYS[..]].concat());
-    let on = reading.required(table, "on", "allowed is the name of a body")?;
+    let on = reading.required(table, "on", "expected the name of a body")?;
     let (body, dimension) = body(reading, &on, names)?;
     if table.has("from") {
         return Some(Load { name, body, force: Signal::default() });
     }
     if let Some(factor) = reading.optional(table, "factor") {
-        reading.refuse(&factor, "stands without from; allowed is it beside from = \"BLOCK.OUTPUT\"");
+        reading.refuse(&factor, "requires `from = \"BLOCK.OUTPUT\"`");
         return None;
     }
     let values = Values { kind: kinds::FORCE, alone: kinds::FORCE, dimension: dimension? };
@@ -207,8 +208,9 @@ pub(super) fn follow(reading: &mut Reading, root: &FileTable, machine: &mut Desc
         let Some(from) = reading.optional(&table, "from") else { continue };
         for key in signals::KEYS {
             if let Some(entry) = reading.optional(&table, key) {
-                reading
-                    .refuse(&entry, "stands beside from; allowed is a signal or from, an output of a block");
+                let text = "cannot be combined with `from`: use `from` for an output of a block, \
+                            or the keys of a signal for a given force";
+                reading.refuse(&entry, text);
             }
         }
         let Some(load) = machine.loads.iter().position(|load| load.name == name) else { continue };
@@ -224,7 +226,7 @@ pub(super) fn follow(reading: &mut Reading, root: &FileTable, machine: &mut Desc
 
 /// The body named by an entry.
 fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, Option<Dimension>)> {
-    let name = reading.string(entry, "allowed is the name of a body")?;
+    let name = reading.string(entry, "expected the name of a body")?;
     let found = names.find(&name);
     if found.is_none() {
         reading.refuse_name(entry, &name, NO_BODY, names.all());
@@ -239,14 +241,13 @@ fn arms(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Arms>
         (Some(ends), None) => between(reading, &ends, names),
         (None, Some(arms)) => levers(reading, &arms, names),
         (None, None) => {
-            reading.refuse_table(
-                table,
-                "has no ends; allowed is between = [A, B] or arms = { A = 1.0, B = -1.0 }",
-            );
+            reading.refuse_table(table, "requires `between = [A, B]` or `arms = { A = 1.0, B = -1.0 }`");
             None
         }
         (Some(_), Some(arms)) => {
-            reading.refuse(&arms, "stands beside between; allowed is one of them");
+            let text = "cannot be combined with `between`: use `between` for two ends, \
+                        or `arms` for bodies with lever arms";
+            reading.refuse(&arms, text);
             None
         }
     }
@@ -258,13 +259,13 @@ type End = Option<(usize, Option<Dimension>)>;
 fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let items = reading.items(entry);
     let Some([a, b]) = items.as_deref() else {
-        reading.refuse(entry, "allowed are two names, such as [\"ground\", \"box\"]");
+        reading.refuse(entry, "expected two names, such as [\"ground\", \"box\"]");
         return None;
     };
     let (a, b): (Option<End>, Option<End>) = (end(reading, a, names), end(reading, b, names));
     let (a, b) = (a?, b?);
     if a.map(|a| a.0) == b.map(|b| b.0) {
-        reading.refuse(entry, "both ends are the same; allowed are two bodies, or ground and a body");
+        reading.refuse(entry, "both ends are the same; expected two bodies, or ground and a body");
         return None;
     }
     let known = |end: End| end.map(|(_, dimension)| dimension);
@@ -272,7 +273,8 @@ fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> 
         // The dimension of a refused body is unknown.
         (Some(None), _) | (_, Some(None)) | (None, None) => return None,
         (Some(Some(a)), Some(Some(b))) if a != b => {
-            let text = "one end moves along a line and one turns; allowed are ends alike, or arms with a lever such as \"50 mm\"";
+            let text = "cannot connect a translating and a rotating body directly; \
+                        use `arms` with a lever such as \"50 mm\"";
             reading.refuse(entry, text);
             return None;
         }
@@ -285,7 +287,7 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     if entry.value.as_str() == Some("ground") {
         return Some(None);
     }
-    let name = reading.string(entry, "allowed is \"ground\" or the name of a body")?;
+    let name = reading.string(entry, "expected \"ground\" or the name of a body")?;
     let found = names.find(&name);
     if found.is_none() {
         reading.refuse_name(entry, &name, NO_BODY, names.all().chain(["ground"]));
@@ -311,8 +313,8 @@ fn of_nodes<'t>(reading: &mut Reading, table: &FileTable<'t>, names: &Names) -> 
 /// Reads lever arms. The unit of an arm determines the dimension of its term, and all terms must
 /// have the same dimension.
 fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
-    let table = reading
-        .table(entry, "allowed is a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }")?;
+    let table =
+        reading.table(entry, "expected a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }")?;
     let mut terms = Vec::new();
     let mut first: Option<(Dimension, String)> = None;
     let mut sound = true;
@@ -329,8 +331,9 @@ fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
         let (common, other) = first.get_or_insert_with(|| (measured, entry.key.clone()));
         if *common != measured {
             let text = format!(
-                "its term is {}, but that of `{other}` is {}; allowed are arms that make all terms alike: without a unit, in m for a \
-                 body that turns in an element along a line, in 1/m for a body on a line in an element that turns",
+                "its term is {}, but the term of `{other}` is {}; all terms must be lengths, or all angles: \
+                 use an arm in m for a rotating body in a translating element, in 1/m for a translating body \
+                 in a rotating element, and without a unit otherwise",
                 called(measured),
                 called(*common)
             );
@@ -340,7 +343,7 @@ fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
         terms.push((body, arm));
     }
     if terms.is_empty() && sound {
-        reading.refuse(entry, "names no body; allowed are one body or more");
+        reading.refuse(entry, "names no body; expected one or more bodies");
     }
     let (dimension, _) = first.filter(|_| sound)?;
     Some(Arms { terms, dimension, levers: true })
@@ -374,7 +377,8 @@ fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, 
     let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };
     let arm = number(entry.value, kind, measured);
     if arm.is_none() {
-        reading.refuse(entry, format!("{} or in {}", without(), units().collect::<Vec<_>>().join(", ")));
+        let units = kinds::one_of(&units().collect::<Vec<_>>());
+        reading.refuse(entry, format!("{} or in {units}", without()));
     }
     Some((arm?, measured))
 }

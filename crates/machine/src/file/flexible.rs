@@ -9,8 +9,9 @@ use crate::kernel::sort_by_place;
 use crate::kinds::{self, NumberKind};
 
 /// Message that lists the allowed rows of a node.
-const ROW: &str = "allowed is a row of as many finite numbers as there are coordinates, not all 0, one coordinate's place \
-                   counted from 0, such as 17, or a table of places and factors, such as { \"17\" = 0.5, \"18\" = 0.5 }";
+const ROW: &str = "expected a row of finite numbers, one for each coordinate and not all 0; \
+                   the index of one coordinate, counted from 0, such as 17; \
+                   or a table of indices and factors, such as { \"17\" = 0.5, \"18\" = 0.5 }";
 
 /// Reads the bodies in modal coordinates. The nodes of a body with problems keep their names, so
 /// that elements that refer to them can be read.
@@ -25,11 +26,11 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &mut Names, m
 
 fn modal(reading: &mut Reading, name: &str, table: &FileTable, machine: &mut Description) -> Option<Modal> {
     reading.known(table, &["frequencies", "damping_ratio", "masses", "gravity", "start", "nodes"]);
-    let allowed = "allowed is a list of natural frequencies, such as [\"12 Hz\", \"75 Hz\"]";
+    let allowed = "expected a list of natural frequencies, such as [\"12 Hz\", \"75 Hz\"]";
     let entry = reading.required(table, "frequencies", allowed)?;
     let frequencies = list(reading, &entry, kinds::NATURAL, None, allowed)?;
     if frequencies.is_empty() || frequencies.len() > MOST_COORDINATES {
-        reading.refuse(&entry, format!("allowed are 1 to {MOST_COORDINATES} frequencies"));
+        reading.refuse(&entry, format!("expected 1 to {MOST_COORDINATES} frequencies"));
         return None;
     }
     let count = frequencies.len();
@@ -65,9 +66,9 @@ pub(super) fn start(
 ) -> Option<[Vec<f64>; 2]> {
     let zero = vec![0.0; count];
     let Some(entry) = reading.optional(table, "start") else { return Some([zero.clone(), zero]) };
-    let start = reading.table(&entry, "allowed is a table such as { q = [0.0, 0.1], v = [0.0, 0.0] }")?;
+    let start = reading.table(&entry, "expected a table such as { q = [0.0, 0.1], v = [0.0, 0.0] }")?;
     if at_rest {
-        let text = "the machine starts at rest; allowed is no start of a body beside start = \"rest\"";
+        let text = "cannot be combined with `start = \"rest\"`, the start of the machine: remove one of them";
         reading.refuse_table(&start, text);
         return None;
     }
@@ -86,7 +87,7 @@ pub(super) fn of_modes(
     kind: NumberKind,
     count: usize,
 ) -> Option<Vec<f64>> {
-    let allowed = format!("allowed is a list of {count} numbers, one for each coordinate");
+    let allowed = format!("expected a list of {count} numbers, one for each coordinate");
     list(reading, entry, kind, Some(count), &allowed)
 }
 
@@ -121,7 +122,7 @@ fn nodes(
         names.add(Description::name_of_coordinate(name, i), Some(Dimension::Translation));
     }
     let Some(entry) = reading.optional(table, "nodes") else { return };
-    let Some(table) = reading.table(&entry, "allowed is a table of nodes, such as { tip = [1.9, -2.0] }")
+    let Some(table) = reading.table(&entry, "expected a table of nodes, such as { tip = [1.9, -2.0] }")
     else {
         return;
     };

@@ -13,8 +13,8 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> 
     for key in OTHERS {
         if let Some(other) = reading.optional(table, key) {
             alone = false;
-            let text =
-                "stands beside follows; allowed is coefficient with static_coefficient, or force with static";
+            let text = "cannot be combined with `follows`: use `coefficient` and `static_coefficient` for \
+                        friction at a stop, or `force` and `static` for a given friction force";
             reading.refuse(&other, text);
         }
     }
@@ -31,7 +31,7 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> 
 
 /// Reads the followed stop, which must be compliant.
 fn stop(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> Option<usize> {
-    let allowed = "allowed is the name of a compliant stop";
+    let allowed = "expected the name of a compliant stop";
     let entry = reading.required(table, "follows", allowed)?;
     let name = reading.string(&entry, allowed)?;
     let plain = name.strip_prefix("stop.").unwrap_or(&name);
@@ -40,7 +40,8 @@ fn stop(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> Option<usiz
         return None;
     };
     if matches!(stops[found].law, StopLaw::Rigid { .. }) {
-        let text = "this stop is rigid, and impacts with friction are outside this program; allowed is a compliant stop, with stiffness";
+        let text = "this stop is rigid, and impacts with friction are not supported; \
+                    use a compliant stop, with `stiffness`";
         reading.refuse(&entry, text);
         return None;
     }

@@ -6,8 +6,8 @@ use crate::check::MOST_COORDINATES;
 use crate::table::Table;
 use nalgebra::DMatrix;
 
-const ALLOWED: &str = "allowed is a Matrix Market file such as \"M.mtx\", a file of rows such as \"M.csv\", or a list of rows of \
-                       finite numbers";
+const ALLOWED: &str = "expected a Matrix Market file such as \"M.mtx\", a file of rows such as \"M.csv\", \
+                       or a list of rows of finite numbers";
 
 /// Reads a matrix.
 pub(super) fn read(reading: &mut Reading, entry: &Entry) -> Option<DMatrix<f64>> {
@@ -17,7 +17,7 @@ pub(super) fn read(reading: &mut Reading, entry: &Entry) -> Option<DMatrix<f64>>
     };
     let found = found.and_then(|own| match own.nrows().max(own.ncols()) {
         size if size > MOST_COORDINATES => {
-            Err(format!("has {size} rows or columns; allowed are up to {MOST_COORDINATES}"))
+            Err(format!("has {size} rows or columns; expected at most {MOST_COORDINATES}"))
         }
         _ => Ok(own),
     });
@@ -79,17 +79,17 @@ fn market(text: &str) -> Result<DMatrix<f64>, String> {
     let header = lines.next().map_or("", |first| first.1).to_ascii_lowercase();
     let words: Vec<&str> = header.split_whitespace().collect();
     let ["%%matrixmarket", "matrix", layout, field, symmetry] = words[..] else {
-        return Err("1: allowed is a header such as %%MatrixMarket matrix coordinate real symmetric".into());
+        return Err("1: expected a header such as %%MatrixMarket matrix coordinate real symmetric".into());
     };
     if !["real", "integer"].contains(&field) {
-        return Err(format!("1: {field}: allowed are real and integer entries"));
+        return Err(format!("1: {field}: expected real or integer entries"));
     }
     let across = match symmetry {
         "general" => Across::Given,
         "symmetric" => Across::Equal,
         "skew-symmetric" => Across::Opposite,
         _ => {
-            return Err(format!("1: {symmetry}: allowed are general, symmetric and skew-symmetric matrices"));
+            return Err(format!("1: {symmetry}: expected a general, symmetric or skew-symmetric matrix"));
         }
     };
     let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('%'));
@@ -99,14 +99,14 @@ fn market(text: &str) -> Result<DMatrix<f64>, String> {
     if let Some([rows, columns, ..]) = sizes.as_deref().filter(|_| across != Across::Given)
         && rows != columns
     {
-        return Err(format!("{number}: allowed is a {symmetry} matrix of as many rows as columns"));
+        return Err(format!("{number}: a {symmetry} matrix must be square"));
     }
     match (layout, sizes.as_deref()) {
         ("coordinate", Some(&[rows, columns, count])) => {
             of_entries(lines, DMatrix::zeros(rows, columns), count, across)
         }
         ("array", Some(&[rows, columns])) => of_columns(lines, DMatrix::zeros(rows, columns), across),
-        _ => Err(format!("{number}: allowed are the sizes of a {layout} matrix, up to {MOST_COORDINATES}")),
+        _ => Err(format!("{number}: expected the sizes of a {layout} matrix, at most {MOST_COORDINATES}")),
     }
 }
 
@@ -141,17 +141,20 @@ fn of_entries<'l>(
             entry.filter(|((i, j), _)| across == Across::Given || j <= i && *i < a.ncols())
         else {
             return Err(format!(
-                "{number}: {line}: allowed are row, column, from 1, and a finite number, of symmetric and skew \
-                                matrices on or below the diagonal"
+                "{number}: {line}: expected row, column (both counted from 1) and a finite number; \
+                 entries of a symmetric or skew-symmetric matrix must be on or below the diagonal"
             ));
         };
         if std::mem::replace(&mut seen[i * a.ncols() + j], true) {
-            return Err(format!("{number}: {line}: this entry is there twice"));
+            return Err(format!("{number}: {line}: this entry is given twice"));
         }
         put(&mut a, (i, j), x, across);
         found += 1;
     }
-    if found == count { Ok(a) } else { Err(format!(" it has {found} entries; its sizes say {count}")) }
+    match found == count {
+        true => Ok(a),
+        false => Err(format!(" it has {found} entries; expected {count}, as given with its sizes")),
+    }
 }
 
 fn of_columns<'l>(
@@ -168,7 +171,7 @@ fn of_columns<'l>(
     for j in 0..a.ncols() {
         for i in first(j)..a.nrows() {
             let (number, line) = lines.next().ok_or(" it has too few numbers")?;
-            let x = value(line).ok_or_else(|| format!("{number}: {line}: allowed is a finite number"))?;
+            let x = value(line).ok_or_else(|| format!("{number}: {line}: expected a finite number"))?;
             put(&mut a, (i, j), x, across);
         }
     }

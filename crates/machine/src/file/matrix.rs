@@ -30,7 +30,7 @@ fn given(reading: &mut Reading, table: &FileTable, at_rest: bool) -> Option<Give
     let own = ["mass", "stiffness", "damping", "rayleigh", "damping_ratio", "gyroscopic"];
     reading.known(table, &[&own[..], &["gravity", "start", "nodes"]].concat());
     let mut square = |key: &str, is_required: bool| -> Option<Option<DMatrix<f64>>> {
-        let allowed = "allowed is a matrix: a file such as \"M.mtx\" or \"M.csv\", or a list of rows";
+        let allowed = "expected a matrix: a file such as \"M.mtx\" or \"M.csv\", or a list of rows";
         let entry = match is_required {
             true => Some(reading.required(table, key, allowed)?),
             false => reading.optional(table, key),
@@ -38,8 +38,8 @@ fn given(reading: &mut Reading, table: &FileTable, at_rest: bool) -> Option<Give
         let Some(entry) = entry else { return Some(None) };
         let found = matrices::read(reading, &entry)?;
         if !found.is_square() {
-            let text =
-                format!("has {} rows and {} columns; allowed are as many", found.nrows(), found.ncols());
+            let (rows, columns) = found.shape();
+            let text = format!("has {rows} rows and {columns} columns; must be square");
             reading.refuse(&entry, text);
             return None;
         }
@@ -73,8 +73,9 @@ fn of_damping(
     let entry = match &given[..] {
         [] => return Some(MatrixDamping::None),
         [one] => one,
-        [_, other, ..] => {
-            reading.refuse(other, "allowed is one of damping, rayleigh, damping_ratio");
+        [first, other, ..] => {
+            let text = "use one of `damping`, `rayleigh` and `damping_ratio`";
+            reading.refuse(other, format!("cannot be combined with `{}`: {text}", first.key));
             return None;
         }
     };
@@ -82,7 +83,7 @@ fn of_damping(
         "damping" => matrix?.map(MatrixDamping::Matrix),
         "rayleigh" => {
             let factors =
-                of_modes_of(reading, entry, 2, "allowed are two numbers >= 0, of mass and of stiffness")?;
+                of_modes_of(reading, entry, 2, "expected two numbers >= 0, of mass and of stiffness")?;
             Some(MatrixDamping::Rayleigh([factors[0], factors[1]]))
         }
         _ if entry.value.is_array() => of_modes(reading, entry, kinds::RATIO, n).map(MatrixDamping::Ratios),
@@ -99,7 +100,7 @@ fn of_modes_of(reading: &mut Reading, entry: &Entry, count: usize, allowed: &str
 /// Reads the nodes; also returns whether all are free of problems.
 fn nodes(reading: &mut Reading, table: &FileTable, count: Option<usize>) -> (Vec<GivenNode>, bool) {
     let Some(entry) = reading.optional(table, "nodes") else { return (Vec::new(), true) };
-    let Some(table) = reading.table(&entry, "allowed is a table of nodes, such as { tip = [0, 0, 1.0] }")
+    let Some(table) = reading.table(&entry, "expected a table of nodes, such as { tip = [0, 0, 1.0] }")
     else {
         return (Vec::new(), false);
     };

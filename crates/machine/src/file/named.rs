@@ -15,7 +15,7 @@ const MOST: usize = 1_000;
 
 /// Message that lists the allowed values of a parameter.
 const VALUE: &str =
-    "allowed is a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
+    "expected a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
 
 /// Reads the named parameters; if there are problems, none is kept.
 pub(super) fn read(reading: &mut Reading, root: &FileTable) {
@@ -27,11 +27,11 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable) {
 fn all(reading: &mut Reading, root: &FileTable) -> NamedParameters {
     let none = NamedParameters::default();
     let Some(whole) = reading.optional(root, "parameters") else { return none };
-    let allowed = "allowed is a table such as [parameters] with backlash = \"0.1 mm\"";
+    let allowed = "expected a table such as [parameters] with backlash = \"0.1 mm\"";
     let Some(table) = reading.table(&whole, allowed) else { return none };
     let entries = reading.all(&table);
     if entries.len() > MOST {
-        let text = format!("there are {}; allowed are up to {MOST}", entries.len());
+        let text = format!("there are {}; expected at most {MOST}", entries.len());
         reading.refuse_table(&table, text);
         return none;
     }
@@ -52,7 +52,7 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
     if let Some(text) = problem_of_name(&entry.key) {
         reading.refuse(entry, text);
     } else if SECTIONS.iter().map(|section| section.0).chain(reserved).any(|own| own == entry.key) {
-        reading.refuse(entry, "this name has another meaning; allowed is another name");
+        reading.refuse(entry, "this name is reserved; use another name");
     }
     let (name, number) = (entry.key.clone(), |value| (value, "1", None));
     let text = entry.value.as_str().map(str::trim);
@@ -61,7 +61,7 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
         Some((_, Some(text))) => Expression::parse(text, names.iter().map(String::as_str))
             .map(|expression| (f64::NAN, "1", Some(expression))),
         Some((text, None)) if names.iter().any(|name| name == text) => {
-            Err(format!("is a parameter's name; allowed is \"= {text}\""))
+            Err(format!("is the name of a parameter; write \"= {text}\""))
         }
         Some((text, None)) => {
             reading.note_number(entry, UNITS.iter().map(|unit| unit.symbol), || VALUE.to_owned());
@@ -94,7 +94,9 @@ pub(super) fn put(reading: &mut Reading, machine: &mut Description) {
             Some(name) => machine.named.put(name, expression),
             // If elements are refused, their numbers are missing.
             None if !reading.problems.is_empty() => {}
-            None => reading.refuse_name_of(&entry, "an expression; allowed in a record are numbers"),
+            None => {
+                reading.refuse_name_of(&entry, "an expression in a record is not supported; use a number")
+            }
         }
     }
 }

@@ -8,7 +8,8 @@ use crate::kinds;
 const OTHERS: [&str; 5] = ["stiffness", "preload", "slip", "series_damping", "slider"];
 
 /// Message that lists the allowed points.
-const ALLOWED: &str = "allowed are two or more pairs [e, f] at rising e, such as [[\"-2 mm\", \"-40 N\"], [\"1 mm\", \"10 N\"]]";
+const ALLOWED: &str = "expected two or more pairs [e, f] with increasing e, \
+                       such as [[\"-2 mm\", \"-40 N\"], [\"1 mm\", \"10 N\"]]";
 
 /// Reads `points`; empty if there are none, `None` if they are refused.
 pub(super) fn read(
@@ -21,7 +22,9 @@ pub(super) fn read(
     for key in OTHERS {
         if let Some(other) = reading.optional(table, key) {
             alone = false;
-            reading.refuse(&other, "stands beside points; allowed are points alone, with damping");
+            let text = "cannot be combined with `points`: use `points` (with `damping`) for a curve, \
+                        or `stiffness` for a linear spring";
+            reading.refuse(&other, text);
         }
     }
     let Some(items) = reading.items(&entry).filter(|items| items.len() > 1) else {

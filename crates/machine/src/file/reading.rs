@@ -14,63 +14,24 @@ use toml::de::{DeInteger, DeTable, DeValue};
 use vibro_numerics::quantities::symbols;
 
 /// Largest number of letters of a value that a message quotes.
-const QUOTED: usize = 60;
-
-/// The text as TOML, and its first syntax error.
-pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
-    let (root, errors) = DeTable::parse_recoverable(text);
-    // Further errors are mostly consequences of the first.
-    let problem = errors.first().map(|error| {
-        let span = error.span().unwrap_or(0..0);
-        let line = Lines::of(text).of_byte(span.start);
-        let (value, said) = (quoted(text, &span), error.message());
-        match said.contains("duplicate") {
-            true => Problem {
-                line: Some(line),
-                name: dotted_at(text, span.start),
-                value: None,
-                text: "is there twice".into(),
-            },
-            false => {
-                let text = if value.is_empty() { said.into() } else { format!("{said}: {value}") };
-                Problem { line: Some(line), name: String::new(), value: None, text }
-            }
-        }
-    });
-    (root, problem.into_iter().collect())
-}
-
-/// Returns the dotted name of the header or key at a byte.
-fn dotted_at(text: &str, byte: usize) -> String {
-    let start = text[..byte].rfind('\n').map_or(0, |at| at + 1);
-    let line = text[start..].lines().next().unwrap_or("").trim();
-    let header = |line: &str| Some(line.strip_prefix('[')?.split(']').next()?.trim().to_owned());
-    if let Some(name) = header(line) {
-        return name;
-    }
-    let key = line.split('=').next().unwrap_or("").trim();
-    match text[..start].lines().rev().find_map(|line| header(line.trim())) {
-        Some(table) => format!("{table}.{key}"),
-        None => key.into(),
-    }
-}
+pub(super) const QUOTED: usize = 60;
 
 /// The byte at which each line of a text begins.
-struct Lines(Vec<usize>);
+pub(super) struct Lines(Vec<usize>);
 
 impl Lines {
-    fn of(text: &str) -> Self {
+    pub fn of(text: &str) -> Self {
         Self(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
     }
 
     /// Returns the line of a byte, counted from 1.
-    fn of_byte(&self, byte: usize) -> usize {
+    pub fn of_byte(&self, byte: usize) -> usize {
         self.0.partition_point(|&start| start <= byte)
     }
 }
 
 /// Returns the first line of a span of the text, shortened to [`QUOTED`] letters.
-fn quoted(text: &str, span: &Range<usize>) -> String {
+pub(super) fn quoted(text: &str, span: &Range<usize>) -> String {
     let whole = text.get(span.clone()).unwrap_or("").trim();
     let line = whole.lines().next().unwrap_or("");
     let quoted = cut(line, QUOTED);
@@ -330,7 +291,7 @@ impl<'a> Reading<'a> {
     /// The tables of a section, each with its name.
     pub fn section<'t>(&mut self, root: &FileTable<'t>, section: &str) -> Vec<(String, FileTable<'t>)> {
         let Some(whole) = self.optional(root, section) else { return Vec::new() };
-        let allowed = format!("allowed are tables with names, such as [{section}.NAME]");
+        let allowed = format!("expected tables with names, such as [{section}.NAME]");
         let Some(whole) = self.table(&whole, &allowed) else { return Vec::new() };
         let entries = self.all(&whole);
         let table = |entry: &Entry<'t>| Some((entry.key.clone(), self.table(entry, &allowed)?));
@@ -353,10 +314,7 @@ impl<'a> Reading<'a> {
         let found = words.iter().find(|own| said == Some(own.1)).map(|own| own.0);
         if found.is_none() {
             let quoted: Vec<String> = words.iter().map(|own| format!("{:?}", own.1)).collect();
-            let (last, others) = quoted
-                .split_last()
-                .map_or((String::new(), String::new()), |(last, others)| (last.clone(), others.join(", ")));
-            self.refuse(entry, format!("allowed is {others} or {last}"));
+            self.refuse(entry, format!("expected {}", kinds::one_of(&quoted)));
         }
         found
     }
@@ -411,7 +369,7 @@ impl<'a> Reading<'a> {
         let Some(text) = text.strip_prefix('=') else {
             let is_name = self.named.names().any(|name| name == text);
             return is_name.then(|| {
-                self.refuse(entry, format!("is a parameter's name; write \"= {text}\""));
+                self.refuse(entry, format!("is the name of a parameter; write \"= {text}\""));
                 None
             });
         };

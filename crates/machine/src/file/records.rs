@@ -26,7 +26,7 @@ pub fn records_beside(folder: &Path) -> impl Fn(&str) -> io::Result<String> + us
 /// Reads a regular file; a pipe could block without end.
 fn read_regular(path: &Path) -> io::Result<String> {
     if !std::fs::metadata(path)?.is_file() {
-        return Err(io::Error::other("it is a folder, pipe or device; allowed is a regular file"));
+        return Err(io::Error::other("it is a folder, pipe or device; expected a regular file"));
     }
     read_text(path)
 }
@@ -53,10 +53,9 @@ pub(super) fn read(path: &str, records: Records, values: RecordValues) -> Result
 pub(super) fn stays_inside(path: &str) -> Result<(), String> {
     let plain = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     if path.is_empty() || path.contains(['\\', ':', '\0']) || !Path::new(path).components().all(plain) {
-        return Err(
-            "allowed is a path below the file's folder with / between its parts, such as \"data/record.csv\""
-                .into(),
-        );
+        let text = "expected a path below the file's folder, with / between its parts, \
+                    such as \"data/record.csv\"";
+        return Err(text.into());
     }
     Ok(())
 }
@@ -80,7 +79,9 @@ fn knots(text: &str, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
         let numbers = table.numbers(row, 2)?;
         let (time, value) = (in_unit(units[0], numbers[0]), in_unit(units[1], numbers[1]));
         if knots.last().is_some_and(|last| time <= last.0) {
-            return Err(row.refused("has a time that is not after the one before; expected rising times"));
+            return Err(
+                row.refused("has a time that is not after the previous one; expected increasing times")
+            );
         }
         knots.push((time, value));
         if knots.len() > MOST_KNOTS {

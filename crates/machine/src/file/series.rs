@@ -17,20 +17,22 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimensio
     if !is_given(table) {
         let slider = reading.optional(table, "slider");
         if let Some(slider) = &slider {
-            let text =
-                "is the inner place of a spring in series; allowed is it beside series_damping or slip";
+            let text = "requires `series_damping` or `slip`: it is the inner position of a spring in series";
             reading.refuse(slider, text);
         }
         return slider.is_none().then_some(None);
     }
     let mut is_sound = true;
     if let Some(preload) = reading.optional(table, "preload") {
-        let text = "stands beside series_damping or slip; allowed is slider, the inner place at time 0, which gives the spring a force";
+        let text = "cannot be combined with `series_damping` or `slip`: use `slider`, \
+                    the inner position at time 0, for a force at the start";
         reading.refuse(&preload, text);
         is_sound = false;
     }
     if let (Some(slip), true) = (reading.optional(table, "slip"), table.has("series_damping")) {
-        reading.refuse(&slip, "stands beside series_damping; allowed is one of them");
+        let text = "cannot be combined with `series_damping`: use `slip` for a slider in series, \
+                    or `series_damping` for a dashpot in series";
+        reading.refuse(&slip, text);
         is_sound = false;
     }
     let law = match table.has("slip") {

@@ -54,8 +54,7 @@ pub(super) fn flat(
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
         let parts = ["constant", "amplitude and frequency", "harmonics", "sweep", "steps", "table", "input"];
         let parts: Vec<_> = parts.iter().chain(also).copied().collect();
-        reading
-            .refuse_table(table, format!("has no signal; allowed are one or more of {}", parts.join(", ")));
+        reading.refuse_table(table, format!("requires one or more of {}", parts.join(", ")));
         return None;
     }
     let constant = constant(reading, table, values, also.contains(&"offset"));
@@ -79,7 +78,8 @@ pub(super) fn flat(
 fn constant(reading: &mut Reading, table: &FileTable, values: Values, offset: bool) -> Option<f64> {
     if offset && let Some(entry) = reading.optional(table, "offset") {
         if table.has("constant") {
-            reading.refuse(&entry, "stands beside constant, which is the same; allowed is one of them");
+            let text = "cannot be combined with `constant`, which means the same: use one of them";
+            reading.refuse(&entry, text);
             return None;
         }
         return reading.number(&entry, values.kind, values.dimension);
@@ -96,13 +96,12 @@ fn harmonics(reading: &mut Reading, table: &FileTable, values: Values) -> Option
         };
     };
     if let Some(entry) = short.and_then(|key| reading.optional(table, key)) {
-        reading.refuse(
-            &entry,
-            "stands beside harmonics; allowed is one harmonic by its keys or a list of harmonics",
-        );
+        let text = "cannot be combined with `harmonics`: use `amplitude`, `frequency` and `phase` \
+                    for one harmonic, or `harmonics` for a list of them";
+        reading.refuse(&entry, text);
         return None;
     }
-    let allowed = "allowed is a list such as [{ amplitude = 1.0, frequency = \"10 Hz\", phase = 0.0 }]";
+    let allowed = "expected a list such as [{ amplitude = 1.0, frequency = \"10 Hz\", phase = 0.0 }]";
     let Some(items) = reading.items(&list) else {
         reading.refuse(&list, allowed);
         return None;
@@ -131,7 +130,8 @@ fn harmonic(reading: &mut Reading, table: &FileTable, values: Values) -> Option<
 fn sweeps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec<Sweep>> {
     let Some(entry) = reading.optional(table, "sweep") else { return Some(Vec::new()) };
     let items = if entry.value.is_table() { None } else { reading.items(&entry) };
-    let allowed = "allowed is a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", duration = \"60 s\" }, or a list of them";
+    let allowed = "expected a sweep such as { amplitude = 1.0, from = \"5 Hz\", to = \"15 Hz\", \
+                   duration = \"60 s\" }, or a list of sweeps";
     if items.as_ref().is_some_and(Vec::is_empty) {
         reading.refuse(&entry, format!("is empty; {allowed}"));
         return None;
@@ -181,7 +181,7 @@ fn pairs(reading: &mut Reading, list: &Entry, values: Values, allowed: &str) -> 
 
 fn steps(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Vec<Step>> {
     let Some(list) = reading.optional(table, "steps") else { return Some(Vec::new()) };
-    let allowed = "allowed is a list of [time, height], such as [[0.4, 20.0]]";
+    let allowed = "expected a list of [time, height], such as [[0.4, 20.0]]";
     let pairs = pairs(reading, &list, values, allowed)?;
     if pairs.is_empty() {
         reading.refuse(&list, format!("is empty; {allowed}"));
@@ -198,7 +198,7 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
         for key in ["interpolation", "scale"] {
             if let Some(entry) = reading.optional(table, key) {
                 let what = if key == "scale" { "multiply" } else { "interpolate" };
-                reading.refuse(&entry, format!("there is no table to {what}; allowed beside table"));
+                reading.refuse(&entry, format!("requires `table`, the record to {what}"));
             }
         }
         let is_sound = !table.has("interpolation") && !table.has("scale");
@@ -214,7 +214,7 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
             knots.map_err(|problem| reading.refuse(&found, problem)).ok()
         }
         None => {
-            let allowed = "allowed is a file such as \"record.csv\", or a list of [time, value]";
+            let allowed = "expected a file such as \"record.csv\", or a list of [time, value]";
             pairs(reading, &found, values, allowed)
         }
     };
@@ -238,7 +238,7 @@ fn scale(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Opt
 fn repeat(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Option<f64>> {
     let Some(entry) = reading.optional(table, "repeat") else { return Some(None) };
     if !table.has("steps") && !table.has("table") {
-        reading.refuse(&entry, "there is nothing to repeat; allowed beside steps or table");
+        reading.refuse(&entry, "requires `steps` or `table`, which it repeats");
         return None;
     }
     reading.number(&entry, kinds::PERIOD, values.dimension).map(Some)
@@ -248,7 +248,7 @@ fn input(reading: &mut Reading, table: &FileTable) -> Option<bool> {
     let Some(entry) = reading.optional(table, "input") else { return Some(false) };
     let found = entry.value.as_bool();
     if found.is_none() {
-        reading.refuse(&entry, "allowed is true or false");
+        reading.refuse(&entry, "expected true or false");
     }
     found
 }

@@ -2,7 +2,8 @@
 //! series, states of blocks.
 
 use super::no_records;
-use super::reading::{self, FileTable, Reading};
+use super::reading::{FileTable, Reading};
+use super::syntax;
 use crate::description::{Description, Dimension};
 use crate::kinds;
 use crate::refusal::Refusal;
@@ -37,7 +38,7 @@ impl Start {
 /// Reads the text of a start's file.
 fn start(text: &str, file: &str, d: &Description) -> Result<Start, Refusal> {
     let refusal = |problems| Refusal { file: file.into(), problems };
-    let (root, broken) = reading::toml(text);
+    let (root, broken) = syntax::toml(text);
     if !broken.is_empty() {
         return Err(refusal(broken));
     }
@@ -58,7 +59,7 @@ fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
     sliders(reading, root, d, &mut start);
     blocks(reading, root, d, &mut start);
     let Some(whole) = reading.optional(root, "body") else { return start };
-    const TABLES: &str = "allowed are tables with names, such as [body.NAME]";
+    const TABLES: &str = "expected tables with names, such as [body.NAME]";
     let Some(whole) = reading.table(&whole, TABLES) else { return start };
     for entry in reading.all(&whole) {
         let Some(body) = d.bodies.iter().find(|body| body.name == entry.key) else {
@@ -66,11 +67,11 @@ fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
             reading.refuse_name(&entry, &entry.key, "no body has this name", names);
             continue;
         };
-        let Some(table) = reading.table(&entry, "allowed is a table such as { s = 0.0, v = 0.0 }") else {
+        let Some(table) = reading.table(&entry, "expected a table such as { s = 0.0, v = 0.0 }") else {
             continue;
         };
         if body.kind.is_prescribed() {
-            reading.refuse_table(&table, "its motion is prescribed; allowed are bodies with mass or inertia");
+            reading.refuse_table(&table, "its motion is prescribed; use a body with mass or inertia");
             continue;
         }
         reading.known(&table, &["s", "v"]);
@@ -87,7 +88,7 @@ fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
 /// Reads the inner places of springs in series.
 fn sliders(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut Start) {
     let Some(whole) = reading.optional(root, "spring") else { return };
-    let Some(whole) = reading.table(&whole, "allowed are tables with names, such as [spring.NAME]") else {
+    let Some(whole) = reading.table(&whole, "expected tables with names, such as [spring.NAME]") else {
         return;
     };
     for entry in reading.all(&whole) {
@@ -96,7 +97,7 @@ fn sliders(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut
             reading.refuse_name(&entry, &entry.key, "no spring in series has this name", names);
             continue;
         };
-        let Some(table) = reading.table(&entry, "allowed is a table such as { slider = 0.0 }") else {
+        let Some(table) = reading.table(&entry, "expected a table such as { slider = 0.0 }") else {
             continue;
         };
         reading.known(&table, &["slider"]);
@@ -108,13 +109,13 @@ fn sliders(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut
 /// Reads the states of blocks, by their names: `"pid.x[0]" = 0.1`.
 fn blocks(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut Start) {
     let Some(whole) = reading.optional(root, "block") else { return };
-    let allowed = "allowed is a table such as [block] with \"pid.x[0]\" = 0.0";
+    let allowed = "expected a table such as [block] with \"pid.x[0]\" = 0.0";
     let Some(table) = reading.table(&whole, allowed) else { return };
     let names = d.names_of_blocks();
     for entry in reading.all(&table) {
         if !names.contains(&entry.key) {
             let all = names.iter().map(String::as_str);
-            reading.refuse_name(&entry, &entry.key, "no block keeps a number of this name", all);
+            reading.refuse_name(&entry, &entry.key, "no block stores a number of this name", all);
             continue;
         }
         let value = reading.number(&entry, kinds::BLOCK_START, Dimension::Translation);

@@ -19,7 +19,7 @@ pub(super) fn read(
         return Some((reading.number(&entry, kind, dimension)?, None));
     }
     if series::is_given(table) {
-        reading.refuse(&entry, format!("steps beside series_damping or slip; {allowed}"));
+        reading.refuse(&entry, format!("cannot step in time with `series_damping` or `slip`; {allowed}"));
         return None;
     }
     let values = Values { kind: kinds::STEPPED, alone: kind, dimension };

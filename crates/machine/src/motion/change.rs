@@ -45,7 +45,7 @@ impl Motion {
         let other = system.states() != old.assembly.system.states();
         if system.bodies_of != *bodies || system.stops.len() != old.hybrid.impacts.len() || other {
             let (value, allowed) =
-                (system.coordinates as f64, format!("the {} of this motion", bodies.len()));
+                (system.coordinates as f64, format!("{}, as in this motion", bodies.len()));
             return Err(Error::OutOfRange {
                 name: "coordinates of the changed machine".into(),
                 value,

@@ -59,8 +59,10 @@ impl Motion {
         let fastest = (0..n).max_by(|i, j| rate(*i).total_cmp(&rate(*j)));
         let name = fastest.map_or("", |k| &self.assembly.description.bodies[system.bodies_of[k]].name);
         let cause = format!(
-            "{} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, those of body.{name} by the stiffness and \
-             damping that act on it; softer springs, more damping or a greater mass make them longer, and a further call goes on from here",
+            "{} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, which \
+             stiffness and damping \
+             give body.{name}; softer springs, more damping or a greater mass make sub-steps \
+             longer, and another call continues from here",
             self.most_work, table.length, table.rate
         );
         Error::TooStiff { time: self.time(), cause }
@@ -69,8 +71,10 @@ impl Motion {
     /// Returns the error of a call whose events follow one another too fast for it to end.
     pub(super) fn too_many(&self, sub_steps: u64, began: f64) -> Error {
         let cause = format!(
-            "{sub_steps} sub-steps in one call, which went on from t = {began} s: events end them long before the {:e} s that one could last; a \
-             lower restitution, damping or a heavier body where they happen makes them fewer, and a further call goes on from here",
+            "{sub_steps} sub-steps in one call, which continued from t = {began} s: events end \
+             sub-steps long before the {:e} s that one could last; a \
+             lower restitution, damping or a heavier body makes the events fewer, and another call \
+             continues from here",
             self.table().length
         );
         self.stuck(&cause)

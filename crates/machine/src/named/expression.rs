@@ -39,13 +39,13 @@ impl Expression {
     pub fn parse<'t>(text: &'t str, names: impl Iterator<Item = &'t str> + Clone) -> Result<Self, String> {
         let text = text.trim();
         if text.len() > LONGEST {
-            return Err(format!("allowed is an expression of up to {LONGEST} bytes"));
+            return Err(format!("expected an expression of at most {LONGEST} bytes"));
         }
         let mut parser = Parser { rest: text, names };
         let root = parser.sum()?;
         match parser.rest {
             "" => Ok(Self { text: text.into(), root }),
-            rest => Err(format!("allowed before `{rest}` is an operator: + - * /{}", no_unit(rest))),
+            rest => Err(format!("expected an operator before `{rest}`: + - * /{}", no_unit(rest))),
         }
     }
 
@@ -209,7 +209,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
                     let rest = self.rest;
                     return Err(match rest {
                         "" => "a `)` is missing at its end".into(),
-                        _ => format!("allowed before `{rest}` is `)` or an operator{}", no_unit(rest)),
+                        _ => format!("expected `)` or an operator before `{rest}`{}", no_unit(rest)),
                     });
                 }
                 self.skip(1);
@@ -220,7 +220,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
             _ => {
                 let at =
                     if self.rest.is_empty() { "at its end".into() } else { format!("at `{}`", self.rest) };
-                Err(format!("allowed {at} is a number, `pi`, a parameter, `-` or `(`"))
+                Err(format!("expected a number, `pi`, a parameter, `-` or `(` {at}"))
             }
         }
     }
@@ -237,7 +237,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
             end = if exponent > end + 1 + sign { exponent } else { end };
         }
         let text = &self.rest[..end];
-        let value: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+        let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
         self.skip(end);
         Ok(Term::Number(value))
     }

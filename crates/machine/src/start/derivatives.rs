@@ -24,7 +24,7 @@ impl Start {
         if let Some(own) = name.strip_prefix("start.") {
             let refused = || {
                 let near = advice(own, all.iter().map(String::as_str).chain(["time"]));
-                Refusal::one(Problem::new(name, None, format!("no number of a start has this name; {near}")))
+                Refusal::one(Problem::new(name, None, format!("no start value has this name; {near}")))
             };
             return if own == "time" { Ok(By::Time) } else { place(own).map(By::Start).ok_or_else(refused) };
         }

@@ -28,7 +28,7 @@ const MACHINE: &str = "name = \"A\"\n[body.ball]\nmass = 1.0\n[body.wheel]\niner
 
 #[test]
 fn second_method_names_are_those_of_the_readers_refusal() {
-    // The reader's error for a wrong word in the same place lists "valid are …".
+    // The reader's error for a wrong word in the same place lists "expected one of …".
     for (open, wrong) in [
         (
             "[stop.a]\nbetween = [\"ground\", \"ball\"]\n|",
@@ -42,7 +42,7 @@ fn second_method_names_are_those_of_the_readers_refusal() {
         ("[load.a]\non = \"ball\"\nsweep = { |", "[load.a]\non = \"ball\"\nsweep = { qqqqqqqqqq = 1 }"),
     ] {
         let refused = parse(&format!("{MACHINE}{wrong}\n"), "a.toml", &no_records).unwrap_err().to_string();
-        let told = refused.split("valid are ").nth(1).unwrap_or_else(|| panic!("{wrong}: {refused}"));
+        let told = refused.split("; expected one of ").nth(1).unwrap_or_else(|| panic!("{wrong}: {refused}"));
         let told: BTreeSet<&str> = told.lines().next().unwrap().split(", ").collect();
         let offered = names(&format!("{MACHINE}{open}"));
         let offered: BTreeSet<&str> = offered.iter().map(String::as_str).collect();
@@ -75,7 +75,7 @@ fn kinds_of_tables_keys_words_and_units_are_offered_where_they_may_stand() {
     );
     assert_eq!(
         at(&after(&format!("{stop}gap = |"))).allowed,
-        "allowed is a finite number, in m, cm, mm, um, in"
+        "expected a finite number in m, cm, mm, um or in"
     );
     assert_eq!(
         names(&after("[parameters]\nplay = 1.0\n[stop.b]\nbetween = [\"ground\", \"ball\"]\ngap = \"|")),

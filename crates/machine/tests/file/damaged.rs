@@ -91,7 +91,7 @@ fn invariant_more_elements_than_allowed_are_refused() {
     let springs: String = (0..10_001).map(spring).collect();
     let text = format!("name = \"Many\"\n[body.b]\nmass = 1.0\n{springs}");
     let refusal = parse(&text, "m.toml", &no_records).unwrap_err();
-    assert_eq!(refusal.to_string(), "m.toml: elements: there are 10001; allowed are up to 10000");
+    assert_eq!(refusal.to_string(), "m.toml: elements: there are 10001; expected at most 10000");
 }
 
 /// Thousands of problems are reported at once, in a readable message.

@@ -13,62 +13,62 @@ fn said(line: &str) -> String {
 const SAID: [(&str, &str); 17] = [
     (
         "load.l = { on = \"a\", sweep = { amplitude = 1.0, from = 1.0, to = 2.0, duration = 1e-300 } }",
-        "m.toml:4: load.l.sweep.duration = 1e-300: allowed is a finite number > 0, of a size from 1e-9 s on, in s, ms, us, min, h",
+        "m.toml:4: load.l.sweep.duration = 1e-300: expected a finite number > 0 in s, ms, us, min or h, at least 1e-9 s in size",
     ),
     (
         "load.l = { on = \"a\", sweep = { amplitude = 1.0, from = 1e-300, to = 2.0, duration = 1.0 } }",
-        "m.toml:4: load.l.sweep.from = 1e-300: allowed is a finite number >= 0, of a size from 1e-12 Hz on, in ",
+        "m.toml:4: load.l.sweep.from = 1e-300: expected a finite number >= 0 in Hz, mHz, kHz, MHz, rpm, 1/min or rad/s, at least 1e-12 Hz in size",
     ),
     ("load.l = { on = \"a\", sweep = { amplitude = 1.0, from = 0.0, to = 2.0, duration = 1.0 } }", "read"),
     (
         "load.l = { on = \"a\", steps = [[0.0, 1.0]], repeat = 1e-299 }",
-        "m.toml:4: load.l.repeat = 1e-299: allowed is a finite number > 0, of a size from 1e-9 s on, in ",
+        "m.toml:4: load.l.repeat = 1e-299: expected a finite number > 0 in s, ms, us, min or h, at least 1e-9 s in size",
     ),
     (
         "load.l = { on = \"a\", amplitude = 1.0, frequency = \"1e-320 Hz\" }",
-        "m.toml:4: load.l.frequency = \"1e-320 Hz\": allowed is a finite number > 0, of a size from 1e-12 Hz on, in ",
+        "m.toml:4: load.l.frequency = \"1e-320 Hz\": expected a finite number > 0 in Hz, mHz, kHz, MHz, rpm, 1/min or rad/s, at least 1e-12 Hz in size",
     ),
     (
         "spring.s = { between = [\"ground\", \"a\"], stiffness = 1.0, series_damping = 1e-320 }",
-        "m.toml:4: spring.s.series_damping = 1e-320: allowed is a finite number > 0, of a size from 1e-150 N",
+        "m.toml:4: spring.s.series_damping = 1e-320: expected a finite number > 0 in N.s/m, kN.s/m, N.s/mm, kg/s, N/(m/s), Ns/m, kNs/m or Ns/mm, at least 1e-150 N.s/m in size",
     ),
     (
         "spring.s = { between = [\"ground\", \"a\"], stiffness = 1e-320, series_damping = 1.0 }",
-        "m.toml:4: spring.s.stiffness = 1e-320: allowed is a finite number > 0, of a size from 1e-150 N",
+        "m.toml:4: spring.s.stiffness = 1e-320: expected a finite number > 0 in N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m or lbf/in, at least 1e-150 N/m in size",
     ),
     ("spring.s = { between = [\"ground\", \"a\"], stiffness = 0.0 }", "read"),
     (
         "parameters.small = 1e-200\nload.l = { on = \"a\", amplitude = 1.0, frequency = \"= small\" }",
-        "m.toml:5: load.l.frequency = \"= small\": is 1e-200; allowed is a finite number > 0, of a size from 1e-12 on",
+        "m.toml:5: load.l.frequency = \"= small\": is 1e-200; expected a finite number > 0, at least 1e-12 in size",
     ),
     (
         "load.l = { on = \"a\", table = [[0.0, 1.0], [1e-320, 2.0]] }",
-        "m.toml:4: load.l.table[1] = [1e-320, 2.0]: allowed without \"hold\" is a time 1e-12 s or more after 0.0 s, that of the knot before",
+        "m.toml:4: load.l.table[1] = [1e-320, 2.0]: must be at least 1e-12 s after 0.0 s, the time of the previous knot; only interpolation = \"hold\" allows less",
     ),
     ("load.l = { on = \"a\", table = [[0.0, 1.0], [1e-320, 2.0]], interpolation = \"hold\" }", "read"),
     (
         "load.l = { on = \"a\", steps = [] }",
-        "m.toml:4: load.l.steps = []: is empty; allowed is a list of [time, height], such as [[0.4, 20.0]]",
+        "m.toml:4: load.l.steps = []: is empty; expected a list of [time, height], such as [[0.4, 20.0]]",
     ),
     (
         "load.l = { on = \"a\", sweep = [] }",
-        "m.toml:4: load.l.sweep = []: is empty; allowed is a sweep such as ",
+        "m.toml:4: load.l.sweep = []: is empty; expected a sweep such as ",
     ),
     (
         "load.l = { on = \"a\", harmonics = [] }",
-        "m.toml:4: load.l.harmonics = []: is empty; allowed is a list such as ",
+        "m.toml:4: load.l.harmonics = []: is empty; expected a list such as ",
     ),
     (
         "matrix.tube = { mass = [[1.0]], stiffness = [[1.0]], gravity = [1.0], nodes = { t = 0 } }",
-        "m.toml:4: matrix.tube.gravity: gravity is missing at the top level, such as gravity = \"9.81 m/s2\"",
+        "m.toml:4: matrix.tube.gravity: requires `gravity` at the top level of the file, such as `gravity = \"9.81 m/s2\"`",
     ),
     (
         "modal.beam = { frequencies = [1.0, 2.0], gravity = [1.0, 2.0], nodes = { t = [1.0, 1.0] } }",
-        "m.toml:4: modal.beam.gravity: gravity is missing at the top level, such as gravity = \"9.81 m/s2\"",
+        "m.toml:4: modal.beam.gravity: requires `gravity` at the top level of the file, such as `gravity = \"9.81 m/s2\"`",
     ),
     (
         "parameters = { bad = \"5 foo\", good = 1.0 }\nspring.s = { between = [\"ground\", \"a\"], stiffness = \"= bad\", damping = \"= good\" }",
-        "m.toml:4: parameters.bad = \"5 foo\": allowed is a finite number, with or without a unit, or an expression such as \"= backlash / 2\"",
+        "m.toml:4: parameters.bad = \"5 foo\": expected a finite number, with or without a unit, or an expression such as \"= backlash / 2\"",
     ),
 ];
 

@@ -143,7 +143,7 @@ fn closed_form_start_against_a_prescribed_motion() {
     let refused = parse(&text(-std::f64::consts::FRAC_PI_2), "m.toml", &no_records).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "m.toml:8: stop.wall.gap = 0.5: the start violates it with e = 1.0 m; allowed is e <= gap"
+        "m.toml:8: stop.wall.gap = 0.5: the start violates the stop with e = 1.0 m; expected e <= gap"
     );
 }
 

@@ -139,12 +139,15 @@ fn a_changed_parameter_is_a_file_with_that_value() {
     for (name, said) in [
         (
             "stop.front.gap",
-            "stop.front.gap: follows from `backlash` by the expression `= half`; allowed is `backlash`",
+            "stop.front.gap: follows from `backlash` by the expression `= half`; change `backlash` instead",
         ),
-        ("half", "half: follows from `backlash` by the expression `= backlash / 2`; allowed is `backlash`"),
+        (
+            "half",
+            "half: follows from `backlash` by the expression `= backlash / 2`; change `backlash` instead",
+        ),
         (
             "stop.front.arms.wheel",
-            "stop.front.arms.wheel: follows from `ratio`, `radius` by the expression `= radius * ratio`; allowed is `ratio`, `radius`",
+            "stop.front.arms.wheel: follows from `ratio`, `radius` by the expression `= radius * ratio`; change `ratio`, `radius` instead",
         ),
     ] {
         assert_eq!(machine.clone().replace(name, 1.0).unwrap_err().to_string(), said);
@@ -153,14 +156,14 @@ fn a_changed_parameter_is_a_file_with_that_value() {
     let before = machine.clone();
     for (name, value, said) in [
         ("ratio", 0.0, "ratio = 0.0: then stop.hard.restitution = 1 / ratio: divides by zero"),
-        ("ratio", f64::NAN, "ratio = NaN: allowed is a finite number"),
+        ("ratio", f64::NAN, "ratio = NaN: expected a finite number"),
         (
             "ratio",
             0.5,
-            "ratio = 0.5: then stop.hard.restitution = 1 / ratio = 2.0: allowed is a number from 0 to 1",
+            "ratio = 0.5: then stop.hard.restitution = 1 / ratio = 2.0: expected a number from 0 to 1",
         ),
         ("radius", 1e308, "radius = 1e308: then stop.front.arms.wheel = radius * ratio: is not finite"),
-        ("backlas", 1.0, "backlas: no parameter has this name; the nearest is `backlash`"),
+        ("backlas", 1.0, "backlas: no parameter has this name; did you mean `backlash`?"),
     ] {
         assert_eq!(machine.replace(name, value).unwrap_err().to_string(), said);
     }
@@ -177,25 +180,25 @@ fn refusals_name_the_expression_and_its_line() {
         parse(&text, "m.toml", &no_records).err().map(|refused| refused.to_string()).unwrap_or_default()
     };
     const VALUE: &str =
-        "allowed is a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
+        "expected a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
     for (parameters, gap, said) in [
-        ("a = 1.0", "\"= b\"", "6: stop.s.gap = \"= b\": no parameter is called `b`; the nearest is `a`".to_owned()),
-        ("backlash = 1", "\"= backlsh\"", "6: stop.s.gap = \"= backlsh\": no parameter is called `backlsh`; the nearest is `backlash`".into()),
-        ("a = 1.0", "\"a\"", "6: stop.s.gap = \"a\": is a parameter's name; write \"= a\"".into()),
+        ("a = 1.0", "\"= b\"", "6: stop.s.gap = \"= b\": no parameter is called `b`; did you mean `a`?".to_owned()),
+        ("backlash = 1", "\"= backlsh\"", "6: stop.s.gap = \"= backlsh\": no parameter is called `backlsh`; did you mean `backlash`?".into()),
+        ("a = 1.0", "\"a\"", "6: stop.s.gap = \"a\": is the name of a parameter; write \"= a\"".into()),
         ("a = 0.0", "\"= 1 / a\"", "6: stop.s.gap = \"= 1 / a\": divides by zero".into()),
         ("a = 1e200", "\"= a * a\"", "6: stop.s.gap = \"= a * a\": is not finite".into()),
         ("a = 1.0", "\"= (a\"", "6: stop.s.gap = \"= (a\": a `)` is missing at its end".into()),
-        ("a = 1.0", "\"= 2 mm\"", "6: stop.s.gap = \"= 2 mm\": allowed before `mm` is an operator: + - * /; numbers in an expression are in SI, without a unit".into()),
-        ("a = 1.0", "\"= a *\"", "6: stop.s.gap = \"= a *\": allowed at its end is a number, `pi`, a parameter, `-` or `(`".into()),
-        ("a = \"= b\"\nb = \"= a + 1\"", "1.0", "9: a = \"= b\": follows from itself; allowed is an expression without `a`".into()),
+        ("a = 1.0", "\"= 2 mm\"", "6: stop.s.gap = \"= 2 mm\": expected an operator before `mm`: + - * /; numbers in an expression are in SI, without a unit".into()),
+        ("a = 1.0", "\"= a *\"", "6: stop.s.gap = \"= a *\": expected a number, `pi`, a parameter, `-` or `(` at its end".into()),
+        ("a = \"= b\"\nb = \"= a + 1\"", "1.0", "9: a = \"= b\": depends on itself; use an expression without `a`".into()),
         ("a = \"= 1 / b\"\nb = 0", "1.0", "9: a = \"= 1 / b\": divides by zero".into()),
-        ("a = \"b\"\nb = 0", "1.0", "9: a = \"b\": is a parameter's name; allowed is \"= b\"".into()),
-        ("a = \"2 g\"", "1.0", "9: a = \"2 g\": gram or 9.80665 m/s2? allowed is a mass in kg or an acceleration in m/s2".into()),
+        ("a = \"b\"\nb = 0", "1.0", "9: a = \"b\": is the name of a parameter; write \"= b\"".into()),
+        ("a = \"2 g\"", "1.0", "9: a = \"2 g\": `g` is ambiguous (gram or 9.80665 m/s2): use kg for a mass, or m/s2 for an acceleration".into()),
         ("a = \"2 ells\"", "1.0", format!("9: a = \"2 ells\": {VALUE}")),
         ("a = [1]", "1.0", format!("9: a = [1]: {VALUE}")),
-        ("stop = 1", "1.0", "9: stop = 1: this name has another meaning; allowed is another name".into()),
-        ("time = 1", "1.0", "9: time = 1: this name has another meaning; allowed is another name".into()),
-        ("pi = 1", "1.0", "9: pi = 1: this name has another meaning; allowed is another name".into()),
+        ("stop = 1", "1.0", "9: stop = 1: this name is reserved; use another name".into()),
+        ("time = 1", "1.0", "9: time = 1: this name is reserved; use another name".into()),
+        ("pi = 1", "1.0", "9: pi = 1: this name is reserved; use another name".into()),
     ] {
         let said = format!("m.toml:{said}").replace("9: ", "9: parameters.");
         assert_eq!(with(parameters, gap), said);
@@ -204,7 +207,7 @@ fn refusals_name_the_expression_and_its_line() {
         "name = \"M\"\n[body.b]\nmass = 1.0\n[load.l]\non = \"b\"\ntable = [[0.0, \"= 1\"], [1.0, 2.0]]\n";
     assert_eq!(
         parse(record, "m.toml", &no_records).unwrap_err().to_string(),
-        "m.toml:6: load.l.table[0,1]: an expression; allowed in a record are numbers"
+        "m.toml:6: load.l.table[0,1]: an expression in a record is not supported; use a number"
     );
 }
 
@@ -256,11 +259,11 @@ fn a_parameter_is_blamed_for_what_follows_from_it_alone() {
     assert!(refused(&[("play", 0.01)]).starts_with("play = 0.01: then "), "{}", refused(&[("play", 0.01)]));
     let both = refused(&[("play", 0.2), ("soft", 4.0)]);
     let lines: Vec<_> = both.lines().collect();
-    assert_eq!(lines[0], "soft = 4.0: then stop.s.restitution = soft = 4.0: allowed is a number from 0 to 1");
+    assert_eq!(lines[0], "soft = 4.0: then stop.s.restitution = soft = 4.0: expected a number from 0 to 1");
     assert!(
         lines[1].starts_with("play = 0.2, soft = 4.0: then stop.t.restitution = soft / play * 0.1 = 2.0")
     );
-    assert_eq!(refused(&[("body.b.mass", -1.0)]), "body.b.mass = -1.0: allowed is a finite number > 0");
+    assert_eq!(refused(&[("body.b.mass", -1.0)]), "body.b.mass = -1.0: expected a finite number > 0");
     let other = refused(&[("soft", 0.4), ("body.b.start.s", 0.3)]);
     assert!(!other.contains("soft"), "{other}");
     // Comments are kept, and give the meaning.

@@ -67,24 +67,24 @@ fn golden_names_units_and_values() {
 fn golden_refusals_leave_the_machine_as_it_was() {
     let mut machine = sound();
     for (name, value, message) in [
-        ("stop.uper.gap", 1.0, "stop.uper.gap: no parameter has this name; the nearest is `stop.upper.gap`"),
+        ("stop.uper.gap", 1.0, "stop.uper.gap: no parameter has this name; did you mean `stop.upper.gap`?"),
         (
             "stop.upper.gap",
             0.001,
-            "stop.upper.gap = 0.001: the start violates it with e = 0.002 m; allowed is e <= gap",
+            "stop.upper.gap = 0.001: the start violates the stop with e = 0.002 m; expected e <= gap",
         ),
-        ("stop.upper.gap", f64::NAN, "stop.upper.gap = NaN: allowed is a finite number"),
-        ("body.box.mass", 0.0, "body.box.mass = 0.0: allowed is a finite number > 0"),
+        ("stop.upper.gap", f64::NAN, "stop.upper.gap = NaN: expected a finite number"),
+        ("body.box.mass", 0.0, "body.box.mass = 0.0: expected a finite number > 0"),
         (
             "friction.guide.force",
             0.6,
-            "friction.guide.static = 0.5: allowed is a number >= friction.guide.force = 0.6",
+            "friction.guide.static = 0.5: must be at least friction.guide.force = 0.6",
         ),
-        ("link.gear.arms.drum", 0.0, "link.gear.arms.drum = 0.0: allowed is a finite number other than 0"),
+        ("link.gear.arms.drum", 0.0, "link.gear.arms.drum = 0.0: expected a finite number other than 0"),
         (
             "load.shaker.steps[0].time",
             2.0,
-            "load.shaker.steps[1].time = 0.9: allowed is a time after 2.0 s, that of the step before",
+            "load.shaker.steps[1].time = 0.9: must be after 2.0 s, the time of the previous step",
         ),
     ] {
         assert_eq!(machine.replace(name, value).unwrap_err().to_string(), message);
@@ -105,7 +105,7 @@ fn golden_reading_a_value_of_a_parameter() {
     let gap = sound().parameter("stop.upper.gap").unwrap();
     assert_eq!(gap.read("7 mm"), Ok(0.007));
     let refused = gap.read("7 N").unwrap_err().to_string();
-    assert_eq!(refused, "stop.upper.gap = \"7 N\": allowed is a finite number, in m, cm, mm, um, in");
+    assert_eq!(refused, "stop.upper.gap = \"7 N\": expected a finite number in m, cm, mm, um or in");
 }
 
 proptest! {
@@ -133,23 +133,23 @@ fn golden_refusals_of_a_program_s_description() {
         machine.check().map_err(|refusal| refusal.to_string())
     };
     let cases: [(Change, &str); 8] = [
-        (|m| m.springs[0].arms.terms[0].0 = 9, "spring.mount: there is no body 9, counted from 0"),
+        (|m| m.springs[0].arms.terms[0].0 = 9, "spring.mount: no body has the index 9, counted from 0"),
         (
             |m| m.springs[0].arms.terms[0].1 = 2.0,
-            "spring.mount.arms = [2.0]: allowed without levers are the arms -1 of the first end and 1 of the second",
+            "spring.mount.arms = [2.0]: an element without levers must have the arms -1 (first end) and 1 (second end)",
         ),
         (|m| m.links[0].arms.terms[1].0 = 2, "link.gear.arms.wheel = -3.0: the body is named twice"),
-        (|m| m.links[0].arms.terms.clear(), "link.gear.arms: names no body; allowed are one body or more"),
+        (|m| m.links[0].arms.terms.clear(), "link.gear.arms: names no body; expected one or more bodies"),
         (
             |m| m.stops[0].arms.terms[1].0 = 2,
-            "stop.upper.arms.wheel = 1.0: allowed without levers is a body of the element's dimension",
+            "stop.upper.arms.wheel = 1.0: an element without levers requires a body of its own dimension",
         ),
-        (|m| m.loads[0].body = 7, "load.shaker.on: there is no body 7, counted from 0"),
+        (|m| m.loads[0].body = 7, "load.shaker.on: no body has the index 7, counted from 0"),
         (
             |m| m.loads[0].force.table.as_mut().unwrap().knots[1].1 = f64::NAN,
-            "load.shaker.table[1] = [1.0, NaN]: allowed are finite numbers",
+            "load.shaker.table[1] = [1.0, NaN]: expected finite numbers",
         ),
-        (|m| m.bodies[1].name = "box".into(), "body.box: is there twice"),
+        (|m| m.bodies[1].name = "box".into(), "body.box: is given twice; keep one of them"),
     ];
     assert_eq!(changed(|_| {}), Ok(()));
     for (change, message) in cases {

@@ -184,8 +184,10 @@ fn rest(p: &Parameters, loads: ConstantLoads) -> Result<[f64; 3]> {
     match springs.into_iter().find(|(body, ..)| !told(places[*body])) {
         None => Ok(places),
         Some((_, name, value)) => {
-            let (needed_by, allowed) =
-                ("orbit under a constant load", "a larger value, which holds the load within 1e100 gaps");
+            let (needed_by, allowed) = (
+                "orbit under a constant load",
+                "a larger value, so that the load displaces the body by less than 1e100 gaps",
+            );
             Err(vibro_impact::Error::Undefined { name, value, needed_by, allowed }.into())
         }
     }

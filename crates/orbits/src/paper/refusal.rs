@@ -23,29 +23,34 @@ impl Obstacle {
     pub fn error(self, system: &System, word: &OrbitWord) -> Error {
         let no_orbit = |reason: &str| word.no_orbit(reason);
         match self {
-            Self::Order => no_orbit("the impacts lose their order; another guess of their phases may help"),
+            Self::Order => no_orbit("the order of the impacts changes; try another guess of their phases"),
             Self::NoConvergence => {
-                no_orbit("Newton's method does not converge; a nearer guess of the phases may help")
+                no_orbit("Newton's method does not converge; try a better guess of the phases")
             }
             Self::OtherMachine => no_orbit(
-                "the phases are not those of an orbit of this machine: is it the one in which the point was found, with the same \
-                 parameters and loads?",
+                "the phases do not belong to an orbit of this machine; use the machine of the \
+                 point, with the same parameters and loads",
             ),
             Self::Asymmetric => no_orbit(
-                "a word that closes with - is half of a symmetric orbit, which a machine under constant loads does not have; give the \
-                 whole word, closing with +",
+                "a word that closes with - is half of a symmetric orbit, but a machine under \
+                 constant loads has no symmetric orbits; give the whole word, closing with +",
             ),
             Self::Unbalanced => {
                 no_orbit(if !system.has_free_block() && system.parameters().box_stiffness == 0.0 {
-                    "no spring takes up impulses on the box (box.k = 0), so that the word needs both stops"
+                    "no spring balances impulses on the box (box.k = 0), so the word must contain \
+                     both U and L"
                 } else if !system.has_free_block() {
-                    "no spring takes up impulses on block and secondary oscillator (secondary.k = 0), so that the word needs both stops"
+                    "no spring balances impulses on the block and the secondary oscillator \
+                     (secondary.k = 0), so the word must contain both U and L"
                 } else if system.pull() == 0.0 {
-                    "nothing but its impacts moves a block without a spring (coupling.k = 0), so that it must meet both stops"
+                    "a block without a spring (coupling.k = 0) is moved by impacts only, so the \
+                     word must contain both U and L"
                 } else if system.pull() < 0.0 {
-                    "only the lower stop can hold a block without a spring (coupling.k = 0) against load.block < 0, so that the word needs an L"
+                    "only the lower stop can hold a block without a spring (coupling.k = 0) \
+                     against load.block < 0, so the word must contain an L"
                 } else {
-                    "only the upper stop can hold a block without a spring (coupling.k = 0) against load.block > 0, so that the word needs a U"
+                    "only the upper stop can hold a block without a spring (coupling.k = 0) \
+                     against load.block > 0, so the word must contain a U"
                 })
             }
             Self::Singular => system.singular().into(),

@@ -20,7 +20,8 @@ const SAME: f64 = 1e-6;
 pub fn search(system: &System, word: &OrbitWord, tries: u32) -> Result<Vec<Orbit>> {
     let none = || {
         word.no_orbit(format!(
-            "none was found from {tries} guesses of its phases; another value of a parameter or period may have one"
+            "none was found from {tries} guesses of its phases; try another value of a parameter \
+             or another period"
         ))
     };
     let n = word.len();

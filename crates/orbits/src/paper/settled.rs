@@ -137,8 +137,8 @@ pub(super) fn orbit_within(system: &System, state: &State, limits: Limits) -> Re
 
 /// The error for a motion with rest.
 fn at_rest() -> Error {
-    let reason = "rests at a stop in its course, which orbits by impacts alone do not describe: a weaker drive or a larger \
-                  stop.restitution may avoid rest";
+    let reason = "rests at a stop for a while; orbits with rest are not supported: try a weaker \
+                  drive or a larger stop.restitution";
     Error::NoPeriodicMotion { reason: reason.into() }
 }
 
@@ -153,12 +153,13 @@ fn not_found(system: &System, missed: Option<(u32, Obstacle)>, limits: Limits, m
             return obstacle.error(system, &OrbitWord::of(Vec::new(), 1, 2 * q));
         }
         Some((q, _)) => format!(
-            "returns nearly after {q} drive periods, but no orbit is found there that keeps within the stops: it has not settled, or \
-             grazes a stop; more periods, another start or another value may help"
+            "nearly returns after {q} drive periods, but no orbit within the stops was found \
+             nearby: the motion has not settled, or grazes a stop; try more periods, another start \
+             or another value"
         ),
         None => format!(
-            "does not return {within}: it is chaotic, quasi-periodic or not settled; more periods, another \
-             start or another value may help"
+            "does not return {within}: it is chaotic, quasi-periodic or not settled; try more \
+             periods, another start or another value"
         ),
     };
     Error::NoPeriodicMotion { reason }

@@ -244,7 +244,7 @@ impl System {
     /// the motion without impacts then has a neutral direction.
     pub(super) fn singular(&self) -> vibro_impact::Error {
         let p = &self.parameters;
-        let damped = "a value > 0, since without it an undamped mode is in resonance with the orbit";
+        let damped = "a value > 0, because without damping a mode is in resonance with the orbit";
         // The first contact can replace the return of one softly held body, but not of two.
         let soft: Vec<Anchor> = Anchor::held(p)
             .into_iter()
@@ -252,18 +252,18 @@ impl System {
             .map(|(anchor, _)| anchor)
             .collect();
         let (name, value, allowed) = if soft.len() > 1 && soft.contains(&Anchor::Box) {
-            let held = "a larger value, since a box that no spring holds has no place of its own";
+            let held = "a larger value, because without a spring the box has no equilibrium position";
             ("box.k", p.box_stiffness, held)
         } else if soft.len() > 1 {
-            let held =
-                "a larger value, since a secondary oscillator that no spring holds has no place of its own";
+            let held = "a larger value, because without a spring the secondary oscillator has no \
+                        equilibrium position";
             ("secondary.k", p.secondary_stiffness, held)
         } else if p.box_damping == 0.0 {
             ("box.c", 0.0, damped)
         } else if p.secondary_damping == 0.0 {
             ("secondary.c", 0.0, damped)
         } else {
-            ("drive.frequency", p.drive_frequency, "a value away from the resonance of a hardly damped mode")
+            ("drive.frequency", p.drive_frequency, "a value away from the resonance of a weakly damped mode")
         };
         let needed_by = "impact phases of a periodic orbit as unknowns";
         vibro_impact::Error::Undefined { name, value, needed_by, allowed }

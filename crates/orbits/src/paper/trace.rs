@@ -127,7 +127,8 @@ pub fn branch(
     let system = family.system(&[value])?;
     let orbit = Orbit::find(&system, word, phases)?;
     if !orbit.is_certified() {
-        let reason = "what solves its equations passes a stop between its impacts; another guess of the phases may help";
+        let reason = "the solution of its equations passes through a stop between impacts; try \
+                      another guess of the phases";
         return Err(word.no_orbit(reason));
     }
     if word.is_empty() {

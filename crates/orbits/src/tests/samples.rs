@@ -163,7 +163,7 @@ const SPECIAL: f64 = 1e-9;
 #[test]
 fn refused_a_controller_that_rounds_what_it_reads() {
     let refused = Orbit::settled(&example("servo.toml"), &Start::default(), 1).unwrap_err().to_string();
-    assert!(refused.contains("block.control") && refused.contains("without `quantum`"), "{refused}");
+    assert!(refused.contains("block.control") && refused.contains("remove `quantum`"), "{refused}");
 }
 
 /// A mass on a dashpot, driven along a harmonic by a limited PI controller of its velocity.

@@ -155,7 +155,7 @@ fn a_crossing_that_a_second_parameter_breaks_is_refused() {
     let gap = m.description.parameters().into_iter().find(|p| p.name.ends_with(".gap")).unwrap();
     let second = Family::new(&m, &gap.name, (0.9 * gap.value, 1.1 * gap.value)).unwrap();
     let error = locus(&crossing, &second).unwrap_err().to_string();
-    assert!(error.contains("as where orbits cross for this value alone"), "{error}");
+    assert!(error.contains("because orbits cross at this value only"), "{error}");
 }
 
 #[test]
@@ -170,11 +170,11 @@ fn an_orbit_of_a_family_has_no_derivatives_and_no_branch() {
     let measure: Measure = "amplitude.mass.s".parse().unwrap();
     for own in orbit.gradient(&measure).unwrap() {
         let why = own.derivative.unwrap_err();
-        assert!(why.contains("one of a family"), "{}: {why}", own.parameter);
+        assert!(why.contains("belongs to a family"), "{}: {why}", own.parameter);
     }
     let family = Family::new(&m, "spring.k.stiffness", (5.0, 20.0)).unwrap();
     let error = branch(&family, &orbit, &Default::default()).unwrap_err().to_string();
-    assert!(error.contains("one of a family"), "{error}");
+    assert!(error.contains("belongs to a family"), "{error}");
 }
 
 #[test]

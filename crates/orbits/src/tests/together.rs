@@ -118,7 +118,7 @@ fn closed_form_a_slider_begins_to_slip_and_the_curve_of_it_is_refused() {
     let at = branch.points.iter().find(|point| point.special.as_ref() == Some(&start.special)).unwrap();
     assert!((force(at.value) - 1.0).abs() < ROUNDING, "{} {}", at.value, force(at.value));
     let refused = locus(&start, &Family::new(&m, "spring.j.slip", (0.5, 2.0)).unwrap()).unwrap_err();
-    assert!(refused.to_string().contains("its curve is not followed"), "{refused}");
+    assert!(refused.to_string().contains("following its curve is not supported"), "{refused}");
 }
 
 #[test]

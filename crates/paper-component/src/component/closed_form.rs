@@ -70,7 +70,7 @@ impl Data {
         Err(Error::OutOfRange {
             name: "saved state",
             value: f64::NAN,
-            allowed: "a phase of less than a turn",
+            allowed: "a phase of less than one turn",
         })
     }
 }

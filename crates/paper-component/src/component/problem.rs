@@ -9,7 +9,7 @@ pub type Outcome<T = ()> = Result<T, ComponentProblem>;
 #[non_exhaustive]
 pub enum ComponentProblem {
     /// The variable does not have the requested or given derivative.
-    #[error("{name} has no such derivative: allowed are {allowed}")]
+    #[error("{name} has no such derivative: expected {allowed}")]
     NoDerivative {
         /// The variable.
         name: &'static str,
@@ -20,7 +20,7 @@ pub enum ComponentProblem {
     /// restore, where that step began.
     #[error(
         "currentCommunicationPoint = {given} s, but the last step ended at the impact at t = {own} s: restore the state saved \
-         before the impact, or go on from lastSuccessfulTime"
+         before the impact, or continue from lastSuccessfulTime"
     )]
     Stopped {
         /// The host's time.
@@ -30,7 +30,8 @@ pub enum ComponentProblem {
     },
     /// A number of the motion is not a finite double.
     #[error(
-        "{name} = {value} at t = {time} s: allowed is what a double can hold; parameters, start values, states or loads are too \
+        "{name} = {value} at t = {time} s: expected a finite number; parameters, start values, \
+         states or loads are too \
          large together"
     )]
     Overflow {
@@ -43,7 +44,8 @@ pub enum ComponentProblem {
     },
     /// A derivative that is not a finite double.
     #[error(
-        "derivative of {name} = {value}: allowed is what a double can hold; seed, parameters, start values, states or loads are too \
+        "derivative of {name} = {value}: expected a finite number; seed, parameters, start values, \
+         states or loads are too \
          large together"
     )]
     Derivative {

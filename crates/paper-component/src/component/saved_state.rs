@@ -99,7 +99,7 @@ impl SavedState {
                     && self.phase.has_motion() != Some(false)
             }
         };
-        if fits { Ok(()) } else { Err(refused("its phase does not go with what moves in it")) }
+        if fits { Ok(()) } else { Err(refused("its phase does not match its motion")) }
     }
 
     /// The bytes of the state: header, payload, checksum.
@@ -131,14 +131,14 @@ impl SavedState {
         };
         let mut rest = content;
         if take(&mut rest)? != MAGIC {
-            return Err(refused("the bytes are not of this FMU"));
+            return Err(refused("the bytes are not from this FMU"));
         }
         let version = u32::from_le_bytes(take(&mut rest)?);
         if version != VERSION {
-            return Err(refused(format!("version {version}: allowed is {VERSION}")));
+            return Err(refused(format!("version {version}: expected {VERSION}")));
         }
         if fnv1a(content) != u64::from_le_bytes(*sum) {
-            return Err(refused("the checksum does not fit: truncated or altered"));
+            return Err(refused("the checksum does not match: truncated or altered"));
         }
         if u128::from_le_bytes(take(&mut rest)?) != identity::number() {
             return Err(refused(
@@ -147,7 +147,7 @@ impl SavedState {
         }
         let length = u32::from_le_bytes(take(&mut rest)?);
         if rest.len() != length as usize {
-            return Err(refused(format!("{} bytes of payload: allowed is {length}", rest.len())));
+            return Err(refused(format!("{} bytes of payload: expected {length}", rest.len())));
         }
         Self::from_payload(rest)
     }

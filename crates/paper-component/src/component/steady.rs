@@ -227,7 +227,8 @@ fn approximate(parameters: &Parameters) -> Result<Solution, ComponentProblem> {
     let unit = parameters.box_stiffness * parameters.stop_gap * groups.epsilon;
     Err(ComponentProblem::ClosedForm {
         what: format!(
-            "drive.amplitude = {} N: the steady state by multiple scales exists from {} N on (groups.f10 = {}, from {from} on)",
+            "drive.amplitude = {} N: must be at least {} N for the steady state by multiple scales \
+             (groups.f10 = {}, at least {from})",
             parameters.drive_amplitude,
             from * unit,
             groups.f10
@@ -248,7 +249,7 @@ fn exact(parameters: &Parameters) -> Result<Solution, ComponentProblem> {
     let needed = if b < 0.0 { (1.0 - b * b / (4.0 * a)).max(0.0).sqrt() } else { 1.0 };
     Err(ComponentProblem::ClosedForm {
         what: format!(
-            "drive.amplitude = {} N: the exact two-impact orbit exists from {} N on",
+            "drive.amplitude = {} N: must be at least {} N for the exact two-impact orbit",
             parameters.drive_amplitude,
             needed / response
         ),

@@ -25,7 +25,7 @@ fn loads_in_a_closed_form_are_discarded() {
         let fmu = Fmu::started(flags, &[("mode", 3.0)]);
         fmu.step(0.0, 0.1);
         assert_eq!(fmu.set("box.f", 0.1), DISCARD);
-        assert!(fmu.last().contains("box.f = 0.1: allowed is 0 in a closed-form mode"), "{}", fmu.last());
+        assert!(fmu.last().contains("box.f = 0.1: expected 0 in a closed-form mode"), "{}", fmu.last());
         assert_eq!(fmu.set("box.f", 0.0), OK);
         fmu.step(0.1, 0.1);
     }

@@ -54,7 +54,8 @@ impl BasinMachine for Machine {
             None => Ok((Arc::new(assembly), section)),
             Some(why) => Err(Error::Described {
                 problem: format!(
-                    "{why}: only what repeats has attractors; allowed are changes within what is discarded (--discard)"
+                    "{why}, but attractors exist only while all loads repeat; increase --discard \
+                     until the change lies in the discarded periods"
                 ),
             }),
         }

@@ -106,7 +106,7 @@ fn what_makes_no_machine_or_no_motion_is_a_row_with_its_reason() {
     let reasons: Vec<Option<String>> = (0..5).map(|i| row(&set, &all, i).reason).collect();
     assert_eq!((&reasons[0], &reasons[4]), (&None, &None));
     for (index, word) in
-        [(1, "stop.restitution = 1.2: allowed is 0 <="), (2, "stop.gap = -0.1"), (3, "drive.frequency")]
+        [(1, "stop.restitution = 1.2: expected 0 <="), (2, "stop.gap = -0.1"), (3, "drive.frequency")]
     {
         let found = row(&set, &all, index);
         assert!(found.reason.as_ref().is_some_and(|r| r.contains(word)), "{found:?}");

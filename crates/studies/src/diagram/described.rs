@@ -117,9 +117,10 @@ fn at(machine: &Machine, request: &DiagramRequest<Machine>, value: f64) -> Resul
 /// Message that refuses a chain of values, with the reason.
 fn runs_on_in_words(why: &str) -> String {
     format!(
-        "{why}: time goes on from value to value, so that each would be seen at another time of it; allowed are changes within what is \
-         discarded at the first value (--discard), or --anew (anew=True in Python), with which each value has the same start and nothing is said of \
-         hysteresis"
+        "{why}, and each value continues at the time at which the previous one ended; increase \
+         --discard until the change lies in the discarded periods of the first value, or use \
+         --anew (anew=True in Python): each value then has the same start, and the diagram does \
+         not show hysteresis"
     )
 }
 

@@ -127,7 +127,7 @@ pub(super) fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize
         let plain = element.strip_prefix("stop.").unwrap_or(element);
         d.stops.iter().position(|stop| stop.name == plain).ok_or_else(|| {
             let known: Vec<&str> = d.stops.iter().map(|stop| stop.name.as_str()).collect();
-            let problem = format!("no stop is named `{element}`; allowed are {}", known.join(", "));
+            let problem = format!("no stop is named `{element}`; expected one of {}", known.join(", "));
             Error::Described { problem }
         })
     };

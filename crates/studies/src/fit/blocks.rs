@@ -294,6 +294,7 @@ fn block(model: &Model, mean: &DVector<f64>, count: usize, place: &Place) -> Res
         events,
     };
     let is_finite = own.residuals.iter().chain(own.by.iter()).all(|x| x.is_finite());
-    let grows = || Error::Described { problem: "the motion grows beyond all numbers".into() };
+    let grows =
+        || Error::Described { problem: "the motion grows beyond the range of floating-point numbers".into() };
     is_finite.then_some(own).ok_or_else(grows)
 }

@@ -24,10 +24,10 @@ impl Bounds {
         let refused = |problem: String| Err(Error::Described { problem });
         let free = &request.free;
         if free.is_empty() || free.len() > MOST_FREE {
-            return refused(format!("{} free numbers: allowed are 1 to {MOST_FREE}", free.len()));
+            return refused(format!("{} free parameters: expected 1 to {MOST_FREE}", free.len()));
         }
         if let Some(i) = (1..free.len()).find(|&i| free[..i].iter().any(|own| own.name == free[i].name)) {
-            return refused(format!("{} is free twice; allowed is each number once", free[i].name));
+            return refused(format!("{} is listed twice; list each free parameter once", free[i].name));
         }
         let begin = model.unknowns.begin.clone();
         let (mut low, mut high) = (Vec::new(), Vec::new());
@@ -35,13 +35,13 @@ impl Bounds {
             let (least, most) = own.within.unwrap_or_else(|| model.unknowns.allowed(k));
             if least >= most || least.is_nan() || most.is_nan() {
                 return refused(format!(
-                    "{} within {least} to {most}: allowed is a range with length",
+                    "{} within {least} to {most}: the lower end must be less than the upper end",
                     own.name
                 ));
             }
             if !(least..=most).contains(&begin[k]) {
                 return refused(format!(
-                    "{} begins at {}, outside {least} to {most}; allowed is a range that contains it",
+                    "{}: its initial value {} must lie within its range, {least} to {most}",
                     own.name, begin[k]
                 ));
             }
@@ -58,11 +58,11 @@ impl Bounds {
     pub fn joint(all: &[Self], (places, count): (&[Vec<usize>], usize), rows: usize) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         if count > MOST_FREE {
-            return refused(format!("{count} free numbers of all records: expected at most {MOST_FREE}"));
+            return refused(format!("{count} free parameters of all records: expected at most {MOST_FREE}"));
         }
         if rows < count {
             return refused(format!(
-                "the record has {rows} samples for {count} free numbers; expected at least as many samples"
+                "the record has {rows} samples for {count} free parameters; expected at least {count} samples"
             ));
         }
         // Records that have a joint parameter, each with the parameter's index there.
@@ -79,8 +79,8 @@ impl Bounds {
             let differs = |(k, there): &&(usize, usize)| all[*k].begin[*there] != own.begin[place];
             if let Some((other, there)) = records.iter().find(differs) {
                 return refused(format!(
-                    "{name} begins at {} in record {} and at {} in record {}; expected one value, or a number \
-                     that each record has for itself",
+                    "{name} begins at {} in record {} and at {} in record {}; expected the same \
+                     value in all records, or a parameter that each record has for itself (--own)",
                     own.begin[place],
                     record + 1,
                     all[*other].begin[*there],
@@ -122,7 +122,8 @@ impl Bounds {
         let at = |i: usize| {
             if !self.given[i] {
                 let problem = format!(
-                    "further starts need a range of each free number; allowed is a range of {}: --within, or within= in Python",
+                    "further starts require a range of each free parameter; give a range of {} by \
+                     --within (within= in Python)",
                     self.names[i]
                 );
                 return Err(Error::Described { problem });

@@ -24,7 +24,7 @@ fn refused<T>(problem: String) -> Result<T> {
 fn rising(name: &str, row: &str, times: &[f64]) -> Result<()> {
     match times.windows(2).position(|pair| pair[1] <= pair[0]) {
         Some(at) => refused(format!(
-            "{name}: {row} {} has the time {:?} s after {:?} s; allowed are rising times",
+            "{name}: {row} {} has the time {:?} s after {:?} s; times must increase",
             at + 2,
             times[at + 1],
             times[at]
@@ -37,16 +37,20 @@ fn rising(name: &str, row: &str, times: &[f64]) -> Result<()> {
 fn sizes(name: &str, row: &str, values: &[f64]) -> Result<()> {
     let (least, most) = SIZES;
     if let Some(at) = values.iter().position(|x| !x.is_finite()) {
-        return refused(format!("{name}: {row} {} is {}; allowed are finite numbers", at + 1, values[at]));
+        return refused(format!("{name}: {row} {} is {}; expected a finite number", at + 1, values[at]));
     }
     if let Some(at) = values.iter().position(|x| x.abs() > most) {
         let value = values[at];
-        return refused(format!("{name}: {row} {} is {value:e}; allowed are {most:e} at most, SI", at + 1));
+        return refused(format!(
+            "{name}: {row} {} is {value:e}; expected at most {most:e} in size, SI",
+            at + 1
+        ));
     }
     let largest = values.iter().enumerate().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
     match largest {
         Some((at, value)) if *value != 0.0 && value.abs() < least => refused(format!(
-            "{name}: {row} {} is {value:e}, and none is larger; allowed are columns with a number of {least:e} at least, SI",
+            "{name}: {row} {} is {value:e}, the largest number of the column; expected a number of \
+             at least {least:e} in size, SI",
             at + 1
         )),
         _ => Ok(()),
@@ -67,17 +71,18 @@ fn begin(name: &str, row: &str, times: &[f64], start: &Start, free: &[Free]) -> 
     let is_moved = *last > from && free.iter().any(moves);
     if *first < from - EARLY * duration && !is_moved {
         return refused(format!(
-            "{name}: {row} 1 is {first:?} s, before the motion's start at {from:?} s; allowed are times from there \
-             on, or record.shift among the free numbers"
+            "{name}: {row} 1 is {first:?} s, before the start of the motion at {from:?} s; \
+             expected times after the start, or record.shift as a free parameter"
         ));
     }
     // A single sample or a short series of contacts may come late.
     let is_late = row == ROW && duration > 0.0 && first - from > LATE * duration;
     if is_late || first - from > LATE_SECONDS {
         return refused(format!(
-            "{name}: {row} 1 is {first:?} s: times count from the machine's start at {from:?} s, and the motion is \
-             followed from there; allowed is a record that begins within {LATE} times its own duration and \
-             {LATE_SECONDS:e} s, or a start at a later time"
+            "{name}: {row} 1 is {first:?} s, too long after the start of the motion at {from:?} s: \
+             expected a record that begins within {LATE} times its own duration and within \
+             {LATE_SECONDS:e} s after the start; use a start at a later time, or subtract a \
+             constant from all times of the record"
         ));
     }
     Ok(())
@@ -101,7 +106,7 @@ impl Measured {
         for (name, values) in &self.columns {
             let quantity = name.find(d)?.quantity;
             if found.contains(&quantity) {
-                return refused(format!("{name} has two columns; allowed is one of each quantity"));
+                return refused(format!("{name} has two columns; expected one column of each quantity"));
             }
             found.push(quantity);
             sizes(&name.to_string(), ROW, values)?;
@@ -121,9 +126,7 @@ impl Measured {
         let stops = stops_of(self, d)?;
         for (k, (name, times)) in self.contacts.iter().enumerate() {
             if stops[..k].contains(&stops[k]) {
-                return refused(format!(
-                    "{name} has two lists of contacts; allowed is one name for each stop"
-                ));
+                return refused(format!("{name} has two lists of contacts; expected one list for each stop"));
             }
             sizes(name, CONTACT, times)?;
             rising(name, CONTACT, times)?;
@@ -143,7 +146,7 @@ impl Measured {
 pub(super) fn check(request: &FitRequest) -> Result<()> {
     let FitRequest { machine, start, measured, free, .. } = request;
     if measured.samples() == 0 {
-        return refused("the record has no sample; allowed is one with columns or times of contacts".into());
+        return refused("the record has no samples; expected columns or times of contacts".into());
     }
     measured.check_columns(&machine.description, start, free)?;
     measured.check_contacts(&machine.description, start, free)?;
@@ -157,7 +160,7 @@ pub(super) fn check(request: &FitRequest) -> Result<()> {
     let least = free.len() as f64 * (high - low) / all.count().max(2).saturating_sub(1) as f64;
     if length < least {
         return refused(format!(
-            "segments of {length:?} s: allowed are {} s at least, {} times the mean interval of samples",
+            "segments of {length:?} s: must be at least {} s long, {} times the mean interval of samples",
             crate::significant(least),
             free.len()
         ));
@@ -173,7 +176,7 @@ fn check_sigma(request: &FitRequest) -> Result<()> {
     let given = request.sigma.iter().flatten();
     match names.zip(given).find(|(_, sigma)| **sigma > 0.0 && !(least..=most).contains(*sigma)) {
         Some((name, sigma)) => refused(format!(
-            "sigma of {name} = {sigma:e}: allowed is a standard deviation from {least:e} to {most:e}, SI"
+            "sigma of {name} = {sigma:e}: expected a standard deviation from {least:e} to {most:e}, SI"
         )),
         None => Ok(()),
     }
@@ -191,7 +194,8 @@ fn check_starts(request: &FitRequest) -> Result<()> {
         let own = format!("{body}.{what}");
         if let Some((_, value)) = set.iter().find(|(name, _)| *name == own) {
             return refused(format!(
-                "{} is free, but the given start sets {own} = {value:?}; expected start.{own} as the free number",
+                "{} is free, but the given start sets {own} = {value:?}; use start.{own} as the \
+                 free parameter",
                 free.name
             ));
         }

@@ -157,7 +157,8 @@ pub(super) fn carrying(request: &FitRequest) -> Result<Option<FitRequest>> {
         request.measured.columns.iter().find(|(own, _)| own.what == What::A && !is_filtered(own))
     {
         let problem = format!(
-            "{name} has no filter; expected that of its sensor, as an impact has no finite acceleration: --filter {name}=ORDER,FREQUENCY, such as {name}=2,400Hz"
+            "{name} has no filter; an acceleration requires the filter of its sensor, because it \
+             is not finite at an impact: --filter {name}=ORDER,FREQUENCY, e.g. {name}=2,400Hz"
         );
         return Err(Error::Described { problem });
     }

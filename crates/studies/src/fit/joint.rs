@@ -47,7 +47,7 @@ fn check(requests: &[FitRequest]) -> Result<()> {
         let record = k + 1;
         let same = |what| refused(format!("record {record}: {what} differs from record 1"));
         match () {
-            () if own.free != first.free => return same("the list of free numbers"),
+            () if own.free != first.free => return same("the list of free parameters"),
             () if own.loss != first.loss => return same("the loss"),
             () if own.segments != first.segments => return same("the choice of segments"),
             () if own.starts != first.starts => return same("the number of further starts"),
@@ -251,12 +251,12 @@ impl<'a> Joint<'a> {
             return None;
         }
         if rows <= free {
-            let what = "exactly: no residual is left to tell the noise";
-            return Some(format!("{free} numbers meet {rows} samples {what}"));
+            let what = "exactly: no residual is left to estimate the noise";
+            return Some(format!("{free} parameters fit {rows} samples {what}"));
         }
         if rows < free + FEWEST {
             return Some(format!(
-                "{rows} samples for {free} numbers leave too few residuals to estimate the noise"
+                "{rows} samples for {free} parameters leave too few residuals to estimate the noise"
             ));
         }
         let known = self.estimated();

@@ -55,7 +55,8 @@ fn given(sigma: &[f64], measured: &Measured) -> Result<Vec<f64>> {
     let wanted = measured.columns.len() + usize::from(!measured.contacts.is_empty());
     if sigma.len() != wanted || sigma.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
         let problem = format!(
-            "sigma {sigma:?}: allowed are {wanted} positive numbers, one for each column, then one for times of contacts"
+            "sigma {sigma:?}: expected {wanted} positive numbers, one for each column, then one \
+             for the times of contacts"
         );
         return Err(Error::Described { problem });
     }
@@ -228,7 +229,9 @@ impl<'a> Model<'a> {
     /// Residuals and derivatives at a point.
     pub fn evaluate(&self, point: &Point, reach: &Reach) -> Result<Evaluated> {
         let at = self.evaluated(&self.compared.beside(&self.unknowns, point, reach, true)?, point, reach);
-        let grows = || Error::Described { problem: "the motion grows beyond all numbers".into() };
+        let grows = || Error::Described {
+            problem: "the motion grows beyond the range of floating-point numbers".into(),
+        };
         at.is_finite().then_some(at).ok_or_else(grows)
     }
 

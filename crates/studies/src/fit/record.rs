@@ -11,7 +11,9 @@ fn place(names: &[Heading], name: &str) -> Result<usize> {
     names.iter().position(|own| own.name == name).ok_or_else(|| {
         let known: Vec<&str> = names.iter().map(|own| own.name).collect();
         let known = known.join(", ");
-        wrong(format!("has no column `{name}`, but `{known}`; expected a first line that names the columns"))
+        wrong(format!(
+            "has no column `{name}`, only `{known}`; expected a first line with the names of the columns"
+        ))
     })
 }
 

@@ -40,7 +40,7 @@ impl Model<'_> {
         let unknowns = Unknowns::new(&request, rates, sensors);
         let other = unknowns.and_then(|own| self.compared.beside(&own, point, reach, false));
         let apart = other.map_or(f64::INFINITY, |other| beside.apart(&other, self.deviations()));
-        let why = "a block rounds what it reads, and derivatives do not see the steps of its quantum";
+        let why = "a block rounds its input to a quantum, and derivatives do not include these steps";
         Ok((apart > NEGLIGIBLE * variance.sqrt()).then(|| why.to_owned()))
     }
 }

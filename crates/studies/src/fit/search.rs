@@ -68,7 +68,8 @@ fn fit_carrying(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitte
     let request = &requests[0];
     let count = bounds.begin.len();
     if request.starts > 0 && count > sobol::DIMENSIONS {
-        let problem = format!("--starts with {count} free numbers; expected at most {}", sobol::DIMENSIONS);
+        let problem =
+            format!("--starts with {count} free parameters; expected at most {}", sobol::DIMENSIONS);
         return Err(Error::Described { problem });
     }
     let further = (1..=request.starts).map(|k| bounds.within(k));
@@ -223,10 +224,10 @@ fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Res
     for turn in 0..=BETTER {
         // Restarts from segments that stay apart do not lead to a single motion.
         if !best.is_continuous {
-            doubt = Some("segments do not make one motion".into());
+            doubt = Some("the segments do not join into a single motion".into());
             break;
         }
-        watch.begin(format!("starts beside the best point, {} of at most {}", turn + 1, BETTER + 1));
+        watch.begin(format!("restarts near the best fit, {} of at most {}", turn + 1, BETTER + 1));
         if !go_on() {
             break;
         }
@@ -244,7 +245,7 @@ fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Res
                 break;
             }
             Found::Better(_) if turn == BETTER => {
-                doubt = Some(format!("starts beside it led to better numbers {BETTER} times"));
+                doubt = Some(format!("restarts near the best fit improved it {BETTER} times in a row"));
             }
             Found::Better(next) => {
                 let is_continuous = best.is_continuous;

@@ -68,7 +68,8 @@ impl<'a> Unknowns<'a> {
                     Some(k) => {
                         let name = &columns[k];
                         return refused(format!(
-                            "record.shift beside {name}: allowed are columns s, v of bodies and e of elements"
+                            "record.shift cannot be combined with {name}: use columns s or v of \
+                             bodies, or e of elements"
                         ));
                     }
                 },
@@ -77,7 +78,7 @@ impl<'a> Unknowns<'a> {
                     None => {
                         let known = columns.join(", ");
                         return refused(format!(
-                            "{name}: the record has no such column; allowed are {known}"
+                            "{name}: the record has no such column; expected one of {known}"
                         ));
                     }
                 },

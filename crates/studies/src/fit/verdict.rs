@@ -102,16 +102,17 @@ impl Model<'_> {
             if times > allowed {
                 doubt.get_or_insert(many);
             } else if follow > f64::max(follows, CHANCE / (values.len() as f64).sqrt()) {
-                doubt.get_or_insert(format!(
-                    "residuals of {name} follow each other, with a correlation of {follow:.2}"
-                ));
+                doubt.get_or_insert(format!("successive residuals of {name} are correlated, by {follow:.2}"));
             }
         }
         for (k, (name, times)) in self.measured.contacts.iter().enumerate() {
             let off = self.contacts_off(beside, k);
             if off.len() < times.len() {
                 let lacks = times.len() - off.len();
-                return Verdict::Misses(format!("{lacks} of {} contacts of {name} have none", times.len()));
+                return Verdict::Misses(format!(
+                    "{lacks} of {} contacts of {name} have no contact of the fitted motion",
+                    times.len()
+                ));
             }
             let spread = self.spread(off.iter().copied());
             match self.contacts_off_by(k, spread, times) {
@@ -122,7 +123,7 @@ impl Model<'_> {
             let follow = persistence(off.into_iter());
             if follow > f64::max(follows, CHANCE / (times.len() as f64).sqrt()) {
                 doubt.get_or_insert(format!(
-                    "times of contacts of {name} are off alike, with a correlation of {follow:.2}"
+                    "successive time differences of contacts of {name} are correlated, by {follow:.2}"
                 ));
             }
         }
@@ -149,7 +150,7 @@ impl Model<'_> {
             return if part > APART {
                 Some(Verdict::Misses(why()))
             } else if part > MET * FITS.max(chance) {
-                Some(Verdict::Undecided(why() + "; --sigma contacts=TIME tells whether this is noise"))
+                Some(Verdict::Undecided(why() + "; give the noise by --sigma contacts=TIME for a verdict"))
             } else {
                 None
             };

@@ -108,7 +108,10 @@ impl DiagramMachine for ParameterSet {
     fn check_diagram(&self, request: &Sweep) -> Result<()> {
         if request.at_section {
             let text = "values at the section".into();
-            return Err(Error::Form { text, expected: "local maxima: the paper's machine has no section" });
+            return Err(Error::Form {
+                text,
+                expected: "local maxima: sections of the paper's machine are not supported",
+            });
         }
         let DiagramRequest { axis, discard, keep, .. } = request;
         if discard.checked_add(*keep).is_none() {

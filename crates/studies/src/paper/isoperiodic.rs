@@ -103,7 +103,7 @@ impl PlaneMachine for ParameterSet {
                     None => Ok(()),
                     Some(axis) => Err(Error::Form {
                         text: format!("start orbit, {} on an axis", axis.name.name()),
-                        expected: "a start by coordinates: the exact orbit is one without loads",
+                        expected: "a start by coordinates: the exact orbit is the orbit without loads",
                     }),
                 }
             }

@@ -126,7 +126,7 @@ pub fn convergence_while(
         return Err(Error::Undefined {
             name: "drive.frequency",
             value: 0.0,
-            needed_by: "Lyapunov spectrum, which goes period by period,",
+            needed_by: "Lyapunov spectrum, which is computed period by period,",
             allowed: "drive.frequency > 0",
         }
         .into());

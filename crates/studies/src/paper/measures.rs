@@ -73,7 +73,7 @@ pub fn measure(simulator: &mut Simulator, measures: &[Measure], periods: u32) ->
     let p = *simulator.parameters();
     if p.drive_frequency == 0.0 {
         return Err(
-            undefined("drive.frequency", "measure of a motion, which is one over drive periods,").into()
+            undefined("drive.frequency", "measure of a motion, which is taken over drive periods,").into()
         );
     }
     let parts = windows(simulator, measures, periods.max(1))?;

@@ -26,7 +26,7 @@ use vibro_impact::parameters::{FIELDS, Field, GROUPS, Groups, Parameters, check_
 /// assert_eq!(set.parameters().coupling_stiffness, 0.05 * 0.5 * 0.05);
 ///
 /// let error = set.apply(&["kapa=0.5"]).unwrap_err().to_string();
-/// let problem = "no parameter is named `kapa`; the nearest is `kappa`: restitution coefficient";
+/// let problem = "no parameter is named `kapa`; did you mean `kappa`? `kappa`: restitution coefficient";
 /// assert_eq!(error, format!("{problem}, 0 <= kappa <= 1"));
 /// # Ok::<(), vibro_studies::Error>(())
 /// ```
@@ -175,7 +175,8 @@ impl ParameterSet {
             None => Ok(()),
             Some(load) => Err(Error::Form {
                 text: load.name().into(),
-                expected: "another parameter: closed forms and theories are those of the machine without constant loads",
+                expected: "another parameter: closed forms and theories describe the machine \
+                           without constant loads",
             }),
         }
     }

@@ -54,7 +54,8 @@ fn refuse_loads(simulator: &Simulator) -> Result<()> {
     {
         derivatives[0] -= constant;
         if let Some(&value) = derivatives.iter().find(|d| **d != 0.0) {
-            let allowed = "0 with all its derivatives: maxima, exponents and attractors are those of the machine without loads that change";
+            let allowed = "0, with all its derivatives: maxima, exponents and attractors require \
+                           constant loads";
             return Err(Error::OutOfRange { name, value, allowed });
         }
     }

@@ -12,9 +12,9 @@ use vibro_impact::simulator::State;
 /// Names of the coordinates in the FMU, whose numbers are in SI.
 pub const SI_COORDINATES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "block.v", "secondary.v"];
 
-const EXPECTED: &str = "name=value,… with names of x1 x2 x3 (units of L) v1 v2 v3 (L omega10) box.s block.s secondary.s (m) box.v \
-                        block.v secondary.v (m/s), each also with a unit of length or speed, e.g. x1=0.2,v2=1 or block.s=5mm; \
-                        or orbit";
+const EXPECTED: &str = "name=value,… with names of x1 x2 x3 (units of L) v1 v2 v3 (L omega10) \
+                        box.s block.s secondary.s (m) box.v block.v secondary.v (m/s), each also \
+                        with a unit of length or speed, e.g. x1=0.2,v2=1 or block.s=5mm; or orbit";
 
 /// Rule for the starts of motions. Serialized as text.
 ///
@@ -84,7 +84,10 @@ impl std::str::FromStr for StartRule {
             let found = coordinate(name).ok_or_else(form)?;
             if let Some(first) = named[found.0].replace(name.trim()) {
                 let text = format!("{text}`: `{first} and {}", name.trim());
-                return Err(Error::Form { text, expected: "each coordinate once: these two are one" });
+                return Err(Error::Form {
+                    text,
+                    expected: "each coordinate once: these are two names of one coordinate",
+                });
             }
             start[found.0] = coordinate_value(found, value).ok_or_else(form)?;
         }

@@ -46,7 +46,7 @@ fn closed_form_what_repeats_counts_in_the_common_period_and_a_sweep_has_none() {
     assert!(common_period(&swept).is_none() && !is_steady(&swept));
     let error = Section::of(&swept, &SectionRule::Auto).unwrap_err().to_string();
     assert!(
-        error.contains("load.f is a sweep, with which there is no common period; give a period (--period)"),
+        error.contains("load.f is a sweep, so the loads have no common period; give a period (--period)"),
         "{error}"
     );
 }
@@ -109,7 +109,7 @@ fn a_period_is_a_finite_time_above_zero() {
     let d = text(OSCILLATOR).description;
     for period in [0.0, -1.0, f64::INFINITY, f64::NAN] {
         let error = Section::of(&d, &SectionRule::Period(period)).unwrap_err().to_string();
-        assert!(error.contains("allowed is a finite time above 0"), "{error}");
+        assert!(error.contains("expected a finite time > 0"), "{error}");
     }
 }
 
@@ -162,7 +162,7 @@ fn an_element_without_events_is_waited_for_a_hundred_seconds() {
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();
     let mut followed = motion.clone();
     let error = section.advance(&mut motion, &mut |_| ()).unwrap_err().to_string();
-    assert!(error.contains("events of stop.floor: none within 100 s"), "{error}");
+    assert!(error.contains("events of stop.floor: none within the last 100 s"), "{error}");
     assert!(section.follow(&mut followed, &mut Flows::default(), &mut []).is_err());
     assert_eq!((motion.time(), followed.time()), (100.0, 100.0));
 }

@@ -29,7 +29,10 @@ fn closed_form_a_window_lasts_four_periods_of_the_slowest_own_oscillation() {
     // 10 periods of 10 ms times a hundred are 10 s, but 9 periods are not enough.
     let error = needed(&motion, &section, 9).unwrap_err().to_string();
     assert!(error.contains("9 periods (measured, --periods) last 0.09 s"), "{error}");
-    assert!(error.contains("takes 2.5 s") && error.contains("allowed are 1000 periods or more"), "{error}");
+    assert!(
+        error.contains("natural oscillation, 2.5 s each") && error.contains("use at least 1000 periods"),
+        "{error}"
+    );
     // With events as the section the time is not known in advance.
     assert!((needed(&motion, &Section::Stop(0), 1).unwrap() - 10.0).abs() < ROUNDING);
 }
@@ -100,7 +103,7 @@ fn a_window_is_refused_beyond_a_hundred_times_its_returns() {
     section.advance(&mut motion, &mut |_| ()).unwrap();
     let error = passed.is_enough(&motion, (0, false)).unwrap_err().to_string();
     assert!(error.contains("200 periods (measured, --periods) last 20 s"), "{error}");
-    assert!(error.contains("takes 250000 s") || error.contains("takes 2.5e5 s"), "{error}");
+    assert!(error.contains("oscillation, 250000 s") || error.contains("oscillation, 2.5e5 s"), "{error}");
 }
 
 #[test]

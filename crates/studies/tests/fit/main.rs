@@ -190,27 +190,24 @@ fn records_and_names_that_are_not_allowed_are_refused() {
                 own.free[0].name = "body.mass.start.s".into();
                 own.start.set(&own.machine.description, "mass.s", 1e-3).unwrap();
             },
-            "body.mass.start.s is free, but the given start sets mass.s = 0.001; expected start.mass.s",
+            "body.mass.start.s is free, but the given start sets mass.s = 0.001; use start.mass.s",
         ),
-        (&early, "time: row 1 is -0.1 s, before the motion's start at 0.0 s"),
-        (&late, "time: row 1 is 1700000000.0 s: times count from the machine's start"),
+        (&early, "time: row 1 is -0.1 s, before the start of the motion at 0.0 s"),
+        (&late, "time: row 1 is 1700000000.0 s, too long after the start of the motion"),
         (&twice, "mass.s has two columns"),
-        (&small, "and none is larger; allowed are columns with a number of 1e-60 at least"),
-        (&|own| own.measured.columns[0].1[2] = 1e300, "mass.s: row 3 is 1e300; allowed are 1e60 at most"),
-        (&|own| own.sigma = Some(vec![1e-160]), "sigma of mass.s = 1e-160: allowed is"),
-        (
-            &|own| own.segments = Segments::Length(1e-9),
-            "segments of 1e-9 s: allowed are 0.005102041 s at least",
-        ),
+        (&small, "the largest number of the column; expected a number of at least 1e-60 in size"),
+        (&|own| own.measured.columns[0].1[2] = 1e300, "mass.s: row 3 is 1e300; expected at most 1e60"),
+        (&|own| own.sigma = Some(vec![1e-160]), "sigma of mass.s = 1e-160: expected a"),
+        (&|own| own.segments = Segments::Length(1e-9), "segments of 1e-9 s: must be at least 0.005102041 s"),
         (&|own| own.measured.contacts = vec![("floor".into(), vec![1.0])], "no stop is named `floor`"),
         (&|own| own.measured.times[3] = 0.0, "row 4 has the time 0.0 s"),
         (&|own| own.measured.columns[0].1[2] = f64::NAN, "mass.s: row 3 is NaN"),
         (&|own| own.measured.columns[0].0 = "mas.s".parse().unwrap(), "the machine has no `mas.s`"),
         (&|own| own.free[0].name = "friction.floor.forc".into(), "friction.floor.force"),
-        (&|own| own.free[0].within = Some((2.0, 3.0)), "outside 2 to 3"),
+        (&|own| own.free[0].within = Some((2.0, 3.0)), "must lie within its range, 2 to 3"),
         (&|own| own.measured = Measured::default(), "no sample"),
-        (&|own| own.starts = 3, "a range of friction.floor.force: --within"),
-        (&|own| own.free.clear(), "0 free numbers"),
+        (&|own| own.starts = 3, "a range of friction.floor.force by --within"),
+        (&|own| own.free.clear(), "0 free parameters"),
     ];
     for (change, words) in cases {
         let mut own = request(m.clone(), sound.clone(), &["friction.floor.force"]);

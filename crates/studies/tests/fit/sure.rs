@@ -175,7 +175,11 @@ fn closed_form_as_many_numbers_as_samples_leave_no_noise() {
     let own = request(m, measured, &["spring.mount.stiffness", "body.mass.start.v"]);
     let found = fitted(&own);
     assert_eq!(found.uncertainty.errors, [None, None]);
-    assert!(found.verdict.to_string().contains("no residual is left to tell the noise"), "{}", found.verdict);
+    assert!(
+        found.verdict.to_string().contains("no residual is left to estimate the noise"),
+        "{}",
+        found.verdict
+    );
     let given = fitted(&FitRequest { sigma: Some(vec![1e-6]), ..own });
     assert!(given.uncertainty.errors.iter().all(Option::is_some));
 }

@@ -117,7 +117,7 @@ fn records_that_do_not_go_together_are_refused() {
         fit_records(&own, &|_| true).unwrap_err().to_string()
     };
     let cases: [Refused; 5] = [
-        (&|own| own.free.truncate(1), "record 2: the list of free numbers differs from record 1"),
+        (&|own| own.free.truncate(1), "record 2: the list of free parameters differs from record 1"),
         (&|own| own.loss = Loss::Huber, "record 2: the loss differs from record 1"),
         (&|own| own.starts = 3, "record 2: the number of further starts differs from record 1"),
         (&|own| own.sigma = Some(vec![1e-6]), "record 2: standard deviations must be given for all records"),

@@ -93,7 +93,7 @@ fn invariant_progress_grows_and_ends_at_the_cost_of_the_fit() {
     assert!(all.len() > 5 && all.windows(2).all(grows), "{all:?}");
     assert!(all.iter().all(|now| !now.stage.is_empty()));
     // Omitted attempts count as finished when restarts begin: 15 stages of 36.
-    let beside = all.iter().find(|now| now.stage.starts_with("starts beside")).unwrap();
+    let beside = all.iter().find(|now| now.stage.starts_with("restarts near")).unwrap();
     assert_eq!(beside.part, 15.0 / 36.0);
     // The solver stops at a relative change of 1e-13: the last costs are exact to rounding.
     let best = all.last().unwrap().best.unwrap();
@@ -140,7 +140,9 @@ fn invariant_contacts_that_the_motion_does_not_have_are_no_fit() {
     let found = fitted(&request(ball(20.0), measured, &["stop.floor.restitution"]));
     assert_eq!(
         found.verdict,
-        Verdict::Misses(format!("{count} of {count} contacts of stop.floor have none")),
+        Verdict::Misses(format!(
+            "{count} of {count} contacts of stop.floor have no contact of the fitted motion"
+        )),
         "{}",
         found.verdict
     );
@@ -182,7 +184,7 @@ fn invariant_a_rounded_input_is_undecided_unless_its_steps_are_below_the_noise()
         let measured = record(&m, &[("cart.s", 1e-5)], 1.0, 200, &mut Noise(66));
         let free = ["damper.d.damping", "body.cart.mass"];
         let found = fitted(&request(off(&m, &free, |_| 1.1), measured, &free));
-        let says = found.verdict.to_string().contains("a block rounds what it reads");
+        let says = found.verdict.to_string().contains("a block rounds its input");
         assert_eq!((says, found.verdict == Verdict::Fits), (is_seen, !is_seen), "{}", found.verdict);
         assert!(!matches!(found.verdict, Verdict::Misses(_)), "{}", found.verdict);
     }

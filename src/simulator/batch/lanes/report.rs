@@ -51,14 +51,16 @@ impl Reporter {
         const NAMES: [&str; 3] = ["box.f", "block.f", "secondary.f"];
         for (name, derivatives) in NAMES.iter().zip(simulator.hybrid.loads) {
             if let Some(&value) = derivatives.iter().find(|d| **d != 0.0) {
-                let allowed = "0 with all its derivatives where samples, events or maxima are asked for; loads that do not change are parameters";
+                let allowed = "0 with all its derivatives if samples, events or maxima are \
+                    requested; constant loads are parameters";
                 return Err(Error::OutOfRange { name, value, allowed });
             }
         }
         let sampled = reports.origin < f64::INFINITY;
         let numbers = [simulator.time(), end].map(|time| (time - reports.origin) / reports.step);
         if sampled && !(reports.step > 0.0 && numbers.iter().all(|n| n.abs() < f64::from(u32::MAX))) {
-            let allowed = "a time greater than 0 of which less than 2^32 lie between the first sample and start and end";
+            let allowed =
+                "a time > 0 with fewer than 2^32 steps from the first sample to the start and to the end";
             return Err(Error::OutOfRange { name: "time between samples", value: reports.step, allowed });
         }
         simulator.keeps_energy_accounts = false;

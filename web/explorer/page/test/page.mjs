@@ -147,23 +147,23 @@ const tests = {
   async "a value that is refused is told beside its field, and the machine stays"() {
     const { tab, wrong, close } = await browser.tab();
     await tab.fill("#field-kappa", "2");
-    assert.equal(await tab.textContent("#field-kappa-why"), "kappa = 2: allowed is 0 ≤ kappa ≤ 1");
+    assert.equal(await tab.textContent("#field-kappa-why"), "kappa = 2: expected 0 ≤ kappa ≤ 1");
     assert.equal(await tab.getAttribute("#field-kappa", "aria-invalid"), "true");
     assert.deepEqual((await state(tab)).set, []);
     await tab.fill("#field-kappa", "abc");
-    assert.match(await tab.textContent("#field-kappa-why"), /kappa = `abc` is not a number: allowed is/);
+    assert.match(await tab.textContent("#field-kappa-why"), /kappa = `abc` is not a number: expected/);
     await tab.fill("#field-kappa", "nan");
-    assert.match(await tab.textContent("#field-kappa-why"), /kappa = `nan` is not a number: allowed is/);
+    assert.match(await tab.textContent("#field-kappa-why"), /kappa = `nan` is not a number: expected/);
     await tab.fill("#field-kappa", "0.6");
     assert.ok(await tab.isHidden("#field-kappa-why"));
     assert.deepEqual((await state(tab)).set, [["kappa", 0.6]]);
     assert.deepEqual(wrong, []);
     await close();
     const linked = await browser.tab({}, "#kappa=3");
-    assert.match(await linked.tab.textContent("#status"), /kappa = 3: allowed is/);
+    assert.match(await linked.tab.textContent("#status"), /kappa = 3: expected/);
     await linked.close();
     const unreadable = await browser.tab({}, "#box.m=heavy");
-    assert.match(await unreadable.tab.textContent("#status"), /box.m = `heavy` is not a number: allowed is/);
+    assert.match(await unreadable.tab.textContent("#status"), /box.m = `heavy` is not a number: expected/);
     await unreadable.close();
     const outside = await browser.tab({}, "#start=0:3:0:0:0:0");
     assert.match(await outside.tab.textContent("#status"), /could not be read in full: .*stop/);
@@ -182,7 +182,7 @@ const tests = {
     assert.equal(await value("stop.gap"), 0.04);
     await tab.fill("#field-stop-gap", "0,03m");
     assert.equal(await value("stop.gap"), 0.03);
-    for (const [text, words] of [["5 kg", /stop\.gap: `kg` is no unit of it; allowed are m, cm, mm/], ["", /stop\.gap = `` is not a number: allowed is/], ["mm", /is not a number/], ["1e999", /not a number|allowed is/]]) {
+    for (const [text, words] of [["5 kg", /stop\.gap: `kg` is not a unit of it; expected one of m, cm, mm/], ["", /stop\.gap = `` is not a number: expected/], ["mm", /is not a number/], ["1e999", /not a number|expected/]]) {
       await tab.fill("#field-stop-gap", String(text));
       assert.match(await tab.textContent("#field-stop-gap-why"), /** @type {RegExp} */ (words));
       assert.equal(await value("stop.gap"), 0.03);

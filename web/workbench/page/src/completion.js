@@ -60,7 +60,7 @@ async function open(chosen) {
     return item;
   }));
   element("offersList").hidden = !answer.offers.length;
-  element("offersWords").textContent = answer.allowed || "Tab takes the marked one; Escape closes.";
+  element("offersWords").textContent = answer.allowed || "Tab inserts the marked completion; Escape closes.";
   put();
   element("offered").textContent = answer.offers.length ? `${answer.offers.length} completions: ${answer.offers.slice(0, 5).map((offer) => offer[0]).join(", ")}` : answer.allowed;
   if (answer.offers.length) mark(0); else area().removeAttribute("aria-activedescendant");

@@ -35,7 +35,7 @@ export const isRecord = (text) => {
 
 /** Says why a table is no record, which no line of the machine reads either. @param {string} name @param {string} table */
 export function refuse(name, table) {
-  say(`${name} is not a record to fit to: its first line is “${heading(table).slice(0, 200)}”; expected one that names time and quantities of the machine such as box.s, separated by commas or semicolons.`);
+  say(`${name} is not a record to fit to: its first line is “${heading(table).slice(0, 200)}”; expected names of time and of quantities such as box.s, separated by commas or semicolons.`);
   element("fit").scrollIntoView({ block: "nearest" });
 }
 
@@ -47,7 +47,7 @@ export async function receive(name, table) {
     const { samples, columns, contacts, from, to } = await page.ask("recorded", { table });
     fit.columns = columns;
     const what = columns.length ? columns.join(", ") : `contacts of ${contacts.join(", ")}`;
-    say(`${name}: ${samples} samples of ${what}, from ${Number(from.toPrecision(4))} to ${Number(to.toPrecision(4))} s. Choose the numbers that are fitted.`);
+    say(`${name}: ${samples} samples of ${what}, from ${Number(from.toPrecision(4))} to ${Number(to.toPrecision(4))} s. Choose the numbers to fit.`);
     /** @type {HTMLDetailsElement} */ (element("free")).open = true;
   } catch (error) { fit.table = ""; say(`${name}: ${/** @type {Error} */ (error).message}`); }
   show();
@@ -67,8 +67,8 @@ export function show() {
       const label = document.createElement("label"), box = Object.assign(document.createElement("input"), { type: "checkbox", value: name, checked: before.includes(name) });
       box.addEventListener("change", show);
       label.append(box, name);
-      if (name === "record.shift") label.title = "Time of the motion at the record's time 0";
-      else if (name.startsWith("record.offset.")) label.title = "What the column shows above the quantity";
+      if (name === "record.shift") label.title = "Time of the motion at time 0 of the record";
+      else if (name.startsWith("record.offset.")) label.title = "Difference of the column from the quantity";
       return label;
     }));
   }
@@ -95,10 +95,10 @@ async function begin() {
   Object.assign(fit, { found: null, helper });
   const progress = /** @type {HTMLProgressElement} */ (element("fitProgress"));
   progress.value = 0;
-  say("Begun.");
+  say("Started.");
   show();
   try {
-    const told = (/** @type {{steps: number}} */ { steps }) => { const passed = (performance.now() - begun) / 1000; progress.value = Math.min(1, passed / seconds); say(`${steps} steps in ${passed.toFixed(0)} s; ends by itself, at the latest after about ${seconds} s.`); };
+    const told = (/** @type {{steps: number}} */ { steps }) => { const passed = (performance.now() - begun) / 1000; progress.value = Math.min(1, passed / seconds); say(`${steps} steps in ${passed.toFixed(0)} s; ends after about ${seconds} s at the latest.`); };
     fit.found = await helper.ask("fit", { ...page.machineFile(), table: fit.table, free: names, seconds }, 0, told);
     tell((performance.now() - begun) / 1000);
   } catch (error) { if (fit.helper === helper) say(/** @type {Error} */ (error).message); }
@@ -132,7 +132,7 @@ async function takeOver() {
     const n = numberOf(one.name);
     await page.change(one.name, String(Number((one.value * n.factor).toPrecision(9))));
   }
-  say(own.length === 1 ? "The number stands in the text." : `${own.length} numbers stand in the text.`);
+  say(own.length === 1 ? "The number is now in the text." : `${own.length} numbers are now in the text.`);
 }
 
 /** Record and fitted motion above, their difference below. @param {any} g @param {number} w @param {number} h */

@@ -114,7 +114,7 @@ async function adoptLink() {
   } catch (error) {
     if (isFirst) await adopt(first);
     misled = true;
-    say(`The link is cut or changed (${/** @type {Error} */ (error).message}). ${isFirst ? "This is an example instead." : "The text is the one that was here before."}`, true);
+    say(`The link is incomplete or changed (${/** @type {Error} */ (error).message}). ${isFirst ? "An example is shown instead." : "The previous text is kept."}`, true);
   }
 }
 
@@ -141,7 +141,7 @@ function kept() {
 /** A whole new text. @param {string} content */
 async function adopt(content) {
   if (content.length > LARGEST) {
-    const words = `The text has ${content.length} letters: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.`;
+    const words = `The text has ${content.length} letters; this page takes at most ${LARGEST}. The command line vibro reads files up to 64 MiB.`;
     return editor.showProblems([{ line: null, words }]);
   }
   // Records of the gallery are in the same folder as its files.
@@ -179,13 +179,13 @@ async function read() {
     show();
     look();
     dirty = true;
-    say(start ? "The motion begins on the attractor that was clicked, and time is counted from there; Restart returns to the file's own start." : "");
+    say(start ? "The motion begins on the attractor that was clicked, at time 0; Restart returns to the start of the file." : "");
     workbench.edit = performance.now() - began;
   } catch (error) {
     const { problems, message } = /** @type {Refused} */ (error);
     editor.showProblems(problems ?? [{ line: null, words: message }]);
     alive &&= !/ended|broke off/.test(message);
-    if (run.machine) say("The picture is that of the last text without a problem.", true);
+    if (run.machine) say("The picture shows the last text without a problem.", true);
     else if (!problems) say(message, true);
   }
 }
@@ -277,11 +277,11 @@ function write() {
 }
 
 async function copyLink() {
-  if (records.size) return say(`A link holds no records (${[...records.keys()].join(", ")}): download the machine's file and send both.`);
+  if (records.size) return say(`A link cannot contain records (${[...records.keys()].join(", ")}): download the machine's file and send both.`);
   const hash = await toHash(text());
-  if (!hash) return say(`The file is longer than a link may be (${LONGEST} letters compressed): download it and send the file.`);
+  if (!hash) return say(`The file is too long for a link (at most ${LONGEST} letters compressed): download it and send the file.`);
   const link = `${location.href.split("#")[0]}#${hash}`;
-  try { await navigator.clipboard.writeText(link); say("The link is copied; it holds the whole file."); } catch { say(link); }
+  try { await navigator.clipboard.writeText(link); say("The link is copied; it contains the whole file."); } catch { say(link); }
 }
 
 const note = (/** @type {string} */ id, /** @type {string} */ words) => { element(id).textContent = words; };
@@ -293,7 +293,7 @@ function showRecords() {
 }
 
 function showKit() {
-  for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll(".fmu"))) button.title = kit ? "Packed here, around compiled libraries" : "This page holds no libraries: drop a kit (machine-kit.zip), or open the page that holds them";
+  for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (document.querySelectorAll(".fmu"))) button.title = kit ? "Packed here with compiled libraries" : "This page has no compiled libraries: drop a kit (machine-kit.zip), or open the page with libraries";
 }
 
 /** Files that were dropped or chosen. @param {Iterable<File>} files */
@@ -302,13 +302,13 @@ async function receive(files) {
   /** @type {[string, string][]} */
   const tables = [];
   for (const file of files) {
-    if (file.size > 64 * 2 ** 20) { editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed are ${64 * 2 ** 20}` }]); continue; }
+    if (file.size > 64 * 2 ** 20) { editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: expected at most ${64 * 2 ** 20}` }]); continue; }
     if (/\.zip$/i.test(file.name)) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       try { packer ??= new Helper(); const tuples = await packer.ask("platforms", { kit: bytes }, PATIENCE); kit = bytes; showKit(); note("taken", `A kit with libraries for ${tuples}.`); } catch (error) { note("taken", `${file.name}: ${/** @type {Error} */ (error).message}`); }
-    } else if (!/\.(csv|mtx|toml|txt)$/i.test(file.name)) say(`${file.name}: allowed are machines (.toml, .txt), records (.csv, .mtx) and kits (.zip).`, true);
+    } else if (!/\.(csv|mtx|toml|txt)$/i.test(file.name)) say(`${file.name}: expected a machine (.toml, .txt), a record (.csv, .mtx) or a kit (.zip).`, true);
     else if (/\.(csv|mtx)$/i.test(file.name)) tables.push([file.name, await file.text()]);
-    else if (file.size > LARGEST) editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes: allowed here are ${LARGEST}. The command line vibro reads files up to 64 MiB.` }]);
+    else if (file.size > LARGEST) editor.showProblems([{ line: null, words: `${file.name} has ${file.size} bytes; this page takes at most ${LARGEST}. The command line vibro reads files up to 64 MiB.` }]);
     else main = await file.text();
   }
   // A record that the machine does not use is one to fit to.
@@ -473,7 +473,7 @@ function listen() {
   input("sound").addEventListener("change", () => enable(input("sound").checked));
   input("length").addEventListener("change", () => {
     const wanted = Number(input("length").value.replace(",", "."));
-    if (!(wanted > 0 && Number.isFinite(wanted))) { input("length").value = String(run.length); return say("Run to: allowed is a number of seconds above 0.", true); }
+    if (!(wanted > 0 && Number.isFinite(wanted))) { input("length").value = String(run.length); return say("Run to: expected a number of seconds > 0.", true); }
     length = wanted;
     void changed();
   });

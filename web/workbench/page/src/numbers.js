@@ -49,7 +49,7 @@ function make(all, change, goTo) {
   const rows = all.map((n) => {
     const row = document.createElement("div"), make = (/** @type {string} */ tag, /** @type {object} */ as) => Object.assign(document.createElement(tag), as);
     row.className = "field";
-    const name = make("button", { className: "sym", type: "button", textContent: n.name, title: `${n.meaning}; allowed is ${n.allowed}. To line ${n.line}` });
+    const name = make("button", { className: "sym", type: "button", textContent: n.name, title: `${n.meaning}; ${n.allowed}. Go to line ${n.line}` });
     const field = /** @type {HTMLInputElement} */ (make("input", { type: "text", autocomplete: "off", spellcheck: false, id: `n-${n.name}` }));
     const unit = make("span", { className: "unit", textContent: n.unit });
     const slider = /** @type {HTMLInputElement} */ (make("input", { type: "range" }));

@@ -41,7 +41,7 @@ export async function classify(machine, x, y) {
   Object.assign(plane, { x, y, rows: Array(y.count), at: null });
   const begun = performance.now(), helpers = [new Helper(), new Helper()], all = x.count * y.count;
   Object.assign(study, { helpers, running: true, shown: "plane" });
-  study.told(0, "Begun.");
+  study.told(0, "Started.");
   let next = 0, done = 0;
   const work = async (/** @type {Helper} */ helper) => {
     await helper.ask("plane", { ...machine, across: x.name, upwards: y.name, ranges: [...x.range, ...y.range], counts: [x.count, y.count], discard: DISCARDED });
@@ -108,6 +108,6 @@ export function cellOf([i, j]) {
   if (!x || !y || !cell) return null;
   const [vx, vy] = [valueOn(x, i) * x.factor, valueOn(y, j) * y.factor].map((v) => Number(v.toPrecision(8)));
   const kind = KINDS[kindOf(cell)][0], own = cell[0] ?? "", contacts = cell[1] ?? 0;
-  const words = kind === "undecided" ? "undecided: not settled within what was followed" : kind === "no returns" ? "no machine, its motion cannot go on, or it returns to no event (it may move on without any)" : `${own}, ${Number(contacts.toPrecision(3))} impacts and first touches a return${cell[2] ? ", rests" : ""}`;
+  const words = kind === "undecided" ? "undecided: not settled within the simulated time" : kind === "no returns" ? "no result: the machine is not valid, its motion cannot continue, or no event occurs" : `${own}, ${Number(contacts.toPrecision(3))} impacts and first touches a return${cell[2] ? ", rests" : ""}`;
   return { x: vx, y: vy, words: `${x.name} = ${Number(vx.toPrecision(4))} ${x.unit}, ${y.name} = ${Number(vy.toPrecision(4))} ${y.unit}: ${words}.` };
 }

@@ -46,7 +46,7 @@ export function show() {
 function axis(ids) {
   const n = numberOf(select(ids.parameter).value), [from, to] = [ids.from, ids.to].map((id) => Number(input(id).value));
   if (!n) return null;
-  if (!(from < to)) { say(`from ${input(ids.from).value} to ${input(ids.to).value}: allowed are two numbers, the first less than the second.`); return null; }
+  if (!(from < to)) { say(`from ${input(ids.from).value} to ${input(ids.to).value}: expected two numbers, the first less than the second.`); return null; }
   return { name: n.name, range: /** @type {[number, number]} */ ([from / n.factor, to / n.factor]), factor: n.factor, unit: n.unit };
 }
 
@@ -76,7 +76,7 @@ async function compute(/** @type {typeof diagram | typeof orbits} */ what) {
 async function computePlane() {
   const [x, y] = [axis(FIRST), axis(SECOND)];
   if (!x || !y) return;
-  if (x.name === y.name) return say(`${x.name} over ${y.name}: allowed are two different numbers.`);
+  if (x.name === y.name) return say(`${x.name} over ${y.name}: expected two different numbers.`);
   const count = Number(select("cells").value);
   await during(() => classify(page.machineFile(), { ...x, count }, { ...y, count }));
 }
@@ -107,7 +107,7 @@ async function playFrom(px, py) {
 
 /** Plays a motion of the diagram: its value into the text, its state as the run's begin. @param {import("./study.js").Played} found */
 async function playMotion(found) {
-  if (!numberOf(study.parameter)) return say(`The machine has no ${study.parameter}: the diagram is that of another one.`);
+  if (!numberOf(study.parameter)) return say(`The machine has no ${study.parameter}: the diagram shows another machine.`);
   page.begin(found.start ?? "");
   const value = Number((found.value * study.factor).toPrecision(17));
   await page.change(study.parameter, String(value));
@@ -119,7 +119,7 @@ async function playMotion(found) {
 async function playCell(place) {
   const cell = cellOf(place), { x, y } = plane;
   if (!cell || !x || !y) return;
-  if (!numberOf(x.name) || !numberOf(y.name)) return say(`The machine has no ${x.name} or no ${y.name}: the plane is that of another one.`);
+  if (!numberOf(x.name) || !numberOf(y.name)) return say(`The machine has no ${x.name} or no ${y.name}: the plane shows another machine.`);
   plane.at = place;
   page.begin("");
   await page.change(x.name, String(cell.x));

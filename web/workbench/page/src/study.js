@@ -40,7 +40,7 @@ export async function diagram(machine, asked) {
   Object.assign(study, asked, { found: { rising: [], falling: [] }, branches: [], at: null, running: true, shown: "diagram" });
   const begun = performance.now(), helpers = [new Helper(), new Helper()];
   study.helpers = helpers;
-  study.told(0, "Begun.");
+  study.told(0, "Started.");
   const heard = () => {
     const done = study.found.rising.length + study.found.falling.length, all = 2 * asked.count, passed = (performance.now() - begun) / 1000;
     study.told(done / all, done > 6 ? `${done} of ${all} values, about ${Math.ceil(passed * (all - done) / done)} s left.` : `${done} of ${all} values.`);
@@ -83,7 +83,7 @@ export async function orbits(machine, asked) {
     await helper.ask("orbits", { ...machine, ...asked }, 0, heard).catch((error) => { if (error.message !== "late") throw error; });
     const { branches } = study, stable = branches.filter((b) => b.some((p) => p[2])).length, rest = known - branches.length, unfinished = passed() > seconds;
     study.running = false;
-    if (!branches.length && unfinished) study.told(1, `No branch was found in ${passed().toFixed(1)} s: the motions had not settled by then. A longer time, or the command line vibro, finds more.`);
+    if (!branches.length && unfinished) study.told(1, `No branch was found in ${passed().toFixed(1)} s: the motions had not settled by then. Choose a longer time, or use the command line vibro.`);
     else study.told(1, `${several(branches.length, "branch", "branches")} of periodic orbits, ${stable} stable somewhere, in ${passed().toFixed(1)} s${rest > 0 ? `; ${several(rest, "more beginning was", "more beginnings were")} not followed in that time` : ""}. Full: stable; dashed: unstable. Click one to play its motion.`);
   } catch (error) {
     if (study.helpers[0] === helper) { study.running = false; study.told(NaN, String(/** @type {Error} */ (error).message ?? error)); }

@@ -91,7 +91,7 @@ const tests = {
     await tab.fill("[id='n-stop.steel.restitution']", "7");
     await tab.press("[id='n-stop.steel.restitution']", "Enter");
     await tab.waitForSelector(".field.bad");
-    assert.match(await tab.textContent(".field.bad .why"), /allowed is a number from 0 to 1/);
+    assert.match(await tab.textContent(".field.bad .why"), /expected a number from 0 to 1/);
     // Undo and redo: typed text, numbers, and the example that replaced the text.
     await pick(tab, "gear_backlash.toml");
     await tab.focus("#text");
@@ -127,10 +127,10 @@ const tests = {
     await tab.fill("#text", `${written}\n${noise}`);
     await settled(tab);
     await tab.click("#copy");
-    await tab.waitForFunction("/longer than a link may be/.test(document.querySelector('#status').textContent)");
+    await tab.waitForFunction("/too long for a link/.test(document.querySelector('#status').textContent)");
     await pick(tab, "valve_train.toml");
     await tab.click("#copy");
-    await tab.waitForFunction("/holds no records \\(cam_lift.csv\\)/.test(document.querySelector('#status').textContent)");
+    await tab.waitForFunction("/cannot contain records \\(cam_lift.csv\\)/.test(document.querySelector('#status').textContent)");
     // A link of an earlier version has no checksum and still opens.
     const old = await browser.tab({}, "#m=y0vMTVWwVVDyz0lR4opOyk-p1EuK5cpNLC4GihrqGXBFFxcUZeal62XHciWllpSnpuYBJaKV0ovyS_NSlHQUlJKUYrmKSzLT0vJS4ZoA");
     assert.equal(await text(old.tab), "name = \"Old\"\n[body.b]\nmass = 1.0\n[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 1.0\n");
@@ -143,7 +143,7 @@ const tests = {
     await tab.waitForFunction("location.hash.startsWith('#z=')");
     const hash = await tab.evaluate("location.hash"), before = await text(tab), middle = Math.floor(hash.length / 2);
     const changed = hash.slice(0, middle) + (hash[middle] === "A" ? "B" : "A") + hash.slice(middle + 1);
-    const isTold = () => tab.waitForFunction("/link is cut or changed/.test(document.querySelector('#status').textContent)");
+    const isTold = () => tab.waitForFunction("/link is incomplete or changed/.test(document.querySelector('#status').textContent)");
     for (const damaged of [changed, hash.slice(0, -9), "#z=", "#example=nothing", "#x=1"]) {
       await tab.evaluate("document.querySelector('#status').textContent = ''");
       await tab.evaluate((/** @type {string} */ to) => { location.hash = to; }, damaged);
@@ -171,7 +171,7 @@ const tests = {
     const { tab, wrong, close } = await browser.tab();
     const machine = 'name = "Own"\n[body.a]\nmass = 1.0\n[body.t]\nmotion = { table = "lift.csv" }\n[spring.s]\nbetween = ["t", "a"]\nstiffness = 100.0\n';
     await tab.setInputFiles("#files", [{ name: "own.toml", mimeType: "application/toml", buffer: Buffer.from(machine) }]);
-    await tab.waitForFunction("/lift.csv is here: drop it beside/.test(document.querySelector('#problems').textContent)");
+    await tab.waitForFunction("/lift.csv is missing: drop it on this page/.test(document.querySelector('#problems').textContent)");
     await tab.setInputFiles("#files", [{ name: "lift.csv", mimeType: "text/csv", buffer: Buffer.from("0,0\n0.5,0.01\n1,0\n") }]);
     await tab.waitForFunction("workbench.run.machine.name === 'Own' && document.querySelector('#problems').hidden", null, { timeout: 10_000 }).catch(async (/** @type {Error} */ e) => { throw new Error(`${e.message}: ${await tab.textContent("#problems")}`); });
     await pick(tab, "bouncing_ball.toml");
@@ -194,11 +194,11 @@ const tests = {
     let chain = 'name = "Chain"\n';
     for (let i = 0; i < 6000; i++) chain += `body.b${i} = { mass = 1 }\nspring.s${i} = { between = ["ground", "b${i}"], stiffness = 1 }\n`;
     const cases = /** @type {[string, () => Promise<any>, RegExp][]} */ ([
-      ["100,000 bodies", () => tab.evaluate((/** @type {string} */ t) => { window.made = new File([t], "many.toml"); }, bodies), /longer than 4 s|there are 100000; allowed/],
+      ["100,000 bodies", () => tab.evaluate((/** @type {string} */ t) => { window.made = new File([t], "many.toml"); }, bodies), /longer than 4 s|there are 100000; expected/],
       ["6,000 bodies on springs", () => tab.evaluate((/** @type {string} */ t) => { window.made = new File([t], "chain.toml"); }, chain), /longer than 4 s|broke off/],
       ["deep arrays", () => send("deep.toml", made('name = "Deep"\nx = ', "[", 200_000)), /Line 2|recursion|longer than|broke off/],
       ["deep keys", () => send("keys.toml", made('name = "Deep"\na', ".a", 200_000)), /Line 2|longer than|broke off/],
-      ["64 MiB", () => send("large.toml", made('name = "Large"\n', "# comment\n", 64 * 2 ** 20)), /bytes: allowed/],
+      ["64 MiB", () => send("large.toml", made('name = "Large"\n', "# comment\n", 64 * 2 ** 20)), /bytes: expected/],
       ["bytes", () => send("bytes.toml", made("", "\u0000\uffff", 1000)), /Line 1/],
     ]);
     for (const [name, what, answer] of cases) {
@@ -315,7 +315,7 @@ const tests = {
     await type("]\nga");
     await offers("gap");
     await tab.keyboard.press("Tab");
-    await tab.waitForFunction("/allowed is a finite number, in m, cm/.test(document.querySelector('#offersWords').textContent)");
+    await tab.waitForFunction("/expected a finite number in m, cm/.test(document.querySelector('#offersWords').textContent)");
     await type("4 m");
     await offers("m,mm");
     await tab.click("#offers li:nth-child(2)");
@@ -393,7 +393,7 @@ const tests = {
     assert.ok(await tab.isHidden("#halt"));
     await tab.selectOption("#second", await tab.inputValue("#parameter"));
     await tab.click("#classes");
-    assert.match(await tab.textContent("#studyWords"), /allowed are two different numbers/);
+    assert.match(await tab.textContent("#studyWords"), /expected two different numbers/);
     assert.deepEqual(wrong, []);
     await close();
   },
@@ -410,7 +410,7 @@ const tests = {
     await tab.setInputFiles("#files", [{ name: "european.csv", mimeType: "text/csv", buffer: Buffer.from("time;slide.s\n0,1;0,5\n") }]);
     await tab.waitForFunction("/european.csv: .*line 2.*0,1.* has a decimal comma; expected a decimal point/.test(document.querySelector('#fitWords').textContent)");
     await tab.setInputFiles("#files", [{ name: "picture.png", mimeType: "image/png", buffer: Buffer.from("\x89PNG") }]);
-    await tab.waitForFunction("/picture.png: allowed are machines/.test(document.querySelector('#status').textContent)");
+    await tab.waitForFunction("/picture.png: expected a machine/.test(document.querySelector('#status').textContent)");
     assert.equal(await text(tab), machine);
     await tab.setInputFiles("#files", [{ name: "record.csv", mimeType: "text/csv", buffer: Buffer.from(record) }]);
     await tab.waitForFunction("/record.csv: 41 samples/.test(document.querySelector('#fitWords').textContent)");
@@ -425,7 +425,7 @@ const tests = {
     assert.equal(columns[0].motion.length, 41);
     assert.match(await tab.textContent("#fitTable"), /spring\.mount\.stiffness.*kN\/m8/);
     await tab.click("#fitTake");
-    await tab.waitForFunction("/2 numbers stand in the text/.test(document.querySelector('#fitWords').textContent)");
+    await tab.waitForFunction("/2 numbers are now in the text/.test(document.querySelector('#fitWords').textContent)");
     await settled(tab);
     const own = await tab.evaluate("Object.fromEntries(workbench.run.machine.numbers.map((n) => [n.name, n.exact]))");
     for (const { name, value } of values) assert.ok(Math.abs(own[name] / value - 1) < 1e-8, name);

@@ -36,7 +36,7 @@ use vibro_studies::paper::start::StartRule;
 
 const ABOUT: &str = "\
 Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-A machine is described by a FILE, which `new` writes to start from. `paper` has the commands for the machine of one paper, which has closed forms.";
+A machine is described by a FILE; `new` writes one as a starting point. `paper` has the commands for the machine of one paper, which has closed forms.";
 
 const PARAMETERS: &str = "\
 EXAMPLES
@@ -134,7 +134,7 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
         let taken: Vec<String> = taken.map(option).collect();
         let taken = if taken.is_empty() { "none".into() } else { taken.join(", ") };
         let problem =
-            format!("`vibro {words}` has no use for it; of the options of all commands it takes {taken}");
+            format!("`vibro {words}` does not use it; of the options of all commands it takes {taken}");
         return Err(Error::Refused { what: option(given), problem });
     }
     if !has_file(command) {
@@ -149,7 +149,7 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
     let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
-    let problem = format!("is {whose}; of such options allowed here: {}", names.join(", "));
+    let problem = format!("is {whose}; expected one of {}", names.join(", "));
     Err(Error::Refused { what: option(given), problem })
 }
 
@@ -177,116 +177,119 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Says what the machine of a FILE consists of: bodies, elements, degrees of freedom, modes at
-    /// the start, equilibrium, natural frequencies
+    /// Summarise a machine file: bodies, elements, degrees of freedom, state at the start,
+    /// equilibrium, natural frequencies
     Check {
-        /// The machine's file (TOML); docs/machine-file.md says what may stand in it
+        /// Machine file (TOML), described in docs/machine-file.md
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
-    /// Draws the machine of a FILE as an engineer sketches it: bodies in a row, springs, dashpots,
-    /// stops, friction, loads, as SVG and PNG
+    /// Draw a sketch of a machine file as SVG and PNG: bodies in a row, springs, dashpots, stops,
+    /// friction, loads
     Draw {
-        /// The machine's file (TOML); docs/machine-file.md says what may stand in it
+        /// Machine file (TOML), described in docs/machine-file.md
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
-    /// Writes the file of one of the gallery's machines, with its comments, to start from; without
-    /// a name lists them
+    /// Write the file of a gallery machine, with comments, as a starting point; without a name,
+    /// list all gallery machines
     New(New),
-    /// Packs the machine of a FILE as an FMU, for Co-Simulation and Model Exchange, around the
-    /// compiled library that is at hand
+    /// Write an FMU of a machine file for Co-Simulation and Model Exchange, using the prebuilt
+    /// library
     ///
-    /// The library, `machine-kit.zip`, is sought beside the program and above it, in the folder
-    /// that the environment variable VIBRO_IMPACT_ARCHIVES names, or by --kit. In the repository
-    /// `cargo run --bin fmu-build` makes it.
+    /// The library, `machine-kit.zip`, is given by --kit, or is found in the folder that the
+    /// environment variable VIBRO_IMPACT_ARCHIVES names, next to the program, or one folder above
+    /// it. In the repository, `cargo run --bin fmu-build` builds it.
     Fmu(Fmu),
-    /// A motion, exactly from event to event: tables of states, events and contacts, a picture, an
-    /// account of powers
+    /// Simulate a motion exactly from event to event: tables of states, events and contacts, a
+    /// picture, an account of energies
     Run(RunArguments),
-    /// Amplitudes, forces, impacts, losses and more of many designs: a grid, a list or a Sobol
-    /// sequence
+    /// Measure many designs: amplitudes, forces, impacts, losses and more, over a grid, a list or a
+    /// Sobol sequence
     ///
     /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in
-    /// several motions: over a band such as that of the drive's frequency (--over), and from
-    /// several starts. The row then has the least, mean and largest values. A design that cannot
-    /// be simulated has a row with the reason.
+    /// several motions: over a band of drive frequencies, for example (--over), and from several
+    /// starts. The row then has the smallest, mean and largest values. A design that cannot be
+    /// simulated has a row with the reason.
     Sweep(Box<Sweep>),
-    /// The design of the machine of a FILE with the best output: least or largest, over a band,
+    /// Find the design of a machine file with the best output: smallest or largest, over a band,
     /// with limits and tolerances
     ///
-    /// The search is global (the Sobol sequence, then differential evolution) and local (by exact
-    /// derivatives of periodic orbits). It reports the best numbers with the error of the output,
-    /// whether other designs are told apart from them, and other motions of the best design.
+    /// The search is global (Sobol sequence, then differential evolution) and local (exact
+    /// derivatives of periodic orbits). It reports the best parameters, the error of the output,
+    /// whether other designs can be distinguished from the best one, and other motions of the best
+    /// design.
     Design(DesignArguments),
-    /// Numbers of the machine of a FILE fitted to a record, with their errors, what the record
-    /// does not determine, the residuals and the fitted file
+    /// Fit parameters of a machine file to a record: values with errors, undetermined parameters,
+    /// residuals, the fitted machine file
     ///
     /// Nonlinear least squares with exact derivatives through impacts and friction. The fit begins
-    /// with the time over which the motion keeps near the record, and goes on to longer ones.
+    /// with the time over which the motion stays near the record, and continues with longer times.
     Fit(FitArguments),
-    /// Bifurcation diagram: local maxima of a coordinate or quantity over a parameter, both
+    /// Draw a bifurcation diagram: local maxima of a coordinate or quantity over a parameter, both
     /// directions, with periods and classes (figure 14)
     ///
-    /// Each value starts from the last state of the value before. This chain cannot be divided, so
-    /// every shard repeats it, which is about a fifth of the work. Only what is computed at each
-    /// value is divided, so that more than about four shards hardly help. `lyapunov` and the
-    /// planes gain from more.
+    /// Each value starts from the last state of the previous value. This chain cannot be divided,
+    /// so every shard repeats it, which is about a fifth of the work. Only the computation at each
+    /// value is divided, so more than about four shards hardly help. `lyapunov` and planes gain
+    /// from more shards.
     ///
-    /// The motion of a FILE is looked at after each common period of what drives the machine;
-    /// --period and --section say otherwise.
+    /// The motion of a FILE is sampled once per common period of its drives; --period and --section
+    /// change this.
     Bifurcation(Bifurcation),
-    /// Bifurcation diagram with Lyapunov exponents (figure 14, table 2): all of them, or with FILE
-    /// the largest (--spectrum: all), and without --vary of the machine as it is
+    /// Draw a bifurcation diagram with Lyapunov exponents (figure 14, table 2): all exponents, or
+    /// with FILE the largest (--spectrum: all); without --vary only those of the machine as it is
     ///
     /// With FILE one variation is carried exactly through flights and events (saltation matrices).
     Lyapunov(Lyapunov),
-    /// All steady-state values of one parameter set, by three theories (figure 8)
+    /// Compute all steady-state values of one parameter set, by three theories (figure 8)
     Steady,
-    /// Response curves, stable and unstable parts, with their folds and ends: of a FILE over any
-    /// of its numbers; of the paper's machine by theory (figures 10, 11)
+    /// Draw response curves with stable and unstable parts, folds and ends: of a FILE over any
+    /// parameter; of the paper's machine by theory (figures 10, 11)
     ///
-    /// With FILE motions are followed until they settle, rising and falling over the range, and
-    /// each orbit on which one settles is followed over the whole range, stable or not.
+    /// With FILE motions are simulated until they settle, with the parameter rising and falling.
+    /// Each orbit on which a motion settles is followed over the whole range, stable or not.
     Response(Response),
-    /// The slow invariant manifold and its fixed points (figures 2, 7, 9)
+    /// Draw the slow invariant manifold and its fixed points (figures 2, 7, 9)
     Manifold(Manifold),
-    /// Limits of stability of the periodic motion (figures 5, 6)
+    /// Draw the stability limits of the periodic motion (figures 5, 6)
     Stability(Stability),
-    /// Where a stable motion exists, over two parameters, by theory (figure 12)
+    /// Draw the regions of two parameters in which a stable motion exists, by theory (figure 12)
     Plane(Plane),
-    /// Theory against simulation: histories, maxima, errors over the mass ratio (figures 8, 16 to
-    /// 19)
+    /// Compare theory with simulation: histories, maxima, errors over the mass ratio (figures 8, 16
+    /// to 19)
     Compare(Compare),
-    /// Basins of attraction over two initial values: of a FILE over any two numbers of its starts
+    /// Draw basins of attraction over two initial values
     ///
-    /// With FILE attractors are told apart by class, period and states at the section, and named
-    /// by the events of their orbits. Motions without a period count as one attractor of their
-    /// class.
+    /// With FILE attractors are distinguished by class, period and states at the section, and named
+    /// by the events of their orbits. All motions of one class without a period count as one
+    /// attractor.
     Basin(Basin),
-    /// Poincaré section of a FILE's settled motion: at a phase of the period, or at each event of
-    /// an element
+    /// Draw a Poincaré section of the settled motion of a machine file, at a phase of the period or
+    /// at each event of an element
     Section(SectionOfFile),
-    /// Simulated motion over two parameters: period, impacts, chaos, beside the exact orbit
+    /// Draw the simulated motion over two parameters: period, impacts, chaos, compared with the
+    /// exact orbit
     Isoperiodic(Isoperiodic),
-    /// Branches of periodic orbits over a parameter, stable or not, with their bifurcations
+    /// Follow branches of periodic orbits over a parameter, stable or not, with their bifurcations
     ///
-    /// Without --tree it follows one branch, which begins at the settled motion or at the orbit
-    /// with a given word (--word). `special-points.csv` lists the special points of the branches:
-    /// LP fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, CH chatter, EP
-    /// end of the range, MX not followed further. `vibro locus` follows the first six over two
-    /// parameters. With --tree `orbits-search.csv` lists at which values, and from how many
-    /// starts, orbits were sought.
+    /// Without --tree, one branch is followed, from the settled motion or from the orbit of a given
+    /// word (--word). `special-points.csv` lists the special points of the branches: LP fold, BP
+    /// branch point, PD period doubling, NS Neimark-Sacker, GR touch, CH chatter, EP end of the
+    /// range, MX not followed further. `vibro locus` follows the first six over two parameters.
+    /// With --tree, `orbits-search.csv` lists the parameter values of the search and the number of
+    /// starts at each.
     Orbits(Box<Orbits>),
-    /// One periodic orbit: impacts, multipliers, history, portrait, start values
+    /// Compute one periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),
-    /// Curves of special points of `vibro orbits` over two parameters
+    /// Follow curves of special points of `vibro orbits` over two parameters
     Locus(Loci),
-    /// Draws a study whose parts were computed apart (--shard)
+    /// Draw a study from parts that were computed separately (--shard)
     Merge(Merge),
-    /// Prints a parameter file to fill in: every parameter, its unit, range and default
+    /// Print a parameter file to fill in: every parameter with unit, range and default
     Template(Template),
-    /// All figures of the paper, and a report that compares its statements with the results
+    /// Draw all figures of the paper, and write a report that compares its statements with the
+    /// results
     Reproduce(Reproduce),
 }
 
@@ -305,7 +308,9 @@ impl Command {
             Self::Bifurcation(a) | Self::Lyapunov(Lyapunov { sweep: a, .. }) => {
                 if a.vary.len() > 1 {
                     let what = format!("--vary {}", a.vary.join(" --vary "));
-                    let problem = "allowed is one parameter; planes of two: `vibro paper isoperiodic`".into();
+                    let problem = "expected one parameter; use `vibro paper isoperiodic` for \
+                                   planes of two parameters"
+                        .into();
                     return Err(Error::Refused { what, problem });
                 }
                 a.of_paper.range = texts("--vary", &a.vary)?.pop();
@@ -320,7 +325,7 @@ impl Command {
             Self::Orbits(a) => {
                 if a.vary.len() > 1 {
                     let what = format!("--vary {}", a.vary.join(" --vary "));
-                    return Err(Error::Refused { what, problem: "allowed is one parameter".into() });
+                    return Err(Error::Refused { what, problem: "expected one parameter".into() });
                 }
                 a.range = texts("--vary", &a.vary)?.pop();
             }
@@ -341,7 +346,7 @@ fn one_start(given: &[String]) -> Result<Option<StartRule>> {
 pub fn one_of(given: &[String]) -> Result<Option<&String>> {
     if given.len() > 1 {
         let what = format!("--start {}", given.join(" --start "));
-        let problem = "allowed is one start, with commas between its numbers".into();
+        let problem = "expected one start, with commas between its values".into();
         return Err(Error::Refused { what, problem });
     }
     Ok(given.first())

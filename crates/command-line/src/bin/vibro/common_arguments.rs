@@ -27,20 +27,21 @@ pub const FILE: &str = "file";
 /// How numbers of a machine's file are read.
 pub const NUMBERS: &str = "\
 NUMBERS
-  A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
-  Where none was written, it is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
-  Names of parameters are the file's own: docs/machine-file.md.";
+  A number without a unit is read in the unit that the file or an earlier --set uses for that parameter, and the program
+  reports this unit. If there is none, the number is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
+  Parameters have the names of the file: docs/machine-file.md.";
 
 /// Help of `--start`, for either machine, after the words that name the motion.
 macro_rules! start_help {
     ($of:literal) => {
         concat!(
             $of,
-            ": coordinates and rates of bodies in SI or with a unit, e.g. block.s=5mm,block.v=1. With FILE also the time \
-             (time=0.2s), or a start's file, such as the end.toml of a run, with numbers behind it that replace its own \
-             (end.toml,block.v=0); what is not named is as the machine's file says. Without FILE also x1 x2 x3 in L, v1 v2 v3 in L \
-             omega10; what is not named is zero; \"orbit\" starts on the exact orbit where it is stable [default: v2=1; with FILE \
-             the machine's own start]"
+            ": coordinates and rates of bodies in SI or with a unit, e.g. block.s=5mm,block.v=1. \
+             With FILE also the time (time=0.2s), or a start file such as end.toml of a run, \
+             followed by values that replace its values (end.toml,block.v=0); all other values are \
+             those of the machine file. Without FILE also x1 x2 x3 in L, v1 v2 v3 in L omega10; \
+             all other values are zero; \"orbit\" starts on the exact orbit if it is stable \
+             [default: v2=1; with FILE the start of the machine file]"
         )
     };
 }
@@ -82,9 +83,9 @@ pub struct Common {
     pub set: Vec<String>,
     /// Folder for pictures (SVG, PNG) and tables (CSV)
     ///
-    /// A folder with results or parts of another run (other parameters, other options) is refused
-    /// if it is named here. In the default folder the new run gets a folder of its own, named
-    /// after the command and a digest of its parameters.
+    /// A folder that is given here must not contain results or parts of another run (with other
+    /// parameters or options). In the default folder, such a run gets its own folder, named after
+    /// the command and a digest of its parameters.
     #[arg(long, global = true, value_name = "FOLDER", default_value = DEFAULT_OUT)]
     pub out: PathBuf,
     /// Overwrite finished results of other parameters in the folder
@@ -108,13 +109,13 @@ pub struct Common {
 #[derive(Args, Debug)]
 #[group(skip)]
 pub struct SectionArguments {
-    /// Look at the motion after whole multiples of this time, in s or with a unit
-    /// [default: the common period of all harmonics]
+    /// Period at which the motion is sampled, in s or with a unit [default: the common period of
+    /// all harmonics]
     #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "section", allow_hyphen_values = true)]
     pub period: Option<f64>,
-    /// Look at the motion at each impact or first touch of a stop, or each time that a friction
-    /// begins to stick
-    /// [default of a machine without harmonics: its first stop, else its first friction]
+    /// Sample the motion at each impact or first touch of this stop, or each time that this
+    /// friction begins to stick [default of a machine without harmonics: its first stop, else its
+    /// first friction]
     #[arg(long, value_name = "ELEMENT")]
     pub section: Option<String>,
 }
@@ -122,24 +123,22 @@ pub struct SectionArguments {
 /// A time above 0, in s.
 pub fn time(text: &str) -> std::result::Result<f64, String> {
     let found = quantity_in("s", text.trim()).map(|q| q.value).filter(|t| t.is_finite() && *t > 0.0);
-    found.ok_or_else(|| {
-        "allowed is a finite time above 0, in s, with a unit of s, ms, us, min, h, e.g. 2s".into()
-    })
+    found.ok_or_else(|| "expected a finite time > 0 in s, ms, us, min or h, e.g. 2s".into())
 }
 
 /// An angle, in rad.
 pub fn angle(text: &str) -> std::result::Result<f64, String> {
     let found = quantity_in("rad", text.trim()).map(|q| q.value).filter(|x| x.is_finite());
-    found.ok_or_else(|| "allowed is a finite angle, in rad or with a unit of rad, deg, e.g. 90deg".into())
+    found.ok_or_else(|| "expected a finite angle in rad or deg, e.g. 90deg".into())
 }
 
 /// Constant loads.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ConstantLoads {
     /// Constant force on box, block or secondary, in N or with a unit. May be repeated; forces on
-    /// one body add. Gravity on a block of 0.6 kg in a vertical machine is block=-5.9N. A gap that
-    /// is off centre by d is the pair block=-k23*d, secondary=k23*d. As an axis the force is the
-    /// parameter load.block. Loads from files: `vibro paper run`
+    /// one body add. Gravity on a block of 0.6 kg in a vertical machine is block=-5.9N. For a gap
+    /// that is off centre by d, use block=-k23*d and secondary=k23*d. To vary the force, use the
+    /// parameter load.block. `vibro paper run` also takes loads from files
     #[arg(long, value_name = "BODY=FORCE", allow_hyphen_values = true)]
     pub load: Vec<LoadArgument>,
 }

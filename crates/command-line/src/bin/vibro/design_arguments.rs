@@ -16,59 +16,58 @@ EXAMPLES
 /// The files that the command writes.
 pub const FILES: &str = "\
 FILES
-  best.toml     the machine's file with the numbers of the best design
-  design.csv    a row for each design that was evaluated, in order: numbers, goal and limited outputs with the ends of their
-                error bars, in SI, the motion with the worst goal, and the reason if values are missing
-  design.svg    the goal over the evaluations and over the numbers that vary";
+  best.toml     the machine file with the parameters of the best design
+  design.csv    a row for each evaluated design, in order: parameters, goal and limited outputs with the ends of their error
+                bars, in SI, the motion with the worst goal, and the reason if values are missing
+  design.svg    the goal over the evaluations and over the varied parameters";
 
 /// Arguments of `design`.
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("goal").required(true).args(["minimize", "maximize"]))]
 pub struct DesignArguments {
-    /// The machine's file (TOML); its own numbers, with --set, are evaluated first
+    /// Machine file (TOML); its own parameter values, with --set, are evaluated first
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The output that is to be small, in its worst motion
+    /// Output to minimize, by its worst motion
     #[arg(long, visible_alias = "minimise", value_name = "OUTPUT")]
     pub minimize: Option<String>,
-    /// The output that is to be large, in its worst motion
+    /// Output to maximize, by its worst motion
     #[arg(long, visible_alias = "maximise", value_name = "OUTPUT")]
     pub maximize: Option<String>,
-    /// The numbers that vary, each with its range. May be repeated
+    /// Parameters to vary, each with its range. May be repeated
     #[arg(long, required = true, value_name = "NAME=LOW:HIGH,…", allow_hyphen_values = true)]
     pub vary: Vec<String>,
-    /// A parameter over which a design has its worst value, e.g. the drive's frequency; between the
-    /// values of a range peaks are searched. May be repeated
+    /// Parameter over which a design has its worst value, e.g. the drive frequency; peaks between
+    /// the values of a range are searched for. May be repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<String>,
     /// Number of values of a range of --over without a count
     #[arg(long, value_name = "N", default_value_t = 11, value_parser = whole::<u32>(2..=1_000))]
     pub resolution: u32,
-    /// A limit that the worst motion must keep: OUTPUT<=VALUE or OUTPUT>=VALUE, in SI or with a
-    /// unit. May be repeated
+    /// Limit that the worst motion must keep: OUTPUT<=VALUE or OUTPUT>=VALUE, in SI or with a unit.
+    /// May be repeated
     #[arg(long, value_name = "OUTPUT<=VALUE", allow_hyphen_values = true)]
     pub subject_to: Vec<String>,
-    /// Relative tolerance of the numbers that vary, e.g. 5%: the worst value at the corners of the
-    /// box of all tolerances counts (of more than four numbers, at 16 corners), for the best design
-    /// also at 32 points inside
+    /// Relative tolerance of the varied parameters, e.g. 5%: the worst value at the corners of the
+    /// tolerance box counts (at 16 corners for more than four parameters), for the best design also
+    /// at 32 points inside the box
     #[arg(long, value_name = "PERCENT", default_value = "0%", value_parser = percent)]
     pub robust: f64,
-    /// Number of designs that are evaluated; local searches may add some ten for each of three
-    /// basins
+    /// Number of designs to evaluate; local searches may add about ten for each of three basins
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = whole::<u32>(10..=1_000_000))]
     pub evaluations: u32,
-    /// Periods discarded before a motion is measured, unless it has settled before
+    /// Periods discarded before a motion is measured, fewer if it settles earlier
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole::<u32>(0..=u32::MAX))]
     pub discard: u32,
     /// Periods over which a motion is measured
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
-    /// Periods of motion that may be spent on measuring the best designs longer, until one is the
+    /// Largest number of periods of motion for measuring the best designs longer, until one is the
     /// best by its error bar
     #[arg(long, value_name = "N", default_value_t = 300_000, value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
     /// Starts: every design is run from each.
-    #[arg(long, help = start_help!("Start of each design; may be repeated, and every design is run from each"), value_name = START_VALUE, allow_hyphen_values = true)]
+    #[arg(long, help = start_help!("Start of each design; may be repeated, and every design is evaluated from each start"), value_name = START_VALUE, allow_hyphen_values = true)]
     pub start: Vec<String>,
     /// Section at which motions are sampled.
     #[command(flatten)]

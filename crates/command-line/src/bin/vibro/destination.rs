@@ -178,7 +178,7 @@ pub fn write_manifest(out: &Path, manifest: &Manifest) -> Result<()> {
 /// Error against overwriting the result of another run; `None` if no such result exists.
 fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
     let (name, path) = (&here.study, manifest_path(out, &here.study));
-    let allowed = "allowed: another --out, or --replace, which overwrites it";
+    let allowed = "use another --out, or overwrite it with --replace";
     let problem = if path.exists() {
         let there = Manifest::read(&path)?;
         if there.describes_same(here) {
@@ -195,7 +195,7 @@ fn other_result(out: &Path, here: &Manifest) -> Result<Option<Error>> {
             None => return Ok(None),
             Some(file) => {
                 format!(
-                    "holds {file} without {name}.manifest.toml, so that nothing says what it shows\n  {allowed}"
+                    "holds {file} without {name}.manifest.toml, so its parameters are unknown\n  {allowed}"
                 )
             }
         }

@@ -69,7 +69,7 @@ fn end() {
 fn words(work: &InterruptedStudy) -> String {
     let kept: usize = work.folders.iter().map(|f| PartFolder::kept(f)).sum();
     format!(
-        "interrupted: {} of `{}` are kept in {}; the same command line goes on from there:\n  {}",
+        "interrupted: {} of `{}` are kept in {}; the same command line continues from there:\n  {}",
         parts_in_words(kept, work.count, "parts"),
         work.name,
         work.home.display(),

@@ -27,7 +27,7 @@ pub fn of(command: &Command) -> Result<Vec<LoadArgument>> {
         None => Ok(load.clone()),
         Some(file) => Err(Error::form(
             format!("--load {}={}", file.body.name(), file.path.display()),
-            "a constant force here, e.g. block=-3.4N: loads from files are for `vibro paper run`",
+            "a constant force, e.g. block=-3.4N; only `vibro paper run` takes loads from files",
         )),
     }
 }

@@ -189,7 +189,7 @@ fn complete(
             }
         }
         None => output::say(&format!(
-            "{} of {count} parts of `{}` are in {}; `vibro merge` draws it when all are there",
+            "{} of {count} parts of `{}` are in {}; run `vibro merge` when all parts are finished",
             count - parts.missing(count),
             study.name,
             home.display()
@@ -222,7 +222,9 @@ fn shards(given: &[PathBuf]) -> Result<Vec<Shards>> {
     for given in given {
         let folders = folders_of_parts(given)?;
         if folders.is_empty() {
-            let problem = "holds no shard: no folder that ends in .parts; a study of one part is drawn as a whole by the shard that has it".into();
+            let problem = "holds no shard (a folder that ends in .parts); a study with one part is \
+                           drawn by the shard that computes this part"
+                .into();
             return Err(Error::Config { path: given.clone(), problem });
         }
         for path in folders {
@@ -256,7 +258,7 @@ pub fn merge(common: &Common, a: &Merge) -> Result<()> {
         let count = study.count();
         let missing = parts.missing(count);
         if missing > 0 {
-            let problem = format!("{missing} of {count} parts are missing; run the other shards too");
+            let problem = format!("{missing} of {count} parts are missing; run the other shards first");
             return Err(Error::Config { path: home, problem });
         }
         complete(&study, common, &invocation, &out, parts, None)?;

@@ -81,7 +81,7 @@ fn follow(
             let mut times = vibro::machine::times_of(path, start.time)?;
             let (last, end) = (times.last().copied(), until.unwrap_or(f64::INFINITY));
             if let Some(last) = last.filter(|last| *last > end) {
-                let problem = format!("has the time {last} s; allowed are times up to --until, {end} s");
+                let problem = format!("has the time {last} s; times must not be after --until, {end} s");
                 return Err(Error::Refused { what: format!("--times {}", path.display()), problem });
             }
             times.extend(until.filter(|end| last.is_none_or(|last| last < *end)));
@@ -89,7 +89,9 @@ fn follow(
         }
         (None, Some(until)) => vibro::machine::even_times((start.time, until), *samples as usize)?,
         (None, None) => {
-            let problem = "needs the end of the motion, --until TIME, or --times FILE".into();
+            let problem = "requires the end of the motion (--until TIME) or a file of times \
+                           (--times FILE)"
+                .into();
             return Err(Error::Refused { what: format!("run {}", file.display()), problem });
         }
     };
@@ -127,7 +129,7 @@ fn follow(
     drop(held);
     let stem = out.join("motion");
     output::say(&format!(
-        "followed {} up to {} s: {}, {}; drawn in {}.svg and .png\n{account}",
+        "simulated {} up to {} s: {}, {}; drawn in {}.svg and .png\n{account}",
         record.assembly.description.name,
         record.motion.time(),
         out.join("states.csv").display(),

@@ -13,8 +13,8 @@ use vibro_studies::basin::{BasinRequest, StartAxis};
 
 /// Largest number of cells on an axis.
 const MOST: usize = 5_000;
-const FORM: &str =
-    "NAME=FROM:TO or NAME=FROM:TO:COUNT of a number of the start, with FROM < TO, e.g. block.s=-4mm:4mm:80";
+const FORM: &str = "NAME=FROM:TO or NAME=FROM:TO:COUNT with FROM < TO, where NAME is an initial \
+                    value, e.g. block.s=-4mm:4mm:80";
 
 /// Whether a `--start` is an axis: a value with a colon.
 fn is_axis(text: &&String) -> bool {
@@ -32,7 +32,7 @@ fn axis(machine: &Machine, text: &str, resolution: u16) -> Result<StartAxis> {
         _ => return Err(Error::form(text, FORM)),
     };
     if !(1..=MOST).contains(&count) {
-        let problem = format!("allowed are 1 to {MOST} cells");
+        let problem = format!("expected 1 to {MOST} cells");
         return Err(Error::Refused { what: format!("--start {text}"), problem });
     }
     let end = |text: &str| -> Result<f64> {
@@ -61,7 +61,7 @@ pub fn basin(file: &Path, common: &Common, a: &Basin) -> Result<()> {
     let machine = machine(file, &a.section, common)?;
     let (ranges, given): (Vec<&String>, Vec<&String>) = a.start.iter().partition(is_axis);
     let [x, y] = ranges[..] else {
-        let problem = "allowed are two, e.g. --start block.s=-4mm:4mm --start block.v=-1:1".into();
+        let problem = "expected two ranges, e.g. --start block.s=-4mm:4mm --start block.v=-1:1".into();
         return Err(Error::Refused { what: format!("{} ranges of --start", ranges.len()), problem });
     };
     let (x, y) = (axis(&machine, x, a.resolution)?, axis(&machine, y, a.resolution)?);

@@ -27,7 +27,7 @@ fn number(name: &str, unit: &'static str, text: &str) -> Result<f64> {
     let read = plain.or_else(|| quantity_in(unit, text.trim()).map(|quantity| quantity.value));
     read.filter(|x| x.is_finite()).ok_or_else(|| Error::Refused {
         what: format!("{name} = {text}"),
-        problem: format!("allowed is a number, in {unit} or with a unit of it"),
+        problem: format!("expected a number, in {unit} or with a unit"),
     })
 }
 
@@ -51,7 +51,7 @@ fn range_of(machine: &Machine, text: &str) -> Result<(f64, f64)> {
 
 /// Error for a range whose end is not above its begin.
 fn reversed(text: &str) -> Error {
-    let problem = "its ends do not rise; allowed is NAME=LOW:HIGH with LOW below HIGH".into();
+    let problem = "LOW must be less than HIGH in NAME=LOW:HIGH".into();
     Error::Refused { what: format!("--within {text}"), problem }
 }
 
@@ -88,7 +88,7 @@ fn free(machine: &mut Machine, a: &FitArguments) -> Result<Vec<Free>> {
             ),
         })?;
         if own.within.is_some() {
-            let problem = format!("{name} has two ranges; allowed is one");
+            let problem = format!("{name} has two ranges; expected one");
             return Err(Error::Refused { what: format!("--within {text}"), problem });
         }
         own.within = Some(match machine.description.parameter(name) {
@@ -120,8 +120,9 @@ fn sigma(
     }
     let mut found: Vec<Option<f64>> = vec![None; names.len()];
     for text in given {
-        let (name, value) =
-            text.split_once('=').ok_or_else(|| Error::form(text, "COLUMN=VALUE beside another"))?;
+        let (name, value) = text
+            .split_once('=')
+            .ok_or_else(|| Error::form(text, "COLUMN=VALUE, because another value has this form"))?;
         // Another record may have the column.
         if others.iter().any(|own| own == name.trim()) && names.iter().all(|(own, _)| own != name.trim()) {
             continue;
@@ -129,12 +130,12 @@ fn sigma(
         let place = names.iter().position(|(own, _)| own == name.trim()).ok_or_else(|| Error::Refused {
             what: format!("--sigma {text}"),
             problem: format!(
-                "the record has no column {name}; allowed are {}",
+                "the record has no column {name}; expected one of {}",
                 names.iter().map(|n| n.0.clone()).collect::<Vec<_>>().join(", ")
             ),
         })?;
         if found[place].is_some() {
-            let problem = format!("{name} has two deviations; allowed is one");
+            let problem = format!("{name} has two standard deviations; expected one");
             return Err(Error::Refused { what: format!("--sigma {text}"), problem });
         }
         found[place] = Some(number(name, names[place].1, value)?);
@@ -142,7 +143,7 @@ fn sigma(
     match found.iter().position(Option::is_none) {
         Some(place) => Err(Error::Refused {
             what: "--sigma".into(),
-            problem: format!("has no value for {}; allowed is one for each column", names[place].0),
+            problem: format!("has no value for {}; expected a value for each column", names[place].0),
         }),
         None => Ok(Some(found.into_iter().flatten().collect())),
     }
@@ -333,7 +334,7 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     let goes_on = || !stop.load(Ordering::Relaxed);
     let explained = |(request, fitted): (&FitRequest, &Fitted)| match goes_on() {
         true => misfit(request, fitted, &goes_on).unwrap_or_else(|error| {
-            crate::note(&format!("the residuals are not explained: {error}"));
+            crate::note(&format!("no explanation of the residuals: {error}"));
             Misfit::default()
         }),
         false => Misfit::default(),
@@ -374,7 +375,7 @@ fn write(
     destination.write_into(std::slice::from_ref(&study), out)?;
     write_whole(&out.join("fit.json"), fit_json(fitted, misfit).as_bytes())?;
     // The file has no start of the command line; `start.toml` next to it has.
-    let start = if fitted.start.is_own() { "" } else { "; its motion begins with --start start.toml" };
+    let start = if fitted.start.is_own() { "" } else { "; simulate its motion with --start start.toml" };
     let verdict = format!("vibro fit: {}{start}", fitted.verdict);
     write_with_numbers(&a.file, &fitted.machine.description, ("fitted.toml", &verdict), out)?;
     let files = [Some(&a.file), record.data.as_ref(), record.events.as_ref()];

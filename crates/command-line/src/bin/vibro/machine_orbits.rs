@@ -51,7 +51,7 @@ fn period(text: &String) -> Result<WantedPeriod> {
         None => time(text).ok().map(WantedPeriod::Time),
     };
     found.ok_or_else(|| {
-        let problem = format!("expected 1T to {MOST_PERIODS}T, or a finite time above 0, e.g. 0.1s");
+        let problem = format!("expected 1T to {MOST_PERIODS}T, or a finite time > 0, e.g. 0.1s");
         Error::Refused { what: format!("--period {text}"), problem }
     })
 }
@@ -116,7 +116,9 @@ fn family(machine: &mut Machine, vary: &[String]) -> Result<Family> {
 /// The family over a range of a parameter.
 fn family_over(machine: &mut Machine, vary: &str) -> Result<Family> {
     let axis = read_axis(machine, vary)?;
-    let form = || Error::form(vary, "a range without a count, NAME=FROM:TO: branches are followed");
+    let form = || {
+        Error::form(vary, "NAME=FROM:TO without a count: the steps along a branch are chosen by the program")
+    };
     let range = axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?;
     Ok(Family::new(machine, &range.name, range.ends)?)
 }
@@ -216,7 +218,7 @@ fn branches(
     if !is_whole {
         study
             .remarks
-            .push("interrupted: further branches were not followed; the same command goes on".into());
+            .push("interrupted before all branches were followed; the same command line continues".into());
     }
     written(&[study], &machine, &destination, common).map(|()| is_whole)
 }
@@ -243,8 +245,8 @@ pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
 pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     let mut machine = machine(file, &SectionArguments { period: None, section: None }, common)?;
     let [first, second] = &a.vary[..] else {
-        let problem = "allowed are two parameters, the first that of the special points, e.g. --vary load.shaker.amplitude=1N:9N --vary \
-                       stop.steel.gap=1mm:8mm"
+        let problem = "expected two parameters, first the parameter of the special points, e.g. \
+                       --vary load.shaker.amplitude=1N:9N --vary stop.steel.gap=1mm:8mm"
             .into();
         return Err(Error::Refused { what: format!("{} --vary", a.vary.len()), problem });
     };

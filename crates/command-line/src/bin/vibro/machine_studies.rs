@@ -72,7 +72,7 @@ pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<Strin
         numbers.iter().map(|number| Ok(machine.quantity(name, number)?)).collect::<Result<Vec<_>>>()?;
     let is_bare = |number: &&str| number.parse::<f64>().is_ok();
     if numbers.iter().any(|number| is_bare(number) != is_bare(&numbers[0])) {
-        return Err(Error::form(text, "a unit at every number or at none"));
+        return Err(Error::form(text, "a unit on every number or on none"));
     }
     vibro::machine::note_if_not_si(&numbers, &read[0], text).iter().for_each(|words| crate::note(words));
     numbers.iter().for_each(|number| machine.note_unit(name, number));
@@ -133,7 +133,7 @@ fn diagram_request(
 pub fn default_quantity(machine: &Machine) -> Result<QuantityName> {
     let all = Measure::usual(&machine.description);
     let found = all.iter().find_map(|m| m.quantity().cloned());
-    found.ok_or_else(|| Error::form("--of", "a quantity such as box.s; the machine has no free body"))
+    found.ok_or_else(|| Error::form("--of", "a quantity such as box.s, because the machine has no free body"))
 }
 
 /// An axis with its number of values, for manifests.
@@ -152,7 +152,9 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
         } else {
             format!("--vary {}", a.vary.join(" --vary "))
         };
-        let problem = "allowed is one parameter, as --vary NAME=FROM:TO[:COUNT], or --pair NAME,NAME for a plane of two".into();
+        let problem = "expected one parameter, as --vary NAME=FROM:TO[:COUNT]; use --pair \
+                       NAME,NAME for a plane of two parameters"
+            .into();
         return Err(Error::Refused { what, problem });
     };
     let request = diagram_request(&mut machine, vary, a, exponents)?;
@@ -181,14 +183,14 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
     let axes: Vec<ParameterAxis<String>> = axes.collect::<Result<_>>()?;
     let named = |name: &str| {
         let found = axes.iter().find(|axis| axis.name == name.trim()).cloned();
-        found.ok_or_else(|| Error::form(name, "a parameter of which --vary tells the range"))
+        found.ok_or_else(|| Error::form(name, "a parameter with a range (--vary NAME=FROM:TO)"))
     };
     let start = start_of(&machine, &a.start)?;
     let mut studies = Vec::new();
     for pair in &a.of_file.pair {
         let of_pair = names(std::slice::from_ref(pair));
         let [x, y] = &of_pair[..] else {
-            let form = "two names with a comma between, e.g. stop.steel.gap,body.block.mass";
+            let form = "two names separated by a comma, e.g. stop.steel.gap,body.block.mass";
             return Err(Error::form(pair, form));
         };
         let (x, y) = (named(x)?, named(y)?);
@@ -226,7 +228,7 @@ pub fn lyapunov(
     Lyapunov { sweep: a, periods, spectrum, .. }: &Lyapunov,
 ) -> Result<()> {
     if !EXPONENT_PERIODS.contains(periods) {
-        let problem = format!("allowed are {} to {}", EXPONENT_PERIODS.start(), EXPONENT_PERIODS.end());
+        let problem = format!("expected {} to {}", EXPONENT_PERIODS.start(), EXPONENT_PERIODS.end());
         return Err(Error::Refused { what: format!("--periods {periods}"), problem });
     }
     if !(a.vary.is_empty() && a.of_file.pair.is_empty()) {

@@ -147,8 +147,8 @@ fn study(arguments: &mut Arguments) -> Result<()> {
             return Ok(());
         }
         Command::Reproduce(a) => {
-            let instead = "figures 6, 9, 10, 11 and 17 have the paper's values; leave the value out, or draw your \
-                           machine by the other commands";
+            let instead = "figures 6, 9, 10, 11 and 17 have the paper's values; leave out the \
+                           value, or use the other commands for your machine";
             short::check_used(&set, "reproduce", &["f10", "gamma1", "sigma1", "epsilon", "mu13"], instead)?;
             return long::reproduce(&set, common, a);
         }

@@ -57,8 +57,7 @@ fn is_of_file(id: &str, text: &str) -> bool {
 /// The refusal of an option or value of a machine's file in a command without FILE.
 fn error(command: &Command, given: String) -> Error {
     let name = command.get_name();
-    let problem =
-        format!("belongs to a machine's file, and FILE is missing: expected `vibro {name} FILE {given} …`");
+    let problem = format!("requires a machine's FILE: use `vibro {name} FILE {given} …`");
     Error::Refused { what: given, problem }
 }
 

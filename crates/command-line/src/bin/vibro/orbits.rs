@@ -34,7 +34,7 @@ impl Which {
             None => OrbitWord::new(text.strip_suffix('+').unwrap_or(text), 1, 2 * self.period)?,
         };
         if word.closing() < 0 && !system.is_symmetric() {
-            let problem = "a symmetric orbit needs a machine without loads; give the whole word";
+            let problem = "a symmetric orbit requires a machine without constant loads; give the whole word";
             return Err(Error::Refused { what: format!("--word {text}"), problem: problem.into() });
         }
         let mut found = search(system, &word, TRIES)?;
@@ -46,8 +46,7 @@ impl Which {
 
 fn span(range: &ParameterRange) -> Result<Span> {
     if range.count.is_some() {
-        let expected =
-            "name=from:to without a count: branches are followed and have no fixed number of values";
+        let expected = "name=from:to without a count: the steps along a branch are chosen by the program";
         return Err(Error::form(range.name.name(), expected));
     }
     Ok(Span::new(range.name, range.ends.0, range.ends.1)?)
@@ -104,8 +103,10 @@ pub fn orbits(set: &ParameterSet, common: &Common, a: &Orbits) -> Result<Option<
     let value = span.name.value(set);
     if !(span.from..=span.to).contains(&value) {
         let what = format!("{} = {value}", span.name.name());
-        let problem =
-            format!("the branch begins here, so it must lie in the range {} to {}", span.from, span.to);
+        let problem = format!(
+            "must lie in the range {} to {}, because the branch begins at this value",
+            span.from, span.to
+        );
         return Err(Error::Refused { what, problem });
     }
     let orbits = a.of_paper.which.orbits(&family.system(&[value])?)?;
@@ -131,7 +132,7 @@ pub fn loci(set: &ParameterSet, a: &Loci) -> Result<Study> {
     let [first, second] = a.ranges[..] else {
         return Err(Error::form(
             format!("{} --vary", a.vary.len()),
-            "two, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9",
+            "two parameters, e.g. --vary f10=0.5:3 --vary kappa=0.5:0.9",
         ));
     };
     let family = Family::over_two(set, span(&first)?, span(&second)?)?;

@@ -34,12 +34,12 @@ pub struct Settling {
     /// Start of the motion.
     #[arg(long, help = start_help!("Start of the motion that settles on the orbit"), value_name = START_VALUE, allow_hyphen_values = true)]
     pub start: Vec<String>,
-    /// Periods discarded before the motion counts as settled, unless it has settled before
+    /// Periods discarded, fewer if the motion settles earlier
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole::<u32>(0..=10_000_000))]
     pub discard: u32,
-    /// Look at the motion at each impact or first touch of a stop, or each time that a friction
-    /// begins to stick
-    /// [default of a machine without harmonics: its first stop, else its first friction]
+    /// Sample the motion at each impact or first touch of this stop, or each time that this
+    /// friction begins to stick [default of a machine without harmonics: its first stop, else its
+    /// first friction]
     #[arg(long, value_name = "ELEMENT")]
     pub section: Option<String>,
 }
@@ -53,8 +53,7 @@ impl Settling {
 /// Arguments of `orbit`.
 #[derive(Args, Debug)]
 pub struct OneOrbit {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
-    /// paper's machine
+    /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
     /// Events of the orbit in order [default: the orbit of the settled motion]. With FILE kinds
@@ -71,12 +70,12 @@ pub struct OneOrbit {
     /// Of a machine's file.
     #[command(flatten, next_help_heading = WITH_FILE)]
     pub settling: Settling,
-    /// With --word or --period, number of random starts from which the orbit is sought where the
-    /// motion from the start does not pass near it
+    /// Number of random starts for the search with --word or --period, if the motion from the start
+    /// does not pass near the orbit
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = whole::<u32>(0..=100_000), help_heading = WITH_FILE)]
     pub starts: u32,
-    /// Also write gradient.csv: the derivatives of this output of the orbit, such as
-    /// amplitude.box.s or impact.speed.steel, by every number of the file
+    /// Also write gradient.csv: the derivatives of this output of the orbit, e.g. amplitude.box.s
+    /// or impact.speed.steel, with respect to every parameter of the file
     #[arg(long, value_name = "NAME", help_heading = WITH_FILE)]
     pub gradient: Option<String>,
     /// Constant loads.
@@ -104,26 +103,25 @@ impl OneOrbit {
 /// Arguments of `orbits`.
 #[derive(Args, Debug)]
 pub struct Orbits {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
-    /// paper's machine
+    /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Parameter and range [default without FILE: f10=0.5:5]
+    /// Parameter and its range [default without FILE: f10=0.5:5]
     #[arg(long, visible_alias = "range", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
     pub vary: Vec<String>,
     /// The parsed range of the paper's machine.
     #[arg(skip)]
     pub range: Option<ParameterRange>,
-    /// Look for all branches. It starts from settled motions over the whole range, rising and
-    /// falling, from orbits near which other motions pass, and from every special point
+    /// Search for all branches, from settled motions over the whole range (rising and falling),
+    /// from orbits near which other motions pass, and from every special point
     #[arg(long, conflicts_with_all = ["word", "period"])]
     pub tree: bool,
-    /// Most changes from one branch to another in a row [default: 12; with FILE 3]
+    /// Largest number of changes from one branch to another in a row [default: 12; with FILE 3]
     #[arg(long, value_name = "N", default_value = "12", default_value_if("file", IsPresent, "3"))]
     #[arg(hide_default_value = true, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
-    /// Number of parameter values at which settled motions are looked for, in each direction
-    /// [default: 91; with FILE 24]
+    /// Number of parameter values for the search of settled motions, in each direction [default:
+    /// 91; with FILE 24]
     #[arg(long, value_name = "N", default_value = "91", default_value_if("file", IsPresent, "24"))]
     #[arg(hide_default_value = true, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
@@ -142,9 +140,9 @@ pub struct Orbits {
 #[derive(Args, Debug)]
 #[group(skip)]
 pub struct OrbitsOfFile {
-    /// What is drawn and listed of each orbit: an output of `vibro sweep`, such as
-    /// amplitude.box.s, maximum.buffer.f or impact.speed.steel, or a quantity, of which the
-    /// largest value is drawn [default: amplitude of the first free body]
+    /// Output to draw and list for each orbit: an output of `vibro sweep`, e.g. amplitude.box.s,
+    /// maximum.buffer.f or impact.speed.steel, or a quantity, whose largest value is drawn
+    /// [default: amplitude of the first free body]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
     /// The motion.
@@ -159,11 +157,11 @@ pub struct ResponseOfFile {
     /// The motion.
     #[command(flatten)]
     pub settling: Settling,
-    /// Number of values at which settled motions are looked for, rising and falling
+    /// Number of parameter values for the search of settled motions, rising and falling
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
-    /// Most changes from one branch to another in a row, at bifurcations and touches of rigid
-    /// stops
+    /// Largest number of changes from one branch to another in a row, at bifurcations and touches
+    /// of rigid stops
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
@@ -179,19 +177,19 @@ pub struct OrbitsOfPaper {
     #[command(flatten)]
     pub which: Which,
     /// Number of further motions, from starts spread over the visited states and over the range;
-    /// half as many again are added where motions did not settle on a stable orbit. Stable
-    /// branches near which these motions pass are followed too
+    /// half as many again are added where motions did not settle on a stable orbit. Stable branches
+    /// near which these motions pass are also followed
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = whole::<u32>(0..=1_000_000))]
     pub starts: u32,
-    /// Most impacts in an orbit
+    /// Largest number of impacts in an orbit
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = whole::<u32>(1..=128))]
     pub letters: u32,
-    /// At a touch, also follow the orbits that touch only once in up to so many passages; they
+    /// At a touch, also follow orbits that touch only once in up to this number of passages; they
     /// have a longer period
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=16))]
     pub repetitions: u32,
-    /// Values of the parameter at which every branch gets a point, labelled UZ; separated by
-    /// commas. May be repeated
+    /// Parameter values at which every branch gets a point, labelled UZ, separated by commas. May
+    /// be repeated
     #[arg(long, value_name = "VALUE", value_delimiter = ',', allow_hyphen_values = true)]
     pub mark: Vec<String>,
 }
@@ -199,20 +197,19 @@ pub struct OrbitsOfPaper {
 /// Arguments of `locus`.
 #[derive(Args, Debug)]
 pub struct Loci {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
-    /// paper's machine
+    /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
     /// Special points from which curves start, in a table of `vibro orbits`. FILE:12 is row 12,
     /// counted from 1; FILE:LP all folds; FILE:LP@2.3041 the folds at this value, to the digits
     /// written; FILE all points. May be repeated. If no curve can be followed from a point, the
-    /// program says so and goes on with the others
+    /// program reports this and continues with the others
     #[arg(long, required = true, value_name = "FILE[:ROW|:LABEL@VALUE]")]
     pub from: Vec<Selection>,
-    /// Follow only this kind: LP, BP, PD, NS, GR or CH, with FILE also ST, CC or SA
+    /// Follow only this kind: LP, BP, PD, NS, GR, CH, with FILE also ST, CC, SA
     #[arg(long, value_name = "LABEL")]
     pub label: Option<String>,
-    /// The two parameters and their ranges. The first, on the horizontal axis, is that of the
+    /// Two parameters and their ranges. The first, on the horizontal axis, is the parameter of the
     /// special points
     #[arg(
         long,

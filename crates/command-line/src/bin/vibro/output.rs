@@ -43,7 +43,7 @@ pub fn apart(folder: &Path, common: &Common) -> String {
         return String::new();
     }
     let out = common.out.display();
-    format!("{out} holds results of other parameters, so these have the folder {}\n", folder.display())
+    format!("{out} holds results of other parameters; the new results are in {}\n", folder.display())
 }
 
 /// Prints a line to standard output.

@@ -31,10 +31,7 @@ pub fn begin(arguments: &New) -> Result<()> {
     let written = example.write(&path)?;
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     let file = path.display();
-    output::say(&format!(
-        "written: {}\nnext: vibro draw {file}, vibro run {file} --until 1s",
-        names.join(", ")
-    ))
+    output::say(&format!("wrote {}\nnext: vibro draw {file}, vibro run {file} --until 1s", names.join(", ")))
 }
 
 /// Packs a machine as an FMU in the folder of results: NAME.fmu for FMI 2.0, NAME-FMI3.fmu for
@@ -51,9 +48,9 @@ pub fn pack(machine: &Description, arguments: &Fmu, common: &Common) -> Result<(
     let version = if arguments.fmi == "2" { Version::Fmi2 } else { Version::Fmi3 };
     std::fs::create_dir_all(&common.out).map_err(Error::file("making folder", &common.out))?;
     let to = common.out.join(vibro_pack::file_name(&machine.name, version));
-    let replaced = if to.exists() { ", in place of the file that was there" } else { "" };
+    let replaced = if to.exists() { ", replacing the previous file" } else { "" };
     vibro_pack::write(machine, version, &kit, &to).map_err(refused(format!("fmu {}", to.display())))?;
-    output::say(&format!("packed in {} (FMI {}.0){replaced}", to.display(), arguments.fmi))
+    output::say(&format!("wrote {} (FMI {}.0){replaced}", to.display(), arguments.fmi))
 }
 
 /// The library: the one named by the user, or the first one found.
@@ -69,10 +66,10 @@ fn kit(named: Option<&Path>) -> Result<PathBuf> {
     places.find(|path| path.is_file()).ok_or_else(|| Error::Refused {
         what: "fmu".into(),
         problem: format!(
-            "no {KIT_FILE} is at hand, the compiled library that goes into FMUs: in the repository `cargo run --bin \
-             fmu-build` makes it in target/; the Python package of a release has it \
-             (`python -c \"import vibro_impact as vi; print(vi.fmu_path().parent)\"`). Name it by --kit, or its folder by \
-             {ARCHIVES}"
+            "found no {KIT_FILE}, the prebuilt library that an FMU contains: in the repository \
+             `cargo run --bin fmu-build` writes it to target/; the Python package of a release \
+             contains it (`python -c \"import vibro_impact as vi; print(vi.fmu_path().parent)\"`); \
+             give it by --kit, or its folder by the environment variable {ARCHIVES}"
         ),
     })
 }

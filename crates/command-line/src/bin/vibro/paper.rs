@@ -19,7 +19,7 @@ const PAPER: &str = "paper";
 
 const ABOUT: &str = "\
 Commands for the paper's machine, of 3 degrees of freedom: closed forms, motions, orbits, planes, the paper's figures
-Figure numbers are those of Nonlinear Dynamics 106 (2021) 81-103.";
+Figure numbers refer to Nonlinear Dynamics 106 (2021) 81-103.";
 
 const PARAMETERS: &str = "\
 PARAMETERS
@@ -29,10 +29,10 @@ PARAMETERS
   Loads:   load.box load.block load.secondary: constant forces in N, 0 unless set, for gravity or an off-centre gap
   Symbols work as names too: m1 k1 c1 m2 m3 k3 c3 k23 L F10 omega1, κ ε σ1 …; F10 is the force in N, f10 its group.
   Values may have a unit of the parameter's dimension: 12kg, 350 g, 48 kN/m, 48 N/mm, 2.5mm, 10Hz, 600rpm, 30deg.
-  A number without a unit is in the unit in which the file or an earlier --set wrote that parameter, and the program says so.
-  Where none was written, it is in SI; an angular frequency is then in rad/s. The rule holds in --set and on every axis (--vary,
-  --over, --values, --at, --mark, columns of --design). Screen and pictures show that unit. Tables are in SI, with one
-  more column for each such parameter at the end, e.g. `drive.frequency [Hz]`.
+  A number without a unit is read in the unit that the file or an earlier --set uses for that parameter, and the program
+  reports this unit. If there is none, the number is in SI, an angular frequency in rad/s. This holds in --set and on every axis
+  (--vary, --over, --values, --at, --mark, columns of --design). Screen and pictures show that unit. Tables are in SI, with
+  one more column for each such parameter at the end, e.g. `drive.frequency [Hz]`.
   A parameter that is not set has its default, which is a reconstruction and not the paper's own data.
   A parameter file is TOML with a table [si], a table [groups], or both; [groups] is applied after [si], and --set after the file.
   `vibro paper template` writes a file with every parameter.
@@ -154,7 +154,7 @@ pub fn check_spelling(command: &Command, file: Option<&Path>, grouped: bool) -> 
     match file {
         Some(file) if grouped => {
             let file = file.display();
-            let problem = format!("`vibro {PAPER}` takes no machine's file: use `vibro {name} {file}`");
+            let problem = format!("`vibro {PAPER}` does not take a machine file: use `vibro {name} {file}`");
             return Err(Error::Refused { what: format!("{PAPER} {name} {file}"), problem });
         }
         None if !grouped && takes_paper(command) => {

@@ -13,20 +13,19 @@ pub enum Of {
 
 /// Parts of help texts that describe both machines, and their replacements for a machine's file
 /// and for the paper's machine. A default is written `[default: A; with FILE B]`.
-const WORDS: [[&str; 3]; 25] = [
-    [". Without it the paper's machine", "", ""],
+const WORDS: [[&str; 3]; 23] = [
+    [". Without FILE, the paper's machine", "", ""],
     [" [default without FILE: f10=0.5:5]", "", " [default: f10=0.5:5]"],
     ["f10=0.5:5 or, with FILE, stop.steel.gap=1mm:8mm:200", "stop.steel.gap=1mm:8mm:200", "f10=0.5:5"],
     [
-        "in each drive period, at most 10000; with FILE in all, after that of time 0",
-        "in all, after that of time 0",
-        "in each drive period, at most 10000",
+        ": per drive period, at most 10000; with FILE in total, after the row of time 0",
+        " in total, after the row of time 0",
+        ": per drive period, at most 10000",
     ],
-    ["; with FILE, unless the motion has settled before", ", unless the motion has settled before", ""],
-    ["; with FILE, unless it has settled before", ", unless it has settled before", ""],
+    ["; with FILE fewer if the motion settles earlier", ", fewer if the motion settles earlier", ""],
     [
-        "; with FILE 8 to 1000000, after 32 in which the variation turns into its direction",
-        ", 8 to 1000000, after 32 in which the variation turns into its direction",
+        "; with FILE 8 to 1000000, after 32 periods in which the variation turns into its direction",
+        ", 8 to 1000000, after 32 periods in which the variation turns into its direction",
         "",
     ],
     [
@@ -36,20 +35,22 @@ const WORDS: [[&str; 3]; 25] = [
         "Coordinate whose local maxima are drawn: x1, x2, x3 or w",
     ],
     [
-        ". With FILE also the time (time=0.2s), or a start's file, such as the end.toml of a run, with numbers behind it that \
-         replace its own (end.toml,block.v=0); what is not named is as the machine's file says. Without FILE also x1 x2 x3 in \
-         L, v1 v2 v3 in L omega10; what is not named is zero; \"orbit\" starts on the exact orbit where it is stable",
-        ", the time (time=0.2s), or a start's file, such as the end.toml of a run, with numbers behind it that replace its own \
-         (end.toml,block.v=0); what is not named is as the machine's file says",
-        ", or x1 x2 x3 in L, v1 v2 v3 in L omega10; what is not named is zero; \"orbit\" starts on the exact orbit where it is \
-         stable",
+        ". With FILE also the time (time=0.2s), or a start file such as end.toml of a run, \
+         followed by values that replace its values (end.toml,block.v=0); all other values are \
+         those of the machine file. Without FILE also x1 x2 x3 in L, v1 v2 v3 in L omega10; all \
+         other values are zero; \"orbit\" starts on the exact orbit if it is stable",
+        ", the time (time=0.2s), or a start file such as end.toml of a run, followed by values \
+         that replace its values (end.toml,block.v=0); all other values are those of the machine \
+         file",
+        ", or x1 x2 x3 in L, v1 v2 v3 in L omega10; all other values are zero; \"orbit\" starts on \
+         the exact orbit if it is stable",
     ],
     [" (figure 14)", "", " (figure 14)"],
     [
-        " (figure 14, table 2): all of them, or with FILE the largest (--spectrum: all), and without --vary of the machine as \
-         it is",
-        ": the largest (--spectrum: all), and without --vary of the machine as it is",
-        " (figure 14, table 2): all of them",
+        " (figure 14, table 2): all exponents, or with FILE the largest (--spectrum: all); without \
+         --vary only those of the machine as it is",
+        ": the largest exponent (--spectrum: all exponents); without --vary only for the machine as it is",
+        " (figure 14, table 2): all exponents",
     ],
     [
         "With FILE one variation is carried exactly through flights and events (saltation matrices).",
@@ -57,49 +58,52 @@ const WORDS: [[&str; 3]; 25] = [
         "",
     ],
     [
-        "The motion of a FILE is looked at after each common period of what drives the machine; --period and --section say \
-         otherwise.",
-        "The motion is looked at after each common period of what drives the machine; --period and --section say otherwise.",
+        "The motion of a FILE is sampled once per common period of its drives; --period and \
+         --section change this.",
+        "The motion is sampled once per common period of the drives; --period and --section change this.",
         "",
     ],
     [
-        ": of a FILE over any of its numbers; of the paper's machine by theory (figures 10, 11)",
-        ", over any number of the machine",
-        " by theory (figures 10, 11)",
+        ": of a FILE over any parameter; of the paper's machine by theory (figures 10, 11)",
+        ", over any parameter",
+        ", by theory (figures 10, 11)",
     ],
     [
-        "With FILE motions are followed until they settle, rising and falling over the range, and each orbit on which one \
-         settles is followed over the whole range, stable or not.",
-        "Motions are followed until they settle, rising and falling over the range, and each orbit on which one settles is \
-         followed over the whole range, stable or not.",
-        "",
-    ],
-    [": of a FILE over any two numbers of its starts", ", any two numbers of the starts", ""],
-    [
-        "With FILE attractors are told apart by class, period and states at the section, and named by the events of their \
-         orbits. Motions without a period count as one attractor of their class.",
-        "Attractors are distinguished by class, period and states at the section, and named by the events of their orbits. \
-         Motions without a period count as one attractor of their class.",
+        "With FILE motions are simulated until they settle, with the parameter rising and falling. \
+         Each orbit on which a motion settles is followed over the whole range, stable or not.",
+        "Motions are simulated until they settle, with the parameter rising and falling. Each \
+         orbit on which a motion settles is followed over the whole range, stable or not.",
         "",
     ],
     [
-        ": with FILE any of its numbers, such as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 \
-         (force response) or another parameter",
-        ", such as load.shaker.frequency=8Hz:12Hz",
+        "With FILE attractors are distinguished by class, period and states at the section, and \
+         named by the events of their orbits. All motions of one class without a period count as \
+         one attractor.",
+        "Attractors are distinguished by class, period and states at the section, and named by the \
+         events of their orbits. All motions of one class without a period count as one attractor.",
+        "",
+    ],
+    [
+        ": with FILE any parameter, e.g. load.shaker.frequency=8Hz:12Hz; without FILE sigma1 \
+         (frequency response), f10 (force response) or another parameter",
+        ", e.g. load.shaker.frequency=8Hz:12Hz",
         ": sigma1 (frequency response), f10 (force response) or another parameter",
     ],
     [
-        "What is drawn. With FILE an output of `vibro sweep`, such as amplitude.box.s or maximum.buffer.f, or a quantity, of \
-         which the largest value is drawn; without, the amplitude of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: \
-         with FILE the amplitude of the first free body; without, the paper's C and A3]",
-        "What is drawn: an output of `vibro sweep`, such as amplitude.box.s or maximum.buffer.f, or a quantity, of which the \
-         largest value is drawn [default: the amplitude of the first free body]",
-        "What is drawn: the amplitude of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: the paper's C and A3]",
+        "Output to draw. With FILE an output of `vibro sweep`, e.g. amplitude.box.s or \
+         maximum.buffer.f, or a quantity, whose largest value is drawn; without FILE the amplitude \
+         of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the amplitude of the \
+         first free body; without FILE the paper's C and A3]",
+        "Output to draw: an output of `vibro sweep`, e.g. amplitude.box.s or maximum.buffer.f, or \
+         a quantity, whose largest value is drawn [default: the amplitude of the first free body]",
+        "Output to draw: the amplitude of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: \
+         the paper's C and A3]",
     ],
     [
-        ". With FILE kinds and elements, \"impact steel, press buffer\"; kinds of events other than impact, chatter and press \
-         that are not mentioned are left out. Without FILE impacts as U (upper stop) and L (lower stop); a word that ends in \
-         \"-\" is half of a symmetric orbit: U- is the motion with two symmetric impacts a period",
+        ". With FILE kinds and elements, \"impact steel, press buffer\"; kinds of events other \
+         than impact, chatter and press that are not mentioned are left out. Without FILE impacts \
+         as U (upper stop) and L (lower stop); a word that ends in \"-\" is half of a symmetric \
+         orbit: U- is the motion with two symmetric impacts a period",
         ": kinds and elements, \"impact steel, press buffer\"; kinds of events other than impact, chatter and press that are \
          not mentioned are left out",
         ": impacts as U (upper stop) and L (lower stop); a word that ends in \"-\" is half of a symmetric orbit: U- is the \
@@ -111,9 +115,13 @@ const WORDS: [[&str; 3]; 25] = [
         " in common periods of the drive, 2T, or a time, 0.1s",
         ": the number of drive periods, with --word [default: 1]",
     ],
-    [", with FILE also ST, CC or SA", ", ST, CC or SA", ""],
+    [", with FILE also ST, CC, SA", ", ST, CC, SA", ""],
     ["With FILE two ranges", "Two ranges", ""],
-    [" Without FILE initial values that are on no axis, e.g. block.s=5mm,v1=1; zero unless named", "", ""],
+    [
+        " Without FILE initial values that are not on an axis, e.g. block.s=5mm,v1=1; zero unless given",
+        "",
+        "",
+    ],
     ["(--over), and from several starts", "(--over)", "(--over), and from several starts"],
 ];
 
@@ -125,8 +133,8 @@ const SET: [&str; 2] = [
 
 /// Help of `basin --start` for the paper's machine; it shares nothing with the help for a file.
 const BASIN_START: [&str; 2] = [
-    "With FILE two ranges of numbers of the starts",
-    "Initial values that are on no axis, e.g. block.s=5mm,v1=1; zero unless named",
+    "With FILE two ranges of initial values",
+    "Initial values that are not on an axis, e.g. block.s=5mm,v1=1; zero unless given",
 ];
 
 /// A help text that describes one of the two machines.

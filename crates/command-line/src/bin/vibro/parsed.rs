@@ -37,7 +37,7 @@ fn explained(error: clap::Error, words: &[String]) -> clap::Error {
     let rest: Vec<String> = after.map(|word| quoted(word)).collect();
     let problem = if name == OLD_GROUP {
         let right = if rest.is_empty() { "COMMAND FILE".into() } else { rest.join(" ") };
-        format!("`vibro {name}` is no group of commands: expected `vibro {right}`")
+        format!("`vibro {name}` is not a group of commands: expected `vibro {right}`")
     } else if command().find_subcommand(name).is_some() {
         let right = std::iter::once(name.clone()).chain(rest).collect::<Vec<_>>().join(" ");
         format!("`vibro paper` has no command `{name}`: expected `vibro {right}`")

@@ -14,22 +14,21 @@ use vibro_studies::paper::start::StartRule;
 /// Arguments of `basin`.
 #[derive(Args, Debug)]
 pub struct Basin {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
-    /// paper's machine
+    /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// With FILE two ranges of numbers of the starts, each as NAME=FROM:TO[:COUNT], such as
-    /// block.s=-4mm:4mm and block.v=-1:1, the first across; time is one, too, and stands for the
-    /// drive's phase. A further --start has the other numbers, as of `vibro run`. Without FILE
-    /// initial values that are on no axis, e.g. block.s=5mm,v1=1; zero unless named
+    /// With FILE two ranges of initial values, each as NAME=FROM:TO[:COUNT], e.g. block.s=-4mm:4mm
+    /// and block.v=-1:1, the first on the horizontal axis; a range of time varies the phase of the
+    /// drive. A further --start gives the other initial values, as in `vibro run`. Without FILE
+    /// initial values that are not on an axis, e.g. block.s=5mm,v1=1; zero unless given
     #[arg(long, value_name = "NAME=VALUE|FROM:TO", allow_hyphen_values = true)]
     pub start: Vec<String>,
-    /// Cells on each axis [default: 100; with FILE 60]
+    /// Number of cells on each axis [default: 100; with FILE 60]
     #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "60"))]
     #[arg(hide_default_value = true, value_parser = whole::<u16>(2..=5_000))]
     pub resolution: u16,
-    /// Periods discarded; with FILE, unless the motion has settled before. A motion that is
-    /// undecided then is followed for up to 8192 more
+    /// Periods discarded; with FILE fewer if the motion settles earlier. An undecided motion is
+    /// simulated for up to 8192 more
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// For many machines.
@@ -65,7 +64,7 @@ pub struct BasinOfPaper {
 /// Arguments of `section`.
 #[derive(Args, Debug)]
 pub struct SectionOfFile {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it
+    /// Machine file (TOML), described in docs/machine-file.md
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Start of the motion.
@@ -74,18 +73,18 @@ pub struct SectionOfFile {
     /// Where the motion is looked at.
     #[command(flatten)]
     pub section: SectionArguments,
-    /// Look at the motion at this phase of each period, in rad or with a unit, e.g. 90deg
+    /// Sample the motion at this phase of each period, in rad or with a unit, e.g. 90deg
     #[arg(long, value_name = "ANGLE", default_value = "0", value_parser = angle, allow_hyphen_values = true)]
     pub phase: f64,
-    /// Periods discarded, unless the motion has settled before
+    /// Periods discarded, fewer if the motion settles earlier
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
-    /// Points of the section
+    /// Number of points of the section
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u32>(1..=10_000_000))]
     pub keep: u32,
-    /// What is drawn across and up: two of the columns, such as box.s,box.v, of time and phase,
-    /// and at an element's events of speed, with which it closes [default: the first free body's
-    /// place and rate; at an element's events phase,speed]
+    /// Horizontal and vertical axis: two columns, e.g. box.s,box.v, or time, phase, and at the
+    /// events of a stop its closing speed (speed) [default: position and velocity of the first free
+    /// body; at the events of an element phase,speed]
     #[arg(long, value_name = "NAME,NAME")]
     pub of: Option<String>,
 }

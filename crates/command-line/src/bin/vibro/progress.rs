@@ -51,7 +51,7 @@ impl Clock {
                 let Ok(mut terminal) = TERMINAL.lock() else { return };
                 if terminal.bars == 0 {
                     let clock =
-                        || ProgressBar::with_draw_target(None, target()).with_style(style("{msg} gone"));
+                        || ProgressBar::with_draw_target(None, target()).with_style(style("{msg} elapsed"));
                     let gone = Duration::from_secs(begin.elapsed().as_secs());
                     terminal.clock.get_or_insert_with(clock).set_message(HumanDuration(gone).to_string());
                 }
@@ -171,7 +171,7 @@ impl Progress {
         let bar =
             ProgressBar::with_draw_target(Some(self.total), target.unwrap_or(ProgressDrawTarget::hidden()));
         bar.set_style(style(&match self.unit {
-            TIME => "{bar:40} {elapsed} gone {msg}".into(),
+            TIME => "{bar:40} {elapsed} elapsed, {msg}".into(),
             unit => format!("{{bar:40}} {{pos}}/{{len}} {unit}, {{eta}} left"),
         }));
         // The clock runs while no step ends.
@@ -230,12 +230,12 @@ mod tests {
         let own = terminal.clone();
         let onto = move || ProgressDrawTarget::term_like(Box::new(own.clone()));
         let clock = Clock::onto(onto, Duration::ZERO);
-        wait(&terminal, |shown| shown.contains("seconds gone"));
+        wait(&terminal, |shown| shown.contains("seconds elapsed"));
         let (other, progress) = after(3, Duration::ZERO);
         wait(&terminal, str::is_empty);
         wait(&other, |shown| shown.contains("3/8 parts"));
         drop(progress);
-        wait(&terminal, |shown| shown.contains("gone"));
+        wait(&terminal, |shown| shown.contains("elapsed"));
         drop(clock);
         assert_eq!(terminal.contents(), "");
     }

@@ -15,7 +15,7 @@ use vibro_studies::{AxisName, ParameterAxis};
 /// A share of a long study.
 #[derive(Args, Debug)]
 pub struct Share {
-    /// Compute only share I of N, e.g. 2/4; `vibro merge` draws the whole
+    /// Compute only share I of N, e.g. 2/4; `vibro merge` combines the shares and draws the study
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
 }
@@ -65,8 +65,7 @@ where
 {
     move |text| match text.parse::<T>() {
         Ok(number) if allowed.contains(&number) => Ok(number),
-        Ok(number) => Err(format!("{number:?} is not in {allowed:?}")),
-        Err(_) => Err(format!("allowed are whole numbers in {allowed:?}")),
+        _ => Err(format!("expected a whole number from {:?} to {:?}", allowed.start(), allowed.end())),
     }
 }
 
@@ -91,7 +90,7 @@ pub fn real(
 ) -> impl Fn(&str) -> std::result::Result<f64, String> + Clone + Send + Sync + 'static {
     move |text| {
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && allowed.contains(number));
-        number.ok_or_else(|| format!("allowed is {words}"))
+        number.ok_or_else(|| format!("expected {words}"))
     }
 }
 
@@ -136,7 +135,7 @@ impl FromStr for ParameterPair {
 
     fn from_str(text: &str) -> Result<Self> {
         let form =
-            || Error::form(text, "two names with a comma between, e.g. sigma1,f10 or block.m,stop.gap");
+            || Error::form(text, "two names separated by a comma, e.g. sigma1,f10 or block.m,stop.gap");
         let (x, y) = text.split_once(',').ok_or_else(form)?;
         Ok(Self { x: Name::find(x.trim())?, y: Name::find(y.trim())? })
     }
@@ -245,7 +244,7 @@ impl<N: AxisName> ParameterRange<N> {
         let count = self.count.unwrap_or(resolution);
         if !allowed.contains(&count) {
             let text = format!("{}: {count} values", self.name.text());
-            let problem = format!("allowed are {} to {}", allowed.start(), allowed.end());
+            let problem = format!("expected {} to {}", allowed.start(), allowed.end());
             return Err(Error::Refused { what: text, problem });
         }
         Ok(ParameterAxis::of(self.name.clone(), self.ends, count)?)
@@ -275,20 +274,20 @@ mod tests {
         }
         assert_eq!(
             error::<ParameterRange>("sigma=-2:2"),
-            "no parameter is named `sigma`; the nearest is `sigma1`: detuning of the excitation, \
+            "no parameter is named `sigma`; did you mean `sigma1`? `sigma1`: detuning of the excitation, \
              omega1/omega10 = 1 + epsilon sigma1, a finite number > -1/epsilon"
         );
         assert!(error::<ParameterRange>("sigma1=2:-2").contains("from < to"));
         assert!(error::<ParameterRange>("sigma1=-2:2:many").contains("from < to"));
-        assert!(error::<ParameterRange>("drive.frequency=9:11Hz").contains("a unit at every number"));
-        assert_eq!(error::<ParameterValues>("kappa=0.5,1.5"), "kappa = 1.5: allowed is 0 <= kappa <= 1");
+        assert!(error::<ParameterRange>("drive.frequency=9:11Hz").contains("a unit on every number"));
+        assert_eq!(error::<ParameterValues>("kappa=0.5,1.5"), "kappa = 1.5: expected 0 <= kappa <= 1");
         assert_eq!(
             error::<ParameterValues>("kappa=0.5,high"),
-            "kappa = `high` is not a number: allowed is 0 <= kappa <= 1"
+            "kappa = `high` is not a number: expected 0 <= kappa <= 1"
         );
         assert!(error::<ParameterPair>("kappa").contains("sigma1,f10"));
         let range: ParameterRange = "f10=1:2:1".parse().unwrap();
         let refused = range.axis(10, 2..=100).unwrap_err().to_string();
-        assert_eq!(refused, "f10: 1 values: allowed are 2 to 100");
+        assert_eq!(refused, "f10: 1 values: expected 2 to 100");
     }
 }

@@ -21,11 +21,10 @@ const MOST_SAMPLES: u32 = 10_000;
 /// Arguments of `run`.
 #[derive(Args, Debug)]
 pub struct RunArguments {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
-    /// paper's machine
+    /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Rows of the table: in each drive period, at most 10000; with FILE in all, after that of
+    /// Rows of the table: per drive period, at most 10000; with FILE in total, after the row of
     /// time 0 [default: 100; with FILE 1000]
     #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "1000"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
@@ -47,22 +46,22 @@ pub struct RunOfFile {
     /// End of the motion, in s or with a unit (2s, 500 ms)
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub until: Option<f64>,
-    /// Times of the rows instead: a number in s a line; beside --until the motion goes on to that
-    /// time, in a last row
+    /// File with the times of the rows, one number in s per line. With --until, the motion
+    /// continues to that time, in a last row
     #[arg(long, value_name = "FILE", conflicts_with = "samples")]
     pub times: Option<PathBuf>,
-    /// Columns of states.csv, in this order: box.s, a body or element for all of its own (box,
-    /// stop.steel), a coordinate of a body with many (tube.q[3].s), or a state of a block
-    /// (pid.x[0], pid.u.held), which no other table has
-    /// [default: all but such coordinates]
+    /// Columns of states.csv, in this order: a quantity (box.s), a body or element for all its
+    /// quantities (box, stop.steel), a coordinate of a body with several (tube.q[3].s), or a state
+    /// of a block (pid.x[0], pid.u.held) [default: all columns except such coordinates and states
+    /// of blocks]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub columns: Vec<String>,
-    /// List the knots of signals in events.csv too: a record has one at each of its times
+    /// Also list the knots of signals in events.csv; a record has a knot at each of its times
     #[arg(long)]
     pub knots: bool,
-    /// Write the exact derivatives of all columns (derivatives.csv) and of the events' times
-    /// (event-derivatives.csv) by these parameters, e.g. stop.steel.gap,friction.guide.force, or
-    /// by numbers of the start: start.box.s, start.box.v, start.time
+    /// Write the exact derivatives of all columns (derivatives.csv) and of event times
+    /// (event-derivatives.csv) with respect to these parameters, e.g.
+    /// stop.steel.gap,friction.guide.force, or initial values: start.box.s, start.box.v, start.time
     #[arg(long, value_name = "NAME,…")]
     pub derivatives: Vec<String>,
 }
@@ -106,7 +105,8 @@ impl FromStr for Duration {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        const FORM: &str = "a finite time above 0, in s, with a unit of s, ms, us, min, h, or in drive periods, e.g. 2s or 200 periods";
+        const FORM: &str = "a finite time > 0 in s, ms, us, min or h, or in drive periods, e.g. 2s \
+                            or 200 periods";
         let words = text.trim();
         let periods = words.strip_suffix("periods").or_else(|| words.strip_suffix("period"));
         let found = match periods {
@@ -142,7 +142,7 @@ pub enum InterpolationName {
 /// Computes a run; constant loads are among the parameters of the set.
 pub fn run(set: &ParameterSet, RunArguments { samples, of_paper: a, .. }: &RunArguments) -> Result<Study> {
     if *samples > MOST_SAMPLES {
-        let problem = format!("allowed are 1 to {MOST_SAMPLES} in each drive period");
+        let problem = format!("expected 1 to {MOST_SAMPLES} in each drive period");
         return Err(Error::Refused { what: format!("--samples {samples}"), problem });
     }
     let length = match (a.periods, a.duration) {

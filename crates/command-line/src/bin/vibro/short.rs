@@ -155,7 +155,7 @@ pub fn response(set: &ParameterSet, Response { of_paper: a, .. }: &Response) -> 
     Ok(found)
 }
 
-const COUNT: &str = "name=from:to without a count: curves are followed and have no fixed number of values";
+const COUNT: &str = "name=from:to without a count: the steps along a curve are chosen by the program";
 
 /// The response along any parameter, for the listed values of one other parameter.
 fn along(set: &ParameterSet, range: &ParameterRange, a: &ResponseOfPaper) -> Result<Study> {
@@ -172,7 +172,7 @@ fn along(set: &ParameterSet, range: &ParameterRange, a: &ResponseOfPaper) -> Res
             (name, vec![name.value(set)])
         }
         [one] if !one.name.is_same_quantity(range.name) => (one.name, members(set, one.name, [one], &[])),
-        [one] => return Err(Error::form(one.name.name(), "values of another parameter than the axis")),
+        [one] => return Err(Error::form(one.name.name(), "values of a parameter that is not the axis")),
         [_, other, ..] => return Err(Error::form(other.name.name(), "values of one parameter only")),
     };
     studies::paper::along(set, range.name, range.ends, (name, &values), a.of)

@@ -15,37 +15,36 @@ use vibro_studies::paper::start::StartRule;
 /// Arguments of `bifurcation`.
 #[derive(Args, Debug)]
 pub struct Bifurcation {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
-    /// paper's machine
+    /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Parameter and range, such as f10=0.5:5 or, with FILE, stop.steel.gap=1mm:8mm:200. Repeated
+    /// Parameter and its range, e.g. f10=0.5:5 or, with FILE, stop.steel.gap=1mm:8mm:200. Repeated
     /// for planes [default without FILE: f10=0.5:5]
     #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO[:COUNT]")]
     #[arg(allow_hyphen_values = true)]
     pub vary: Vec<String>,
-    /// Values in a range without a count [default: 451; with FILE 200, of a plane 60]
+    /// Number of values of a range without a count [default: 451; with FILE 200, of a plane 60]
     #[arg(long, value_name = "N", default_value = "451")]
     #[arg(default_value_ifs = [("pair", IsPresent, "60"), ("file", IsPresent, "200")])]
     #[arg(hide_default_value = true, value_parser = whole::<u16>(2..=20_000))]
     pub resolution: u16,
-    /// Periods discarded at each value; with FILE, unless the motion has settled before
-    /// [default: 400; with FILE 300]
+    /// Periods discarded at each value; with FILE fewer if the motion settles earlier [default:
+    /// 400; with FILE 300]
     #[arg(long, value_name = "N", default_value = "400", default_value_if("file", IsPresent, "300"))]
     #[arg(hide_default_value = true, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
-    /// Periods kept at each value [default: 800; with FILE 100]
+    /// Periods recorded at each value [default: 800; with FILE 100]
     #[arg(long, value_name = "N", default_value = "800", default_value_if("file", IsPresent, "100"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub keep: u32,
     /// Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s,
-    /// box.v, box.a, steel.e, steel.rate, steel.f
-    /// [default: x2; with FILE the first free body's coordinate]
+    /// box.v, box.a, steel.e, steel.rate, steel.f [default: x2; with FILE the coordinate of the
+    /// first free body]
     #[arg(long, value_name = "NAME", default_value = "x2")]
     #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub of: Option<String>,
     /// Start of the motion at the first value of either direction, of all with --anew and --pair.
-    #[arg(long, help = start_help!("Start of the motion at the first value of either direction, and of every motion that has its own"), value_name = START_VALUE, allow_hyphen_values = true)]
+    #[arg(long, help = start_help!("Start of the motion at the first value of either direction, and of each motion that does not continue another"), value_name = START_VALUE, allow_hyphen_values = true)]
     #[arg(default_value = "v2=1", default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub start: Vec<String>,
     /// Also draw the exact branches of periodic orbits, stable and unstable, with their
@@ -70,15 +69,16 @@ pub struct DiagramOfFile {
     /// Where motions are looked at.
     #[command(flatten)]
     pub section: SectionArguments,
-    /// Draw the values where the motion is looked at (a Poincaré section) instead of local maxima
+    /// Draw the values at the section (Poincaré section) instead of local maxima
     #[arg(long)]
     pub at_section: bool,
-    /// Draw classes and contacts over a plane of two parameters instead, of which --vary tells the
-    /// ranges: stop.steel.gap,body.block.mass. Each motion has the same start. May be repeated
+    /// Draw classes and contacts over a plane of two parameters, e.g.
+    /// stop.steel.gap,body.block.mass, with the ranges of --vary. Each motion has the same start.
+    /// May be repeated
     #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
     pub pair: Vec<String>,
-    /// Start each value as the file or --start says, and not from the last state of the value
-    /// before: for a machine with steps or records that go on. There is then one direction
+    /// Start each value from the file or --start instead of the last state of the previous value,
+    /// for example for a machine with steps or records. The diagram then has one direction
     #[arg(long, conflicts_with = "pair")]
     pub anew: bool,
 }
@@ -100,26 +100,25 @@ pub struct DiagramOfPaper {
 /// Arguments of `lyapunov`.
 #[derive(Args, Debug)]
 pub struct Lyapunov {
-    /// Most periods over which exponents are computed; with FILE 8 to 1000000, after 32 in which
-    /// the variation turns into its direction [default: 1500; with FILE 400]
+    /// Largest number of periods over which exponents are computed; with FILE 8 to 1000000, after
+    /// 32 periods in which the variation turns into its direction [default: 1500; with FILE 400]
     #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
     /// The diagram.
     #[command(flatten)]
     pub sweep: Bifurcation,
-    /// Tell all exponents of the machine as it is: every variation is carried through flights and
-    /// events, over --periods returns
+    /// Compute all exponents of the machine as it is: every variation is carried through flights
+    /// and events, over --periods returns
     #[arg(long, conflicts_with_all = ["range", "pair"], help_heading = WITH_FILE)]
     pub spectrum: bool,
-    /// End a spectrum once the standard deviation of the running exponents over 200 periods is
-    /// below this, per unit of tau
+    /// End a spectrum as soon as the standard deviation of the running exponents over 200 periods
+    /// is below this value, per unit of tau
     #[arg(long, value_name = "X", default_value_t = 0.0)]
     #[arg(value_parser = real(0.0..=f64::MAX, "a finite number >= 0"), help_heading = WITHOUT_FILE)]
     pub threshold: f64,
-    /// Values at which spectra are listed and running exponents shown
-    /// [default: of f10 0.6,1.5,2.45,3.6 or the value that was set; of other parameters the
-    /// quarters of the range]
+    /// Values at which spectra are listed and running exponents shown [default: for f10
+    /// 0.6,1.5,2.45,3.6 or the value that was set; for other parameters the quarters of the range]
     #[arg(long, value_name = "V,V,…", value_delimiter = ',', allow_hyphen_values = true)]
     #[arg(help_heading = WITHOUT_FILE)]
     pub at: Vec<String>,
@@ -134,16 +133,17 @@ pub struct Isoperiodic {
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u16>(2..=3_000))]
     pub resolution: u16,
-    /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s
-    /// box.v block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is
-    /// not named is zero. "orbit" starts on the exact orbit where it is stable
+    /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v
+    /// block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not
+    /// given is zero. "orbit" starts on the exact orbit if it is stable
     #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
     pub start: StartRule,
-    /// Drive periods discarded. A motion that has settled earlier is not simulated further
+    /// Drive periods discarded, fewer if the motion settles earlier
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
-    /// Most drive periods over which the largest exponent of a motion without a period is computed
-    /// at a time. The computation ends once the class is decided. 0 leaves the exponents out
+    /// Largest number of drive periods over which the largest exponent of a motion without a period
+    /// is computed at a time. The computation ends as soon as the class is decided. 0 leaves out
+    /// the exponents
     #[arg(long, value_name = "N", default_value_t = 4000, value_parser = whole(0..=u32::MAX))]
     pub periods: u32,
     /// Constant loads.
@@ -157,7 +157,7 @@ pub struct Isoperiodic {
 /// Arguments of `merge`.
 #[derive(Args, Debug)]
 pub struct Merge {
-    /// The folders given to the shards as --out
+    /// Folders of the shards (their --out)
     #[arg(required = true, value_name = "FOLDER")]
     pub folders: Vec<PathBuf>,
 }
@@ -165,10 +165,10 @@ pub struct Merge {
 /// Arguments of `template`.
 #[derive(Args, Debug)]
 pub struct Template {
-    /// The machine in SI (the default)
+    /// Print the machine in SI (the default)
     #[arg(long, conflicts_with = "groups")]
     pub si: bool,
-    /// The dimensionless groups
+    /// Print the dimensionless groups
     #[arg(long)]
     pub groups: bool,
 }
@@ -176,10 +176,10 @@ pub struct Template {
 /// Arguments of `new`.
 #[derive(Args, Debug)]
 pub struct New {
-    /// The machine, such as damper_with_buffer or gear_backlash; without it all are listed
+    /// Machine of the gallery, e.g. damper_with_buffer or gear_backlash; without it, all are listed
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
-    /// The file to write, which must not be there [default: NAME.toml]
+    /// File to write, which must not exist [default: NAME.toml]
     #[arg(value_name = "TO")]
     pub to: Option<PathBuf>,
 }
@@ -187,13 +187,13 @@ pub struct New {
 /// Arguments of `fmu`.
 #[derive(Args, Debug)]
 pub struct Fmu {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it
+    /// Machine file (TOML), described in docs/machine-file.md
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Version of FMI: 2 writes NAME.fmu, 3 writes NAME-FMI3.fmu
     #[arg(long, value_name = "2|3", default_value = "3", value_parser = ["2", "3"])]
     pub fmi: String,
-    /// The compiled library of described machines (machine-kit.zip)
+    /// Prebuilt library for machine files (machine-kit.zip)
     #[arg(long, value_name = "FILE")]
     pub kit: Option<PathBuf>,
 }
@@ -201,7 +201,7 @@ pub struct Fmu {
 /// Arguments of `reproduce`.
 #[derive(Args, Debug)]
 pub struct Reproduce {
-    /// Fewer values and periods: a first look within a minute
+    /// Compute fewer values and periods, for a first look within a minute
     #[arg(long)]
     pub quick: bool,
 }
@@ -209,20 +209,19 @@ pub struct Reproduce {
 /// Arguments of `response`.
 #[derive(Args, Debug)]
 pub struct Response {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
-    /// paper's machine
+    /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Range of the parameter along which the response is drawn: with FILE any of its numbers,
-    /// such as load.shaker.frequency=8Hz:12Hz; without, sigma1 (frequency response), f10 (force
+    /// Range of the parameter over which the response is drawn: with FILE any parameter, e.g.
+    /// load.shaker.frequency=8Hz:12Hz; without FILE sigma1 (frequency response), f10 (force
     /// response) or another parameter
     #[arg(id = "range", long = "vary", visible_alias = "range", value_name = "NAME=FROM:TO")]
     #[arg(allow_hyphen_values = true)]
     pub range: Vec<String>,
-    /// What is drawn. With FILE an output of `vibro sweep`, such as amplitude.box.s or
-    /// maximum.buffer.f, or a quantity, of which the largest value is drawn; without, the
-    /// amplitude of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the
-    /// amplitude of the first free body; without, the paper's C and A3]
+    /// Output to draw. With FILE an output of `vibro sweep`, e.g. amplitude.box.s or
+    /// maximum.buffer.f, or a quantity, whose largest value is drawn; without FILE the amplitude of
+    /// x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the amplitude of the first
+    /// free body; without FILE the paper's C and A3]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
     /// Of a machine's file.
@@ -237,12 +236,12 @@ pub struct Response {
 #[derive(Args, Debug)]
 #[group(skip)]
 pub struct ResponseOfPaper {
-    /// Which curves
+    /// Curves to draw
     #[arg(long, value_enum, default_value_t = ResponseKind::Both)]
     pub kind: ResponseKind,
-    /// Values that differ between curves: of f10 and gamma1 for the frequency response, of sigma1
-    /// for the force response, of any parameter along another one. A value that was set is added;
-    /// without a list it is the only one
+    /// Values of the parameter that differs between curves: f10 or gamma1 for the frequency
+    /// response, sigma1 for the force response, any other parameter for other responses. A value
+    /// that was set is added; without a list it is the only one
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
     pub values: Vec<ParameterValues>,
     /// The parsed ranges.
@@ -267,12 +266,12 @@ pub enum ResponseKind {
 /// Arguments of `manifold`.
 #[derive(Args, Debug)]
 pub struct Manifold {
-    /// What is drawn: the manifold (2), its admissible part (7), its fixed points (9), by the
-    /// paper's figure numbers [default: all]
+    /// Figures to draw, by the paper's numbers: the manifold (2), its admissible part (7), its
+    /// fixed points (9) [default: all]
     #[arg(long, value_name = "N", value_parser = ["2", "7", "9"])]
     pub figure: Vec<String>,
-    /// The parameter that differs between the panels of the fixed points (figure 9), and its
-    /// values [default: f10=0.6,1.2,1.5,2.5, or the f10 that was set]
+    /// Parameter that differs between the panels of the fixed points (figure 9), and its values
+    /// [default: f10=0.6,1.2,1.5,2.5, or the f10 that was set]
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
     pub values: Option<ParameterValues>,
 }
@@ -280,8 +279,8 @@ pub struct Manifold {
 /// Arguments of `stability`.
 #[derive(Args, Debug)]
 pub struct Stability {
-    /// What is drawn: limits over restitution and mass ratio (5), Masri's plane (6), by the
-    /// paper's figure numbers [default: both]
+    /// Figures to draw, by the paper's numbers: limits over restitution and mass ratio (5), Masri's
+    /// plane (6) [default: both]
     #[arg(long, value_name = "N", value_parser = ["5", "6"])]
     pub figure: Vec<String>,
 }
@@ -337,9 +336,9 @@ impl From<MethodName> for Method {
 /// Arguments of `compare`.
 #[derive(Args, Debug)]
 pub struct Compare {
-    /// What is compared, by the paper's figure numbers: histories and phase portraits (8), the
-    /// force response with simulated maxima (16), errors over the mass ratio (17), strong coupling
-    /// (19, with 18) [default: all]. Numbers that are not set for 19 are chosen here
+    /// Figures to draw, by the paper's numbers: histories and phase portraits (8), the force
+    /// response with simulated maxima (16), errors over the mass ratio (17), strong coupling (19,
+    /// with 18) [default: all]. Parameters of figure 19 that are not set are chosen by the program
     #[arg(long, value_name = "N", value_parser = ["8", "16", "17", "19"])]
     pub figure: Vec<String>,
     /// Range of the force f10 for the simulated maxima (figure 16) [default: f10=0.5:3]

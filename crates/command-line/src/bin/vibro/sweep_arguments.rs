@@ -39,60 +39,58 @@ EXAMPLES of the paper's machine
 
 /// Description of the tables of a sweep.
 pub const TABLE: &str = "\
-THE TABLE (sweep.csv, sweep.parquet) has a row for each design: the parameters and outputs in SI, the reason if values are
-missing, and at the end each parameter that was written in another unit, in that unit (`drive.frequency [Hz]`). With one motion a
-design the column of an output has its name. With several there are NAME.min, NAME.mean, NAME.max, and where the largest was
-found: NAME.max.drive.frequency, NAME.max.start. After the reason stand NAME.spread, by how much a number would scatter from one
-window of the motion to the next (but for rounding 0 where it repeats), the periods of the window, and `between`: how many
-values between those of --over were looked at. A design that may be the best has the numbers of its longest window.";
+THE TABLE (sweep.csv, sweep.parquet) has a row for each design: parameters and outputs in SI, the reason if values are missing,
+and at the end each parameter that was written in another unit, in that unit (`drive.frequency [Hz]`). With one motion per design,
+the column of an output has its name. With several motions there are NAME.min, NAME.mean, NAME.max, and the place of the largest
+value: NAME.max.drive.frequency, NAME.max.start. After the reason come NAME.spread (the scatter of a value from one window of the
+motion to the next; 0 except for rounding if the motion repeats), the number of periods in the window, and `between` (the number
+of values between the values of --over). A design that may be the best has the values of its longest window.";
 
 /// Arguments of `sweep`.
 #[derive(Args, Debug)]
 pub struct Sweep {
-    /// The machine's file (TOML); docs/machine-file.md says what may stand in it. Without it the
-    /// paper's machine
+    /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// A parameter and its values, as a range or a list. May be repeated; all combinations are
-    /// run, the last parameter fastest
+    /// Parameter and its values, as a range or a list. May be repeated; all combinations are
+    /// measured, the last parameter fastest
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub vary: Vec<String>,
     /// Number of values of a range without a count
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = whole::<u32>(2..=1_000_000))]
     pub resolution: u32,
-    /// Run the first N points of the Sobol sequence in the ranges of --vary instead of all
+    /// Measure the first N points of the Sobol sequence in the ranges of --vary instead of all
     /// combinations
     #[arg(long, visible_alias = "samples", value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     pub sobol: Option<u32>,
-    /// A parameter over which each design is measured as a whole, e.g. the drive's frequency in a
-    /// band; between the values of a range is looked for designs that may be the best. May be
+    /// Parameter over which each design is measured as a whole, e.g. the drive frequency in a band.
+    /// Designs that may be the best are also measured between the values of a range. May be
     /// repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<String>,
-    /// What is measured: names from --list, separated by commas. May be repeated
-    /// [default: amplitudes, impacts, their speed, power lost, class]
+    /// Outputs to measure: names from --list, separated by commas. May be repeated [default:
+    /// amplitudes, impacts, impact speeds, power losses, class]
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = DEFAULT)]
     #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub output: Vec<String>,
-    /// Periods discarded before a motion is measured; with FILE, unless it has settled before
+    /// Periods discarded before a motion is measured; with FILE fewer if the motion settles earlier
     /// [default: 400; with FILE 300]
     #[arg(long, value_name = "N", default_value = "400", default_value_if("file", IsPresent, "300"))]
     #[arg(hide_default_value = true, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
-    /// Periods over which a motion is measured; 60 are whole periods of 1T to 6T, 10T and 12T
+    /// Periods over which a motion is measured; 60 contain whole periods of 1T to 6T, 10T and 12T
     /// motions
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
-    /// Periods of motion that may be spent on measuring again, longer and between the values of
-    /// --over, the designs that may have the least of the first output, until one is the best by
-    /// its error bar and its motions were measured as long as any; 0 for none [default: 5000000;
-    /// with FILE 300000]
+    /// Largest number of periods of motion for measuring again the designs that may have the
+    /// smallest first output: longer, and between the values of --over, until one is the best by
+    /// its error bar; 0 for none [default: 5000000; with FILE 300000]
     #[arg(long, value_name = "N", default_value = "5000000")]
     #[arg(default_value_if("file", IsPresent, "300000"), hide_default_value = true)]
     #[arg(value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
     /// Starts: every design is run from each.
-    #[arg(long, help = start_help!("Start of each design; may be repeated, and every design is run from each"), value_name = START_VALUE, allow_hyphen_values = true)]
+    #[arg(long, help = start_help!("Start of each design; may be repeated, and every design is measured from each start"), value_name = START_VALUE, allow_hyphen_values = true)]
     pub start: Vec<String>,
     /// List the names of all outputs of the machine, with unit and meaning
     #[arg(long)]

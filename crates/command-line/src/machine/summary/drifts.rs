@@ -39,7 +39,8 @@ pub(super) fn drifts(assembly: &Assembly) -> Vec<String> {
                 _ => format!(" and it moves by {} {length}", short(way)),
             };
             format!(
-                "  {name} drifts: over {what} of {} s its mean speed is {} {unit}{by}; with v = {} {unit} it is 0",
+                "  {name} drifts: its mean speed over {what} of {} s is {} {unit}{by}; start with \
+                 v = {} {unit} for a mean speed of 0",
                 short(span),
                 short(mean),
                 short(v)

@@ -17,15 +17,15 @@ pub(super) fn in_words(span: &Span) -> Vec<String> {
     };
     let still = match span.still {
         0 => String::new(),
-        still => format!("; nothing draws back {still} of them"),
+        still => format!("; {still} of them without a restoring force"),
     };
     let mut lines = vec![format!(
-        "  of a part of {} coordinates{still}: {all} oscillations, counted, of which",
+        "  a part with {} coordinates{still}: {all} oscillations; listed are",
         span.coordinates
     )];
     lines.push(format!("  the {} lowest", low.len()));
     lines.extend(low.iter().map(of));
-    lines.push(format!("  {} between them are not listed; the {} highest", span.between(), high.len()));
+    lines.push(format!("  and, after {} that are not listed, the {} highest", span.between(), high.len()));
     lines.extend(high.iter().map(of));
     lines
 }

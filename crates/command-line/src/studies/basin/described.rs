@@ -89,9 +89,9 @@ fn rest_in_words(machine: &Machine, basins: &Basins<SettledAttractor>) -> Option
         all => format!("{count} of {all} motions"),
     };
     let how = match places.iter().all(|(_, range)| is_one(range)) {
-        true => "at one place",
-        false if d.frictions.is_empty() => "not at one place",
-        false => "not at one place: friction holds a range",
+        true => "at one position",
+        false if d.frictions.is_empty() => "at several positions",
+        false => "at a range of positions, held by friction",
     };
     Some(format!("{which} came to rest ({how}): {}", places.iter().map(place).collect::<Vec<_>>().join(", ")))
 }

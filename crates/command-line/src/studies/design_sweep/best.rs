@@ -26,17 +26,19 @@ pub(super) fn best_in_words<M: Labelled>(
     let undecided = match all {
         [] => return lines,
         [_] if choice.left > 0 => {
-            Some("undecided: of one design the motions could be measured longer".into())
+            Some("undecided: the motions of one design could be measured longer".into())
         }
         [one] if one.1.reason.is_some() => {
-            Some("undecided: of one design not all motions have settled".into())
+            Some("undecided: not all motions of one design have settled".into())
         }
         [_] => None,
         _ => Some(format!("undecided between {} designs", choice.possible.len())),
     };
     match (undecided, all) {
         (None, [one, ..]) => {
-            lines.extend(told(one).map(|words| format!("best by {measure}: {words}; by its error bar")));
+            lines.extend(told(one).map(|words| {
+                format!("best by {measure}: {words}; better than the others beyond the error bars")
+            }));
         }
         (undecided, _) => {
             lines.push(format!("best by {measure}: {}", undecided.unwrap_or_default()));
@@ -67,17 +69,18 @@ fn what_was_done<M: Labelled>(request: &SweepRequest<M>, choice: &Choice) -> Vec
         let names: Vec<String> = request.between.iter().map(M::name).collect();
         let between = match between {
             0 => String::new(),
-            most => format!(", and at up to {most} values between those of {}", names.join(", ")),
+            most => format!(", and at up to {most} values between the values of {}", names.join(", ")),
         };
         let count = match choice.rows.len() {
-            1 => "1 design that might be it was".into(),
-            n => format!("{n} designs that might be it were"),
+            1 => "1 design that may be the best was".into(),
+            n => format!("{n} designs that may be the best were"),
         };
         lines.push(format!("  {count} measured again, over up to {periods} {}{between}", M::periods()));
     }
     if choice.left > 0 {
         lines.push(format!(
-            "  {} of them could be measured longer: the {} {} to be spent on it (--again) are used up",
+            "  {} of them could be measured longer, but the limit of {} {} for measuring again \
+             (--again) is reached",
             choice.left,
             request.again,
             M::periods()
@@ -101,6 +104,6 @@ fn from_more_starts<M: Labelled>(
     (largest.largest > own.largest + bar).then(|| {
         let words = value_in_words(set, measure, largest, &found, &request.designs.names());
         let place = more.place_in_words(set, found.motion(&more, largest.at));
-        format!("  from other starts it has more: {words}, {place}")
+        format!("  from other starts it is larger: {words}, {place}")
     })
 }

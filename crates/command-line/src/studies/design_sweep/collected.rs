@@ -140,11 +140,11 @@ impl<M: Labelled> Collected<M> {
         let [lacking, unsettled] = &self.reasons;
         if let Some(reason) = lacking {
             let which = design_or_none(reason);
-            lines.push(format!("{} of {} designs lack values; the first: {which}", self.bad, self.count));
+            lines.push(format!("{} of {} designs lack values; first: {which}", self.bad, self.count));
         }
         if let Some(reason) = unsettled {
             let (which, what) = (design_or_none(reason), "were measured before they had settled");
-            lines.push(format!("{} of {} designs {what}; the first: {which}", self.unsettled, self.count));
+            lines.push(format!("{} of {} designs {what}; first: {which}", self.unsettled, self.count));
         }
         for record in &self.records {
             let (Some(least), Some(largest)) = (&record.least, &record.largest) else { continue };
@@ -166,11 +166,11 @@ impl<M: Labelled> Collected<M> {
             if significant(least.value) == significant(largest.value) {
                 lines.push(format!("{what}: {}", told(least)));
             } else {
-                lines.push(format!("{what}: least {}; largest {}", told(least), told(largest)));
+                lines.push(format!("{what}: smallest {}; largest {}", told(least), told(largest)));
             }
         }
         if !self.draws {
-            lines.push(format!("no picture: {} designs, allowed are up to {MOST_DRAWN}", self.count));
+            lines.push(format!("no picture: {} designs, but at most {MOST_DRAWN} are drawn", self.count));
         }
         lines
     }
@@ -182,7 +182,7 @@ impl<M: Labelled> Collected<M> {
         let [lacking, _] = &self.reasons;
         let all_of = |reason: &String| match self.count {
             1 => design_or_none(reason).to_owned(),
-            count => format!("all {count} designs failed; the first: {}", design_or_none(reason)),
+            count => format!("all {count} designs failed; first: {}", design_or_none(reason)),
         };
         (self.empty == self.count).then(|| lacking.as_ref().map(all_of)).flatten()
     }

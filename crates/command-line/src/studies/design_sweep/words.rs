@@ -79,7 +79,7 @@ impl Labelled for vibro_studies::Machine {
             && names.iter().any(is_frequency);
         let name = self.name_with_changes();
         let what = crate::subject::periodic_parts(&self.description);
-        varies.then(|| format!("{name}, looked at after each common period of its {what}, which varies"))
+        varies.then(|| format!("{name}, sampled once per common period of its {what}, which varies"))
     }
 
     fn words(measure: &vibro_studies::Measure) -> String {

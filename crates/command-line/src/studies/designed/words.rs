@@ -47,7 +47,7 @@ fn best_in_words(request: &DesignRequest, found: &Designed, best: &Best) -> Vec<
     ];
     let own = found.evaluations.iter().find(|own| own.stage == Stage::Own).and_then(|own| own.goal);
     if let Some(goal) = own {
-        lines.push(format!("  with the file's own numbers: {}", value(request, measure, &goal)));
+        lines.push(format!("  with the parameters of the file: {}", value(request, measure, &goal)));
     }
     if !best.at_ends.is_empty() {
         lines.push(format!("  at an end of its range: {}", best.at_ends.join(", ")));
@@ -60,13 +60,13 @@ fn best_in_words(request: &DesignRequest, found: &Designed, best: &Best) -> Vec<
         lines.push(format!("  limit {}: {own} {sign} {bound}: {}", limit.measure, check.name()));
     }
     if request.robust > 0.0 {
-        lines.push(format!("  worst within ±{} % of the numbers that vary", 100.0 * request.robust));
+        lines.push(format!("  worst value within ±{} % of the varied parameters", 100.0 * request.robust));
     }
     lines
 }
 
 fn rival(request: &DesignRequest, own: &Rival) -> String {
-    let apart = if own.is_told_apart { "told apart" } else { "not told apart from the best" };
+    let apart = if own.is_told_apart { "distinguishable" } else { "not distinguishable from the best" };
     let goal = value(request, &request.goal.measure, &own.goal);
     format!("  other: {goal} at {}: {apart}", numbers(request, &own.values))
 }
@@ -79,10 +79,10 @@ fn attractors(request: &DesignRequest, best: &Best) -> Vec<String> {
         let impacts = vibro_studies::significant(own.impacts);
         let worse = match (own.is_worse, own.is_requested) {
             (false, _) => String::new(),
-            (true, _) => format!(", worse than the design's value; start {}", own.start),
+            (true, _) => format!(", worse than the value of the design; start {}", own.start),
         };
         format!(
-            "  {} with {impacts} contacts a period: {goal} from {} of {all} starts{worse}",
+            "  {} with {impacts} contacts per period: {goal} from {} of {all} starts{worse}",
             own.class.name(),
             own.starts
         )
@@ -92,7 +92,7 @@ fn attractors(request: &DesignRequest, best: &Best) -> Vec<String> {
         [own] if own.starts > 1 => vec![format!("  one motion from {all} starts: {}", own.class.name())],
         [_] => Vec::new(),
         several => {
-            let mut lines = vec!["motions that coexist at its worst place:".to_owned()];
+            let mut lines = vec!["motions that coexist at its worst value:".to_owned()];
             lines.extend(several.iter().take(LISTED).map(one));
             if several.len() > LISTED {
                 lines.push(format!("  and {} more", several.len() - LISTED));
@@ -108,10 +108,10 @@ fn what_was_done(request: &DesignRequest, found: &Designed) -> String {
     let words = stages.into_iter().filter(|stage| count(*stage) > 0);
     let words: Vec<String> = words.map(|stage| format!("{} by {}", count(stage), stage.words())).collect();
     let gradients = match (found.orbits, found.has_gradients) {
-        (0, _) => "; no gradients: the motions are on no stable periodic orbit with derivatives".to_owned(),
-        (n, true) => format!("; the best by exact derivatives, of {n} orbits"),
-        (n, false) => format!("; derivatives of {n} orbits led to no better design"),
+        (0, _) => "; no gradients, because no motion has a stable periodic orbit with derivatives".to_owned(),
+        (n, true) => format!("; the best was found by exact derivatives of {n} orbits"),
+        (n, false) => format!("; exact derivatives of {n} orbits did not lead to a better design"),
     };
-    let over = if request.over.is_empty() { "" } else { ", each by its worst over the band" };
+    let over = if request.over.is_empty() { "" } else { ", each by its worst value over the band" };
     format!("{} designs{over}: {}{gradients}", found.evaluations.len(), words.join(", "))
 }

@@ -186,7 +186,7 @@ impl DiagramOrbits {
             &format!("had not settled and lie on a stable branch {LATER} periods later"),
             &|c| matches!(c, Covering::Transient),
         ));
-        words.extend(told("lie on no branch that was followed", &|c| matches!(c, Covering::Missing)));
+        words.extend(told("do not lie on a branch that was followed", &|c| matches!(c, Covering::Missing)));
         words
     }
 

@@ -31,17 +31,18 @@ pub fn orbit(set: &ParameterSet, found: &[Orbit]) -> Result<Study> {
     remarks.push(format!("{stability}: {}", largest_multiplier(orbit)));
     remarks.push(format!("start: x = {:?} m, v = {:?} m/s at time 0", start.x, start.v));
     if word.closing() > 0 && orbit.system().is_symmetric() {
-        remarks.push("it is not symmetric: its mirror image is an orbit too".into());
+        remarks.push("it is not symmetric; its mirror image is another orbit".into());
     }
     let own = found.iter().skip(1).filter(|o| o.is_shortest()).count();
     if own > 0 {
-        remarks.push(format!("{own} other orbits of this word were found; this one is nearest to stability"));
+        remarks.push(format!(
+            "{own} other orbits of this word were found; the orbit nearest to stability is shown"
+        ));
     }
     let short = found.len() - 1 - own;
     if short > 0 {
-        remarks.push(format!(
-            "{short} more are orbits of a shorter word passed several times, or symmetric orbits"
-        ));
+        remarks
+            .push(format!("{short} more are repetitions of an orbit of a shorter word, or symmetric orbits"));
     }
     let figure = Figure {
         title: format!("Periodic orbit {} of period {}T", word.signed(), word.period()),

@@ -57,8 +57,9 @@ pub(in crate::studies) fn search_in_words(searched: &Searched) -> String {
         return ways;
     }
     format!(
-        "{ways}, and from {starts} starts over the states they visit, half again as wide, for {periods} periods each: of {followed} more \
-         branches near whose orbits these passed {islands} are stable somewhere and were kept"
+        "{ways}, and from {starts} starts in 1.5 times the range of the visited states, for \
+         {periods} periods each: these motions passed near orbits of {followed} more branches, of \
+         which {islands} are stable somewhere and were kept"
     )
 }
 

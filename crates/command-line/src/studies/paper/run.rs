@@ -73,7 +73,7 @@ impl RunRequest {
         }
         Err(Error::Refused {
             what: format!("a run of {duration} s"),
-            problem: "allowed is a finite time above 0".into(),
+            problem: "expected a finite time > 0".into(),
         })
     }
 
@@ -127,7 +127,7 @@ pub fn run(set: &ParameterSet, request: &RunRequest) -> Result<Study> {
     let figure = picture::figure(set, &history, &request.loads, remarks.last().cloned().unwrap_or_default());
     let tables =
         vec![("run".into(), motion_table(&history)?), ("run-impacts".into(), impact_table(&history).csv()?)];
-    let nothing = if figure.is_some() { "" } else { "; nothing changes, so that there is no picture" };
+    let nothing = if figure.is_some() { "" } else { "; no picture, because nothing changes" };
     let (seconds, periods) = (short(duration), short(duration / p.period()));
     let what = format!("a motion over {seconds} s ({periods} drive periods){nothing}");
     Ok(Study { tables, figure, ..Study::without_figure("run", what).with_remarks(remarks) })
@@ -183,7 +183,8 @@ fn account(p: &Parameters, history: &History) -> Vec<String> {
     }
     let e = &history.energy;
     lines.push(format!(
-        "energy: input {} J, damped {} J, lost at impacts {} J, mechanical from {} to {} J; balance off by {:.1e} J",
+        "energy: input {} J, damped {} J, lost at impacts {} J, mechanical from {} to {} J; \
+         balance off by {:.1e} J",
         short(e.input),
         short(e.damped),
         short(e.impact),
@@ -202,7 +203,7 @@ fn class(simulator: &mut Simulator) -> Result<String> {
     ahead.advance_to(((simulator.time() / period - 1e-9).ceil() * period).max(simulator.time()))?;
     let found = verdict(&trajectories::Start { parameters, state: ahead.state() }, 0)?;
     let (class, attractor) = (found.class, &found.attractor);
-    let mut words = format!("class: {}, as it goes on after the run", class.name());
+    let mut words = format!("class: {}, from the motion after the run", class.name());
     // The symmetry of a settling motion is undecided.
     if matches!(class, MotionClass::Periodic(_)) {
         words.push_str(if attractor.is_symmetric() { "; its own mirror image" } else { "; not symmetric" });

@@ -216,7 +216,7 @@ fn picture(set: &ParameterSet) -> Result<(String, Option<Figure>)> {
         .flatten()
         .collect();
     if parts.is_empty() {
-        return Ok(("no picture, for there is no motion with two symmetric impacts".into(), None));
+        return Ok(("no picture, because there is no motion with two symmetric impacts".into(), None));
     }
     let what = format!("time histories and phase portraits as in figure 8, by {}", parts.join(" and "));
     let p = set.parameters();

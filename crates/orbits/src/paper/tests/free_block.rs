@@ -158,10 +158,13 @@ fn words_that_cannot_balance_the_load_are_refused_with_the_reason() {
         let guess: Vec<f64> = (0..text.len()).map(|i| 5.0 + i as f64).collect();
         Orbit::find(&system, &word(text, 1, 2), &guess).unwrap_err().to_string()
     };
-    assert!(refused(0.0, "U").contains("must meet both stops"));
-    assert!(refused(-0.01, "UU").contains("needs an L"));
-    assert!(refused(0.01, "L").contains("needs a U"));
-    assert!(refused(-0.01, "").contains("needs an L"), "a block that falls has no motion without impacts");
+    assert!(refused(0.0, "U").contains("must contain both U and L"));
+    assert!(refused(-0.01, "UU").contains("must contain an L"));
+    assert!(refused(0.01, "L").contains("must contain a U"));
+    assert!(
+        refused(-0.01, "").contains("must contain an L"),
+        "a block that falls has no motion without impacts"
+    );
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub(super) fn no_such(numbering: Numbering, reference: u32, bases: Bases) -> Com
         Some(variable) => format!("{} is {}", variable.name, variable.base().name()),
         None => {
             let (first, last) = numbering.range();
-            format!("allowed are those of the model description, from {first} to {last}")
+            format!("expected a value reference of the model description, from {first} to {last}")
         }
     };
     fmi_doors::Problem::Reference { reference, wanted: bases.name, found }.into()
@@ -166,8 +166,10 @@ pub(super) fn jet_of(variable: &Variable) -> Outcome<fn(&OutputValues<Jet>) -> J
         }
         _ => None,
     };
-    reading
-        .ok_or(ComponentProblem::NoDerivative { name: variable.name, allowed: "those of continuous outputs" })
+    reading.ok_or(ComponentProblem::NoDerivative {
+        name: variable.name,
+        allowed: "derivatives of continuous outputs",
+    })
 }
 
 pub(super) fn check_order(variable: &Variable, order: i32, highest: i32, allowed: &'static str) -> Outcome {

@@ -75,7 +75,7 @@ impl Instance {
             let further = !initial && self.edition > Edition::Every && is_further_known(variable);
             if !(variable.causality == Causality::Input || start || exact || further) {
                 let allowed = match (initial, self.edition) {
-                    (true, _) => "inputs and what has a start value as knowns",
+                    (true, _) => "inputs and variables with a start value as knowns",
                     (false, Edition::Every) => "inputs and continuous states as knowns",
                     (false, _) => "inputs, continuous states, tunable parameters and time as knowns",
                 };

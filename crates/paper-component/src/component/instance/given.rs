@@ -24,7 +24,8 @@ pub(super) fn half_a_machine(parameters: &Parameters, given: u16) -> Option<Stri
         missing.map(|(_, f)| format!("{} = {} {}", f.name, (f.get)(parameters), f.unit)).collect();
     (scaled && !missing.is_empty()).then(|| {
         format!(
-            "only a part of the machine was set; start values of another machine, a reconstruction of 1 kg, 1 N/m and 1 m, are left for \
+            "only a part of the machine was set; start values of another machine, a reconstruction \
+             of 1 kg, 1 N/m and 1 m, remain for \
              {}: set them too",
             missing.join(", ")
         )

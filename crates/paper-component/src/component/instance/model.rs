@@ -49,7 +49,7 @@ impl Model for Instance {
     fn tell_at_instantiation(&self, log: &mut dyn Log) {
         let silent = self.edition == Edition::Clocked && !self.life.handling.event_mode;
         if silent && log.wants(Category::Warnings) {
-            let what = "eventModeUsed is false, so impacts.clock never ticks; all else is right";
+            let what = "eventModeUsed is false, so impacts.clock never ticks; everything else is correct";
             log.log(Category::Warnings, what);
         }
     }
@@ -177,7 +177,7 @@ impl Model for Instance {
             if variable.body.is_none() {
                 return Err(ComponentProblem::NoDerivative {
                     name: variable.name,
-                    allowed: "those of inputs",
+                    allowed: "derivatives of inputs",
                 });
             }
             check_order(variable, order, INPUT_ORDER, "1, 2 or 3")?;
@@ -263,7 +263,7 @@ impl Model for Instance {
             states.try_into().map_err(|_| ComponentProblem::sequence("there are six continuous states"))?;
         let w = states[1] - states[0];
         if self.edition > Edition::Every && w.abs() > REACH * self.settings.parameters.stop_gap {
-            let allowed = "up to 10 times stop.gap, so that a solver can look beyond an impact";
+            let allowed = "at most 10 times stop.gap, so that a solver can look beyond an impact";
             return Err(ComponentProblem::value("stop.s", w, allowed));
         }
         let state = check_states(states)?;

@@ -126,8 +126,8 @@ fn bytes_of_others_are_refused_with_the_reason() {
         foreign[place] ^= 1;
         SavedState::deserialize(&mended(foreign)).unwrap_err().to_string()
     };
-    assert!(refusal(0).contains("not of this FMU"), "{}", refusal(0));
-    let versions = format!("version {}: allowed is {VERSION}", VERSION ^ 1);
+    assert!(refusal(0).contains("not from this FMU"), "{}", refusal(0));
+    let versions = format!("version {}: expected {VERSION}", VERSION ^ 1);
     assert!(refusal(8).contains(&versions), "{}", refusal(8));
     assert!(refusal(12).contains("another build"), "{}", refusal(12));
     assert!(refusal(28).contains("bytes of payload"), "{}", refusal(28));
@@ -211,7 +211,7 @@ fn states_in_which_the_other_interface_types_motion_moves_are_refused() {
         for phase in [state.phase, Phase::Event, Phase::Terminated] {
             let foreign = SavedState { phase, engine: engine.clone(), ..state.clone() };
             let refusal = instance.restore(&foreign).unwrap_err().to_string();
-            assert!(refusal.contains("what moves"), "{phase:?}: {refusal}");
+            assert!(refusal.contains("does not match its motion"), "{phase:?}: {refusal}");
         }
     }
 }
@@ -230,7 +230,7 @@ fn a_snapshot_with_an_impossible_departure_is_refused() {
         bytes[DEPARTING] = order;
         let damaged: Snapshot = postcard::from_bytes(&bytes).unwrap();
         let error = simulator.restore(&damaged).unwrap_err().to_string();
-        assert!(error.contains(&format!("order of departure = {order}: allowed is 0")), "{error}");
+        assert!(error.contains(&format!("order of departure = {order}: expected 0")), "{error}");
         assert_eq!(simulator.snapshot(), before);
     }
 }

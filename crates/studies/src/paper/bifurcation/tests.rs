@@ -73,7 +73,7 @@ fn diagrams_that_do_not_fit_are_refused_before_the_work_with_the_number_that_fit
         let sweep = Sweep::new(axis, Displacement::X2, (discard, keep));
         match diagram(&ParameterSet::basic(), &sweep, &Task::ALL).unwrap_err() {
             error @ Error::TooMany { most, .. } => {
-                assert!(error.to_string().contains(&format!("no more than {most}")), "{error}");
+                assert!(error.to_string().contains(&format!("at most {most}")), "{error}");
                 (sweep, most)
             }
             other => panic!("{other}"),

@@ -161,10 +161,10 @@ impl Measure {
         let of = |what: &str, c: Coordinate| what.replace('q', c.name());
         match self {
             Self::Amplitude(c) => of("largest |q|", c),
-            Self::Rms(c) => of("root of the mean of q²", c),
-            Self::PeakToPeak(c) => of("largest less least q", c),
+            Self::Rms(c) => of("rms of q", c),
+            Self::PeakToPeak(c) => of("peak-to-peak q", c),
             Self::Maximum(c) => of("largest q", c),
-            Self::ImpactSpeed => "largest speed of the block against the box before an impact".into(),
+            Self::ImpactSpeed => "largest speed of the block relative to the box before an impact".into(),
             Self::ImpactImpulse => "largest impulse of an impact".into(),
             Self::Impacts => "impacts per drive period, at both stops".into(),
             Self::ImpactsUpper => "impacts per drive period at the upper stop".into(),
@@ -174,7 +174,9 @@ impl Measure {
             Self::PowerBoxDamper => "mean power lost in the box's damper".into(),
             Self::PowerSecondaryDamper => "mean power lost in the secondary oscillator's damper".into(),
             Self::Class => "1T, 2T, … (period in drive periods), quasi-periodic, chaotic".into(),
-            Self::Exponent => "largest Lyapunov exponent beside the drive phase's zero".into(),
+            Self::Exponent => "largest Lyapunov exponent, without the zero exponent of the drive \
+                               phase"
+                .into(),
             Self::AmplitudeWithoutBlock => "amplitude of the box alone, closed form".into(),
         }
     }
@@ -214,8 +216,8 @@ impl std::str::FromStr for Measure {
         let far = (text.chars().count() / 2).max(1);
         let nearest = Self::all().min_by_key(distance).filter(|m| distance(m) <= far);
         let advice = match nearest {
-            Some(m) => format!("the nearest is `{m}`: {}", m.description()),
-            None => format!("valid are {}", Self::all().map(Self::name).collect::<Vec<_>>().join(", ")),
+            Some(m) => format!("did you mean `{m}`? `{m}`: {}", m.description()),
+            None => format!("expected one of {}", Self::all().map(Self::name).collect::<Vec<_>>().join(", ")),
         };
         Err(Error::UnknownMeasure { name: text.into(), advice })
     }

@@ -189,9 +189,9 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
     let error = |name: &str| name.parse::<Measure>().unwrap_err().to_string();
     assert_eq!(
         error("amplitud.x1"),
-        "no output is named `amplitud.x1`; the nearest is `amplitude.x1`: largest |x1|"
+        "no output is named `amplitud.x1`; did you mean `amplitude.x1`? `amplitude.x1`: largest |x1|"
     );
-    assert!(error("temperature").contains("valid are amplitude.x1, amplitude.x2"));
+    assert!(error("temperature").contains("expected one of amplitude.x1, amplitude.x2"));
 }
 
 /// In chaos the spread of one window predicts the scatter of many: of an extreme by (N3), of a

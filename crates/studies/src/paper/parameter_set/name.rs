@@ -253,10 +253,10 @@ fn unknown(name: &str, valid: &[Name]) -> Error {
     let far = (name.chars().count() / 2).max(1);
     let nearest = valid.iter().copied().min_by_key(distance).filter(|n| distance(n) <= far);
     let advice = match nearest {
-        Some(n) => format!("the nearest is `{}`: {}, {}", n.name(), n.description(), n.allowed()),
+        Some(n) => format!("did you mean `{0}`? `{0}`: {1}, {2}", n.name(), n.description(), n.allowed()),
         None => {
             let names: Vec<_> = valid.iter().map(|n| n.name()).collect();
-            format!("valid are {}", names.join(", "))
+            format!("expected one of {}", names.join(", "))
         }
     };
     Error::UnknownName { name: name.into(), advice }

@@ -57,7 +57,7 @@ fn tied_groups_follow_in_any_order() {
     }
     // Values that are valid together may be given in any order: 1 + ε σ̂1 > 0.
     assert_eq!(with(&["sigma1=-12", "epsilon=0.05"]).groups().sigma1, -12.0);
-    assert_eq!(error(&["sigma1=-12"]), "sigma1 = -12: allowed is a finite number > -1/epsilon");
+    assert_eq!(error(&["sigma1=-12"]), "sigma1 = -12: expected a finite number > -1/epsilon");
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn the_drive_phase_survives_groups() {
 fn errors_name_the_nearest_and_the_range() {
     assert_eq!(
         error(&["box.mass=1"]),
-        "no parameter is named `box.mass`; the nearest is `box.m`: Mass of the box (m1), a finite number > 0"
+        "no parameter is named `box.mass`; did you mean `box.m`? `box.m`: Mass of the box (m1), a finite number > 0"
     );
     for (wrong, right) in [
         ("kapa", "kappa"),
@@ -77,16 +77,18 @@ fn errors_name_the_nearest_and_the_range() {
         ("Epsilon", "epsilon"),
         ("stop.restitusion", "stop.restitution"),
     ] {
-        assert!(error(&[&format!("{wrong}=1")]).contains(&format!("the nearest is `{right}`")), "{wrong}");
+        assert!(error(&[&format!("{wrong}=1")]).contains(&format!("did you mean `{right}`?")), "{wrong}");
     }
-    assert_eq!(error(&["kappa=1.5"]), "kappa = 1.5: allowed is 0 <= kappa <= 1");
-    assert_eq!(error(&["box.c=-1"]), "box.c = -1: allowed is a finite number >= 0");
-    assert_eq!(error(&["kappa=NaN"]), "kappa = NaN: allowed is 0 <= kappa <= 1");
-    assert_eq!(error(&["kappa=x"]), "kappa = `x` is not a number: allowed is 0 <= kappa <= 1");
+    assert_eq!(error(&["kappa=1.5"]), "kappa = 1.5: expected 0 <= kappa <= 1");
+    assert_eq!(error(&["box.c=-1"]), "box.c = -1: expected a finite number >= 0");
+    assert_eq!(error(&["kappa=NaN"]), "kappa = NaN: expected 0 <= kappa <= 1");
+    assert_eq!(error(&["kappa=x"]), "kappa = `x` is not a number: expected 0 <= kappa <= 1");
     assert_eq!(error(&["kappa"]), "`kappa`: expected name=value, e.g. kappa=0.75");
     assert!(error(&["box.k=0"]).contains("box.k > 0"));
     // If no name is near, none is suggested.
-    assert!(error(&["speed=1"]).starts_with("no parameter is named `speed`; valid are epsilon, kappa, f10"));
+    assert!(
+        error(&["speed=1"]).starts_with("no parameter is named `speed`; expected one of epsilon, kappa, f10")
+    );
 }
 
 #[test]
@@ -137,9 +139,9 @@ fn units_are_those_of_the_dimension() {
     }
     assert_eq!(
         error(&["stop.gap=2 kg"]),
-        "stop.gap: `kg` is no unit of it; allowed are m, cm, mm, um, in, or a number without a unit in the first of these"
+        "stop.gap: `kg` is not a unit of it; expected one of m, cm, mm, um, in, or a number without a unit, read in the first of these"
     );
-    assert!(error(&["f10=2 N"]).starts_with("f10: `N` is no unit of it; allowed are 1, %"));
+    assert!(error(&["f10=2 N"]).starts_with("f10: `N` is not a unit of it; expected one of 1, %"));
     assert!(error(&["box.m=nanogram"]).contains("is not a number"));
     for (si, text, value) in
         [("s", "2", 2.0), ("s", "1.5min", 90.0), ("m/s", "-3 mm/s", -0.003), ("m", "2 mm", 0.002)]
@@ -147,7 +149,7 @@ fn units_are_those_of_the_dimension() {
         assert_eq!(quantity_in(si, text).map(|q| q.value), Some(value), "{text}");
     }
     let gap = Name::find("stop.gap").unwrap();
-    assert!(numbers(gap, &["1", "2mm"]).unwrap_err().to_string().contains("a unit at every number"));
+    assert!(numbers(gap, &["1", "2mm"]).unwrap_err().to_string().contains("a unit on every number"));
 }
 
 #[test]

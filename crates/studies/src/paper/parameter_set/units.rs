@@ -101,7 +101,7 @@ pub fn numbers(name: Name, texts: &[&str]) -> Result<(Vec<f64>, Option<&'static 
     let all = texts.iter().map(|text| quantity(name, text)).collect::<Result<Vec<_>>>()?;
     if all.iter().any(|q| q.unit.is_some() != all[0].unit.is_some()) {
         let text = format!("{}={}", name.name(), texts.join(":"));
-        return Err(Error::Form { text, expected: "a unit at every number or at none" });
+        return Err(Error::Form { text, expected: "a unit on every number or on none" });
     }
     Ok((all.iter().map(|q| q.value).collect(), all.first().and_then(|q| q.unit)))
 }

@@ -184,7 +184,7 @@ pub fn grid(p: &Parameters, duration: f64, samples: u32, least: u32, most: u32) 
         let text = format!("a run of {} drive periods with {samples} rows in each", duration / p.period());
         return Err(crate::Error::Refused {
             what: text,
-            problem: format!("allowed is up to {periods:.0} drive periods with as many rows"),
+            problem: format!("expected at most {periods:.0} drive periods with {samples} rows in each"),
         });
     }
     Ok(Grid { steps: steps as u32, every })

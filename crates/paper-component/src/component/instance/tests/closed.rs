@@ -97,11 +97,14 @@ fn without_a_steady_state_initialization_fails_with_the_range() {
         fmu.set_experiment(None, 0.0, None).unwrap();
         fmu.enter_initialization();
         let error = fmu.exit_initialization(&mut Messages::default()).unwrap_err().to_string();
-        assert!(error.starts_with("drive.amplitude = 0.01 N: the ") && error.contains(what), "{error}");
+        assert!(
+            error.starts_with("drive.amplitude = 0.01 N: must be at least ") && error.contains(what),
+            "{error}"
+        );
         assert_eq!(fmu.phase(), Phase::Initialization);
         // From the amplitude named in the message, there is a steady state.
         let words: Vec<_> = error.split_whitespace().collect();
-        let place = words.iter().position(|word| *word == "from").unwrap() + 1;
+        let place = words.iter().position(|word| *word == "least").unwrap() + 1;
         let from: f64 = words[place].parse().unwrap();
         set(&mut fmu, "drive.amplitude", from * (1.0 - 1e-9)).unwrap();
         assert!(fmu.exit_initialization(&mut Messages::default()).is_err(), "{error}");
@@ -130,7 +133,7 @@ fn what_would_not_be_seen_is_played_with_a_warning() {
 fn loads_are_refused_where_a_closed_form_is_played() {
     let mut fmu = closed(3.0);
     let error = set(&mut fmu, "box.f", 0.1).unwrap_err().to_string();
-    assert_eq!(error, "box.f = 0.1: allowed is 0 in a closed-form mode");
+    assert_eq!(error, "box.f = 0.1: expected 0 in a closed-form mode");
     set(&mut fmu, "box.f", 0.0).unwrap();
     assert!(fmu.set_input_derivatives(&[reference("box.f")], &[1], &[0.1]).is_err());
     let mut fmu = instance();

@@ -260,7 +260,7 @@ fn bad_values_are_refused_and_change_nothing() {
     fmu.handle_events(&mut messages).unwrap();
     fmu.enter_continuous().unwrap();
     let error = fmu.set_continuous_states(&[0.0, 1.0, 2.0, f64::NAN, 0.0, 0.0]).unwrap_err();
-    assert_eq!(error.to_string(), "box.v = NaN: allowed is a finite number");
+    assert_eq!(error.to_string(), "box.v = NaN: expected a finite number");
     assert_eq!(fmu.continuous_states().unwrap(), [0.0; 6]);
     assert!(fmu.set_time(f64::INFINITY).is_err() && fmu.set_time(1e300).is_err());
     let mut fmu = exchange();

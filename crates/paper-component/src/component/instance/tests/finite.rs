@@ -130,7 +130,7 @@ fn a_machine_beyond_doubles_is_refused_by_name() {
     fmu.set_experiment(None, 0.0, None).unwrap();
     fmu.enter_initialization();
     let error = fmu.exit_initialization(&mut Messages::default()).unwrap_err().to_string();
-    assert!(error.contains("the masses = 1e300: allowed is up to 1e40"), "{error}");
+    assert!(error.contains("the masses = 1e300: must be at most 1e40"), "{error}");
     set(&mut fmu, "box.m", 1.0).unwrap();
     fmu.exit_initialization(&mut Messages::default()).unwrap();
 }

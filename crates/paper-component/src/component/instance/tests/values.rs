@@ -42,7 +42,7 @@ fn a_block_outside_the_box_is_refused_on_leaving_initialization_and_can_be_put_r
     let reference = [reference("block.a")];
     assert!(fmu.get(Bases::REAL, &reference, |_, _| panic!("nothing must be written")).is_err());
     let error = fmu.exit_initialization(&mut Messages::default()).unwrap_err();
-    assert!(error.to_string().starts_with("block.s - box.s = 1.5 m: allowed is"), "{error}");
+    assert!(error.to_string().starts_with("block.s - box.s = 1.5 m: expected"), "{error}");
     assert_eq!(fmu.phase(), Phase::Initialization);
     set(&mut fmu, "box.s", 1.0).unwrap();
     fmu.exit_initialization(&mut Messages::default()).unwrap();
@@ -54,23 +54,27 @@ fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
     let references = [reference("box.k"), reference("stop.restitution")];
     let values = [7.0, 1.5];
     let error = fmu.set(Bases::REAL, &references, |i| values[i]).unwrap_err();
-    assert_eq!(error.to_string(), "stop.restitution = 1.5: allowed is 0 <= stop.restitution <= 1");
+    assert_eq!(error.to_string(), "stop.restitution = 1.5: expected 0 <= stop.restitution <= 1");
     fmu.set_experiment(None, 0.0, None).unwrap();
     fmu.enter_initialization();
     assert_eq!(get(&mut fmu, "box.k"), 1.0);
     for (name, value, text) in [
-        ("box.m", 0.0, "box.m = 0: allowed is a finite number > 0"),
-        ("box.m", f64::NAN, "box.m = NaN: allowed is a finite number > 0"),
-        ("box.f", f64::INFINITY, "box.f = inf: allowed is a finite number"),
-        ("mode", 4.0, "mode = 4: allowed is 1 (EventDriven), 2 (MultipleScales) or 3 (ExactOrbit)"),
-        ("stopAtImpact", 2.0, "stopAtImpact = 2: allowed is 0 (false) or 1 (true)"),
+        ("box.m", 0.0, "box.m = 0: expected a finite number > 0"),
+        ("box.m", f64::NAN, "box.m = NaN: expected a finite number > 0"),
+        ("box.f", f64::INFINITY, "box.f = inf: expected a finite number"),
+        ("mode", 4.0, "mode = 4: expected 1 (EventDriven), 2 (MultipleScales) or 3 (ExactOrbit)"),
+        ("stopAtImpact", 2.0, "stopAtImpact = 2: expected 0 (false) or 1 (true)"),
     ] {
         assert_eq!(set(&mut fmu, name, value).unwrap_err().to_string(), text);
     }
     let (integers, strings) = (Bases::new("Integer", &[Base::Integer]), Bases::new("String", &[]));
     for (bases, reference, text) in [
-        (integers, reference("mode"), "value reference 14 is no Integer variable: mode is Enumeration"),
-        (strings, 0, "value reference 0 is no String variable: time is Real"),
+        (
+            integers,
+            reference("mode"),
+            "value reference 14 is not a variable of type Integer: mode is Enumeration",
+        ),
+        (strings, 0, "value reference 0 is not a variable of type String: time is Real"),
     ] {
         assert_eq!(fmu.set(bases, &[reference], |_| 0.0).unwrap_err().to_string(), text);
         assert_eq!(fmu.get(bases, &[reference], |_, _| ()).unwrap_err().to_string(), text);
@@ -80,7 +84,9 @@ fn refused_sets_change_nothing_and_name_the_variable_and_its_range() {
     let mut fmu = Instance::of_protocol(Interface::CoSimulation, protocol);
     for name in ["der(box.s)", "motion.s"] {
         let beyond = reference(name);
-        let start = format!("value reference {beyond} is no Real variable: allowed are those of the model");
+        let start = format!(
+            "value reference {beyond} is not a variable of type Real: expected a value reference of the model"
+        );
         for error in [
             fmu.set(Bases::REAL, &[beyond], |_| 0.0).unwrap_err(),
             fmu.get(Bases::REAL, &[beyond], |_, _| ()).unwrap_err(),
@@ -138,8 +144,8 @@ fn a_refused_order_is_told_with_its_variable() {
     let outputs = ["box.v", "stop.s"].map(reference);
     let output = fmu.output_derivatives(&outputs, &[1, 0], |_, _| panic!()).unwrap_err();
     for (problem, text) in [
-        (input, "order of a derivative of block.f = 4: allowed is 1, 2 or 3"),
-        (output, "order of a derivative of stop.s = 0: allowed is 1, 2 or 3"),
+        (input, "order of a derivative of block.f = 4: expected 1, 2 or 3"),
+        (output, "order of a derivative of stop.s = 0: expected 1, 2 or 3"),
     ] {
         assert_eq!(problem.to_string(), text);
     }
