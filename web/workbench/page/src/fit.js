@@ -118,7 +118,7 @@ function tell(seconds) {
   const { found } = fit;
   if (!found) return;
   const verdict = { fits: "It fits", misses: `It does not fit: ${found.words}`, undecided: `Undecided: ${found.words}` }[found.verdict];
-  const more = [found.verdict === "fits" ? "" : "No errors: they would hold for another motion than the record's.", ...found.undetermined.map((words) => `Not determined, in parts of the values: ${words}.`), found.segments ? `In ${found.segments + 1} segments.` : "", ...found.remarks.map((words) => `${words}; differences stand there.`)];
+  const more = [found.verdict === "fits" ? "" : "No errors: they would hold for another motion than the record's.", ...found.undetermined.map((words) => `Not determined, in parts of the values: ${words}.`), found.segments ? `In ${found.segments + 1} segments.` : "", ...found.remarks.map((words) => `${words}; finite differences are used instead.`)];
   say([`${verdict}. ${found.simulations} simulations in ${seconds.toFixed(1)} s.`, ...more].filter(Boolean).join(" "));
   const row = (/** @type {string} */ tag, /** @type {string[]} */ cells) => { const line = document.createElement("tr"); line.append(...cells.map((words, i) => { const cell = Object.assign(document.createElement(i ? tag : "th"), { textContent: words }); if (tag === "th") cell.setAttribute("scope", "col"); else if (!i) cell.setAttribute("scope", "row"); return cell; })); return line; };
   element("fitTable").replaceChildren(row("th", ["number", "fitted", "error", "unit", "before"]), ...found.values.map((own) => { const { value, error, unit, before } = shown(own); return row("td", [own.name, value, found.verdict === "fits" ? error : "", unit, before]); }));
