@@ -5,7 +5,7 @@
 //! force, contact force and watched functional of a machine with curved forces is then a row on
 //! this state, as in a machine with straight laws: z' = A z holds with A constant in a mode. What
 //! differs is that the rate of a curved force does not follow from A but from φ. The flow is a
-//! power series ([`CurveSeries`]) whose remainder is bounded ([`Remainder`]).
+//! power series ([`CurveSeries`]) whose remainder is bounded (`Remainder`).
 
 mod remainder;
 mod series;

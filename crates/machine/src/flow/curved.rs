@@ -98,7 +98,7 @@ impl FlowTable {
         !self.curves.is_empty()
     }
 
-    /// Replaces a state by its time derivative of an order below [`TERMS`].
+    /// Replaces a state by its time derivative of an order below `TERMS`.
     pub fn derivative(&self, order: usize, z: &mut [f64]) {
         let mut series = Series::default();
         series.expand(self, z, 1.0, order);
