@@ -25,6 +25,10 @@ pub(crate) struct CurveTerms<'a> {
     pub(crate) reach: f64,
     /// Norm of the column by which it acts on z': max |yᵢ| / wᵢ.
     pub(crate) effect: f64,
+    /// C with |xₖ| ≤ C radius⁻ᵏ; set by [`Remainder::prepare`].
+    pub(crate) scale: f64,
+    /// Σ |xₖ| over the longest fraction that is tried; set by [`Remainder::prepare`].
+    pub(crate) most: f64,
 }
 
 /// What bounds the remainder of a power series over a fraction of its span.
@@ -38,7 +42,7 @@ pub(crate) struct Remainder<'a> {
     /// Norm of the states' terms alone.
     pub(crate) sizes: &'a [f64],
     /// The curved forces.
-    pub(crate) curves: &'a [CurveTerms<'a>],
+    pub(crate) curves: &'a mut [CurveTerms<'a>],
 }
 
 impl Remainder<'_> {
@@ -58,19 +62,31 @@ impl Remainder<'_> {
         most
     }
 
+    /// Sets what the bounds over all fractions up to `part` have in common.
+    #[inline(always)]
+    pub(crate) fn prepare(&mut self, part: f64, radius: f64) {
+        let last = self.last();
+        for terms in self.curves.iter_mut() {
+            terms.scale = terms.series.scale(radius, last);
+            terms.most = terms.series.sum_of_sizes(part, last);
+        }
+    }
+
     /// Bound of the error of the series within a fraction of the span, if the error stays below
     /// `margin`: the defect of the polynomial times the growth of an error (S2).
     ///
     /// The coefficients of an argument are at most C radius⁻ᵏ, with a `radius` in fractions of the
     /// span; any radius beyond `part` gives a bound.
+    #[inline(always)]
     pub(crate) fn bound(&self, part: f64, radius: f64, margin: f64) -> f64 {
         let last = self.last();
         let h = self.span * part;
         let (mut defect, mut growth) = (self.rate * self.norms[last] * part.powi(last as i32), self.rate);
-        for CurveTerms { force, series, reach, effect } in self.curves {
-            let scale = series.scale(radius, last);
-            defect += effect * tail(force, scale, radius / part, last);
-            let most = series.sum_of_sizes(part, last) * (1.0 + ROOM) + reach * margin;
+        let ratio = radius / part;
+        let power = ratio.powi(-(last as i32));
+        for CurveTerms { force, reach, effect, scale, most, .. } in self.curves.iter() {
+            defect += effect * tail(force, *scale, (ratio, power), last);
+            let most = most * (1.0 + ROOM) + reach * margin;
             growth += effect * force.majorant().derivative(most) * reach;
         }
         let exponent = growth * h;
@@ -83,7 +99,8 @@ impl Remainder<'_> {
 
     /// The longest fraction of the span, at most `most`, over which the remainder is proved to be
     /// below rounding. 0 if there is none.
-    pub(crate) fn longest(&self, most: f64) -> f64 {
+    #[inline(always)]
+    pub(crate) fn longest(&mut self, most: f64) -> f64 {
         let last = self.last();
         let size = self.sizes[..3.min(self.sizes.len())].iter().fold(0.0f64, |a, b| a.max(*b));
         let mut part = most;
@@ -94,6 +111,7 @@ impl Remainder<'_> {
         }
         // At this radius the last coefficients are as large as the first.
         let radius = part * (1.0 / LAST).powf(1.0 / last as f64);
+        self.prepare(part, radius);
         for _ in 0..SHORTENINGS {
             let limit = REMAINDER * self.size(part);
             let bound = self.bound(part, radius, limit);

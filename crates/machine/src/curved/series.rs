@@ -47,11 +47,13 @@ impl CurveSeries {
 
     /// Σ over the orders from 0 to `last` of the sizes of the coefficients of x, each times
     /// `part` to its order.
+    #[inline(always)]
     pub fn sum_of_sizes(&self, part: f64, last: usize) -> f64 {
         self.x[..=last].iter().rev().fold(0.0, |sum, x| sum * part + x.abs())
     }
 
     /// The least C with |xₖ| ≤ C ratio⁻ᵏ for the orders up to `last`.
+    #[inline(always)]
     pub fn scale(&self, ratio: f64, last: usize) -> f64 {
         let (mut most, mut power) = (0.0f64, 1.0);
         for x in &self.x[..=last] {
@@ -117,15 +119,20 @@ fn product(a: &[f64; TERMS], back: &[f64; 2 * TERMS], k: usize) -> f64 {
 
 /// Bound of the sum of the sizes of the coefficients of orders from `first` on of a polynomial of
 /// x, if |xₖ| ≤ `scale` ratio⁻ᵏ: those of xᵐ are at most scaleᵐ C(k + m - 1, m - 1) ratio⁻ᵏ.
-pub(super) fn tail(force: &Polynomial, scale: f64, ratio: f64, first: usize) -> f64 {
-    let mut sum = 0.0;
-    for (i, c) in force.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-        let m = i + LOWEST;
-        let binomial = (1..m).fold(1.0, |b, j| b * (first + j) as f64 / j as f64);
+/// `power` is ratio⁻ᵏ for the order `first`.
+#[inline(always)]
+pub(super) fn tail(force: &Polynomial, scale: f64, (ratio, power): (f64, f64), first: usize) -> f64 {
+    let (mut sum, mut scales, mut binomial) = (0.0, scale, 1.0);
+    for (i, c) in force.coefficients.iter().enumerate() {
+        let m = (i + LOWEST) as f64;
+        scales *= scale;
+        binomial *= (first as f64 + m - 1.0) / (m - 1.0);
         // The ratio of one term to the one before falls with the order.
-        let next = (first + m) as f64 / (first + 1) as f64 / ratio;
-        let begin = c.abs() * scale.powi(m as i32) * binomial * ratio.powi(-(first as i32));
-        sum += if next < 1.0 { begin / (1.0 - next) } else { f64::INFINITY };
+        let next = (first as f64 + m) / (first as f64 + 1.0) / ratio;
+        let begin = c.abs() * scales * binomial * power;
+        if *c != 0.0 {
+            sum += if next < 1.0 { begin / (1.0 - next) } else { f64::INFINITY };
+        }
     }
     sum
 }

@@ -117,15 +117,18 @@ impl FlowTable {
             (norms[k], sizes[k]) = (series.norm(self, k, straight), series.norm(self, k, self.one));
         }
         let pairs = self.curves.iter().zip(&series.curves);
-        let curves: Vec<CurveTerms> = pairs
+        let mut curves: Vec<CurveTerms> = pairs
             .map(|(own, series)| CurveTerms {
                 force: own.curved.force,
                 series,
                 reach: own.reach,
                 effect: own.effect,
+                scale: 0.0,
+                most: 0.0,
             })
             .collect();
-        let remainder = Remainder { span, rate: self.rate, norms: &norms, sizes: &sizes, curves: &curves };
+        let mut remainder =
+            Remainder { span, rate: self.rate, norms: &norms, sizes: &sizes, curves: &mut curves };
         remainder.longest(most)
     }
 

@@ -50,7 +50,7 @@ fn bound(table: &FlowTable, series: &Series, span: f64, part: f64) -> (f64, f64)
     let straight = table.a.len() - table.curves.len();
     let norms: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(table, k, straight)).collect();
     let sizes: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(table, k, table.one)).collect();
-    let curves: Vec<CurveTerms> = table
+    let mut curves: Vec<CurveTerms> = table
         .curves
         .iter()
         .zip(&series.curves)
@@ -59,13 +59,20 @@ fn bound(table: &FlowTable, series: &Series, span: f64, part: f64) -> (f64, f64)
             series,
             reach: own.reach,
             effect: own.effect,
+            scale: 0.0,
+            most: 0.0,
         })
         .collect();
-    let remainder = Remainder { span, rate: table.rate, norms: &norms, sizes: &sizes, curves: &curves };
+    let mut remainder =
+        Remainder { span, rate: table.rate, norms: &norms, sizes: &sizes, curves: &mut curves };
     let size = sizes.iter().enumerate().map(|(k, size)| size * part.powi(k as i32)).fold(0.0, f64::max);
     // The radius of the search, and the margin that the bound itself may take.
-    let found = (1..40).map(|k| remainder.bound(part, part * (1.05 + 0.1 * f64::from(k)), LARGEST * size));
-    (found.fold(f64::INFINITY, f64::min), size)
+    let mut found = |k: i32| {
+        let radius = part * (1.05 + 0.1 * f64::from(k));
+        remainder.prepare(part, radius);
+        remainder.bound(part, radius, LARGEST * size)
+    };
+    ((1..40).map(&mut found).fold(f64::INFINITY, f64::min), size)
 }
 
 #[test]
