@@ -1,5 +1,5 @@
 //! Curved forces: polynomials φ(x) = c₂ x² + … + c₅ x⁵ of an elongation or of its rate
-//! (docs/assembly-law.md, section 17).
+//! (docs/assembly-law.md, section 20).
 //!
 //! The value of each curved force is a coordinate of the augmented state, after the signals. Every
 //! force, contact force and watched functional of a machine with curved forces is then a row on

@@ -1,4 +1,4 @@
-//! The remainder of a power series with curved forces (docs/assembly-law.md, section 17).
+//! The remainder of a power series with curved forces (docs/assembly-law.md, section 20).
 
 use super::series::tail;
 use super::{CurveSeries, Polynomial};
@@ -73,7 +73,7 @@ impl Remainder<'_> {
     }
 
     /// Bound of the error of the series within a fraction of the span, if the error stays below
-    /// `margin`: the defect of the polynomial times the growth of an error (S2).
+    /// `margin`: the defect of the polynomial times the growth of an error (A59).
     ///
     /// The coefficients of an argument are at most C radius⁻ᵏ, with a `radius` in fractions of the
     /// span; any radius beyond `part` gives a bound.
