@@ -1,5 +1,5 @@
-//! Chains of bodies with cubic springs, a drive and a rigid stop at the last body: microseconds of a
-//! simulated second, with and without energy accounts. `cargo bench -p benches --bench curved`
+//! Chains of bodies with cubic springs, a drive and a rigid stop at the last body: microseconds of
+//! a simulated second, with and without energy accounts. `cargo bench -p benches --bench curved`
 //!
 //! `python benches/curved_beside_heyoka.py` follows the same chains with heyoka.
 

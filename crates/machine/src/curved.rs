@@ -79,6 +79,19 @@ pub struct Curved {
 }
 
 impl Curved {
+    /// Writes φ into the augmented state, from its coordinates and rates.
+    #[inline(always)]
+    pub fn fill(&self, z: &mut [f64]) {
+        z[self.place] = self.force.value(self.argument.at(z));
+    }
+
+    /// Writes the variation of φ into a variation of the state `z`.
+    #[inline(always)]
+    pub fn vary(&self, z: &[f64], variation: &mut [f64]) {
+        let slope = self.force.derivative(self.argument.at(z));
+        variation[self.place] = slope * self.argument.at(variation);
+    }
+
     /// The size of φ by which its rounding is measured: the sizes of its terms, and the change of φ
     /// by the rounding of the terms of x.
     #[inline(always)]

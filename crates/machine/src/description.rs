@@ -180,8 +180,9 @@ impl Arms {
 
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e'
 /// resists e: it acts on a body by -arm · f. [`curve`](Self::curve) adds higher powers of e. With
-/// [`points`](Self::points), straight lines through them replace preload + stiffness · e. With a partner in [`series`](Self::series), f = stiffness
-/// · (e - x) + damping · e', where x is the inner displacement.
+/// [`points`](Self::points), straight lines through them replace preload + stiffness · e. With a
+/// partner in [`series`](Self::series), f = stiffness · (e - x) + damping · e', where x is the
+/// inner displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the springs.
@@ -227,8 +228,8 @@ pub struct ForcePoint {
     pub f: f64,
 }
 
-/// A dashpot without a spring. Its force f = damping · e' + cubic · e'³ resists e'. No force depends on its
-/// elongation, so that a motion may be periodic while e grows.
+/// A dashpot without a spring. Its force f = damping · e' + cubic · e'³ resists e'. No force
+/// depends on its elongation, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name, unique among the elements.

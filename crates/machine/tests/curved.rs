@@ -172,3 +172,38 @@ fn refusals_name_the_element() {
     let found = refused("cubic = 5.0", "cubik = 5.0");
     assert!(found.contains("cubic"), "{found}");
 }
+
+/// A softening spring lets its body go: the motion ends in finite time, which is an error with the
+/// element, and the state before it stays.
+#[test]
+fn a_motion_that_ends_in_finite_time_says_so() {
+    let text = "name = \"E\"\nbody.b = { mass = 1.0, start = { s = 1.5 } }\n\
+                spring.k = { between = [\"ground\", \"b\"], stiffness = 1.0, cubic = -1.0 }\n";
+    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let error = motion.advance_to(100.0).expect_err("an end").to_string();
+    assert!(error.contains("spring.k") && error.contains("finite time"), "{error}");
+    assert!(motion.time() < 10.0 && motion.body(0).iter().all(|x| x.is_finite()), "{:?}", motion.body(0));
+}
+
+/// Signals turn while the body does not move: it sticks, or its load begins with a high power of
+/// time.
+#[test]
+fn closed_form_bodies_at_rest_under_signals() {
+    let text = "name = \"S\"\nbody.b = { mass = 1.0 }\n\
+                spring.k = { between = [\"ground\", \"b\"], cubic = 5.0 }\n\
+                friction.f = { between = [\"ground\", \"b\"], force = 3.0 }\n\
+                load.l = { on = \"b\", amplitude = 2.0, frequency = 1.0 }\n";
+    let mut motion = Motion::new(machine(text)).expect("a motion");
+    motion.advance_to(10.0).expect("an end");
+    assert_eq!(motion.body(0), [0.0, 0.0, 0.0]);
+    // m s'' = 6 t³ with a spring that is too weak to matter: s = 0.3 t⁵.
+    let record = "[[0.0, 0.0], [0.5, 0.75], [1.0, 6.0]]";
+    let text = format!(
+        "name = \"R\"\nbody.b = {{ mass = 1.0 }}\n\
+         spring.k = {{ between = [\"ground\", \"b\"], cubic = 1e-9 }}\n\
+         load.l = {{ on = \"b\", table = {record}, interpolation = \"cubic\" }}\n"
+    );
+    let mut motion = Motion::new(machine(&text)).expect("a motion");
+    motion.advance_to(1.0).expect("an end");
+    assert!(motion.body(0)[0] > 0.1, "{:?}", motion.body(0));
+}

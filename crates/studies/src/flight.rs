@@ -254,6 +254,9 @@ fn curved_stretches(
     let mut series = Series { size: z.len(), terms: Vec::new() };
     while left > 0.0 {
         ahead.find(table, &state, left / CURVED_PART, |_| (0, 0.0));
+        if ahead.span == 0.0 {
+            break;
+        }
         let is_last = ahead.span >= left / CURVED_PART;
         series.terms.clear();
         let mut power = 1.0;

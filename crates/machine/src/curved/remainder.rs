@@ -98,11 +98,15 @@ impl Remainder<'_> {
     }
 
     /// The longest fraction of the span, at most `most`, over which the remainder is proved to be
-    /// below rounding. 0 if there is none.
+    /// below rounding. 0 if none is found.
     #[inline(always)]
     pub(crate) fn longest(&mut self, most: f64) -> f64 {
         let last = self.last();
-        let size = self.sizes[..3.min(self.sizes.len())].iter().fold(0.0f64, |a, b| a.max(*b));
+        let largest = |terms: &[f64]| terms.iter().fold(0.0f64, |a, b| a.max(*b));
+        let first = largest(&self.sizes[..3.min(self.sizes.len())]);
+        // States at rest have no size: the signals then give one.
+        let size = if first > 0.0 { first } else { largest(&self.norms[..3.min(self.norms.len())]) };
+        let at_rest = largest(self.sizes) == 0.0;
         let mut part = most;
         for k in [last - 1, last] {
             if self.norms[k] > 0.0 {
@@ -113,7 +117,7 @@ impl Remainder<'_> {
         let radius = part * (1.0 / LAST).powf(1.0 / last as f64);
         self.prepare(part, radius);
         for _ in 0..SHORTENINGS {
-            let limit = REMAINDER * self.size(part);
+            let limit = REMAINDER * if at_rest { size } else { self.size(part) };
             let bound = self.bound(part, radius, limit);
             if bound <= limit {
                 return part;

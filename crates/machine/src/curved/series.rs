@@ -2,7 +2,8 @@
 
 use super::{LOWEST, POWERS, Polynomial};
 
-/// Largest number of coefficients of a series.
+/// Largest number of coefficients of a series. With straight laws and rate times length 4, the
+/// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
 pub const TERMS: usize = 40;
 
 /// Coefficients of the argument x of a curved force and of its powers x², …, x⁵, by order.

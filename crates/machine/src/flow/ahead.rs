@@ -9,12 +9,8 @@
 
 use super::{FlowTable, RADIUS};
 use crate::curved::CurveSeries;
+pub use crate::curved::TERMS;
 use crate::kernel::{AtNodes, Sparse, largest_product, multiply_add_rows};
-
-/// Largest number of coefficients of a series. With rate times length 4, the first omitted term is
-/// below 4⁴⁰/40! < 2e-24 of the largest coordinate.
-pub const TERMS: usize = 40;
-const _: () = assert!(TERMS == crate::curved::TERMS);
 
 /// Bound of the omitted terms of a series, relative to its largest term in the norm of (A6).
 const REMAINDER: f64 = 1e-18;
@@ -58,7 +54,7 @@ impl Series {
     }
 
     #[inline(always)]
-    pub(super) fn begin(&mut self, z: &[f64], orders: usize) {
+    fn begin(&mut self, z: &[f64], orders: usize) {
         self.size = z.len();
         if self.terms.len() < (orders + 1) * self.size {
             self.terms.resize((orders + 1) * self.size, 0.0);
@@ -68,7 +64,7 @@ impl Series {
 
     /// Computes the term of order `k`: A times the previous term times `factor`.
     #[inline(always)]
-    pub(super) fn next(&mut self, table: &FlowTable, k: usize, factor: f64) {
+    fn next(&mut self, table: &FlowTable, k: usize, factor: f64) {
         let (size, own) = (self.size, table.coordinates);
         let (before, after) = self.terms.split_at_mut(k * size);
         let before = &before[(k - 1) * size..];

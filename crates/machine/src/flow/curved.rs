@@ -20,8 +20,6 @@ const OVERFLOW: f64 = 1e-3;
 pub(super) struct CurveInMode {
     /// The force.
     pub(super) curved: Curved,
-    /// Its argument as a row.
-    pub(super) argument: Sparse,
     /// Norm of the argument's row: Σ |ℓᵢ| wᵢ.
     pub(super) reach: f64,
     /// Norm of the column by which φ acts on z': max |yᵢ| / wᵢ.
@@ -33,13 +31,19 @@ impl CurveInMode {
     pub(super) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
         let columns = if system.curved.is_empty() { SparseMatrix::default() } else { a.transpose() };
         let in_mode = |curved: &Curved| {
-            let argument: Sparse = AsRef::<Sparse>::as_ref(&curved.argument).clone();
-            let reach = argument.terms().iter().map(|&(j, x)| x.abs() / weights[j]).sum();
+            let reach = curved.argument.terms().iter().map(|&(j, x)| x.abs() / weights[j]).sum();
             let column = columns.row(curved.place).iter();
             let effect = column.map(|&(i, y)| y.abs() * weights[i]).fold(0.0, f64::max);
-            Self { curved: curved.clone(), argument, reach, effect }
+            Self { curved: curved.clone(), reach, effect }
         };
         system.curved.iter().map(in_mode).collect()
+    }
+
+    /// The force with its series, for the bound of the remainder.
+    #[inline(always)]
+    fn with<'a>(&self, series: &'a CurveSeries) -> CurveTerms<'a> {
+        let Self { curved, reach, effect } = self;
+        CurveTerms { force: curved.force, series, reach: *reach, effect: *effect, scale: 0.0, most: 0.0 }
     }
 }
 
@@ -50,7 +54,7 @@ impl Series {
         self.curves.resize(table.curves.len(), CurveSeries::default());
         for (curve, series) in table.curves.iter().zip(&mut self.curves) {
             let terms = &mut self.terms[k * self.size..][..self.size];
-            let value = series.next(&curve.curved.force, k, curve.argument.dot(terms));
+            let value = series.next(&curve.curved.force, k, curve.curved.argument.at(terms));
             terms[curve.curved.place] = value;
         }
     }
@@ -63,7 +67,7 @@ impl Ahead {
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
         let mut slope = table.rate;
         for curve in &table.curves {
-            let x = curve.argument.dot(z).abs();
+            let x = curve.curved.argument.at(z).abs();
             slope += curve.effect * curve.reach * curve.curved.force.majorant().derivative(x);
         }
         let mut scale = most.min(REACH / slope);
@@ -117,27 +121,22 @@ impl FlowTable {
             (norms[k], sizes[k]) = (series.norm(self, k, straight), series.norm(self, k, self.one));
         }
         let pairs = self.curves.iter().zip(&series.curves);
-        let mut curves: Vec<CurveTerms> = pairs
-            .map(|(own, series)| CurveTerms {
-                force: own.curved.force,
-                series,
-                reach: own.reach,
-                effect: own.effect,
-                scale: 0.0,
-                most: 0.0,
-            })
-            .collect();
+        let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series)).collect();
         let mut remainder =
             Remainder { span, rate: self.rate, norms: &norms, sizes: &sizes, curves: &mut curves };
         remainder.longest(most)
     }
 
-    /// Advances a state by a time within the mode, and variations with it.
+    /// Advances a state by a time within the mode, and variations with it. The time must be within
+    /// the motion's: a state that reaches the end of its motion stays there.
     pub fn carry_along(&self, z: &mut [f64], variations: &mut [Vec<f64>], time: f64) {
         let (mut ahead, mut left) = (Ahead::default(), time);
         let mut terms = vec![vec![0.0; z.len()]; LAST_ORDER + 1];
         while left > 0.0 {
-            ahead.find(self, z, left, |_| (0, 0.0));
+            ahead.find_curved(self, z, left);
+            if ahead.span == 0.0 {
+                break;
+            }
             let part = ahead.span / ahead.expanded;
             for variation in variations.iter_mut() {
                 self.vary(&ahead, variation, &mut terms, part);
@@ -156,7 +155,7 @@ impl FlowTable {
             let (known, later) = terms.split_at_mut(k + 1);
             for (curve, series) in self.curves.iter().zip(&ahead.series.curves) {
                 let product =
-                    |j: usize| series.slope(&curve.curved.force, j) * curve.argument.dot(&known[k - j]);
+                    |j: usize| series.slope(&curve.curved.force, j) * curve.curved.argument.at(&known[k - j]);
                 let value = (0..=k).map(product).sum();
                 known[k][curve.curved.place] = value;
             }
@@ -172,15 +171,15 @@ impl FlowTable {
 
     /// Writes the curved forces into a state.
     pub fn fill_curves(&self, z: &mut [f64]) {
-        for CurveInMode { curved, argument, .. } in &self.curves {
-            z[curved.place] = curved.force.value(argument.dot(z));
+        for CurveInMode { curved, .. } in &self.curves {
+            curved.fill(z);
         }
     }
 
     /// Writes the variations of the curved forces into a variation of a state.
     fn vary_curves(&self, z: &[f64], variation: &mut [f64]) {
-        for CurveInMode { curved, argument, .. } in &self.curves {
-            variation[curved.place] = curved.force.derivative(argument.dot(z)) * argument.dot(variation);
+        for CurveInMode { curved, .. } in &self.curves {
+            curved.vary(z, variation);
         }
     }
 
@@ -213,14 +212,15 @@ impl FlowTable {
             .curves
             .iter()
             .map(|curve| {
-                CurveSizes::of(&curve.curved.force, curve.argument.dot(z).abs(), curve.argument.size(sizes))
+                let Curved { force, argument, .. } = &curve.curved;
+                CurveSizes::of(force, argument.at(z).abs(), argument.size(sizes))
             })
             .collect();
         for k in 1..=last {
             let mut next = vec![0.0; sizes.len()];
             own.sizes_rows_times_to(0, &all[k - 1], self.length / k as f64, &mut next);
             for (curve, majorant) in self.curves.iter().zip(&mut majorants) {
-                next[curve.curved.place] = majorant.next(k, curve.argument.size(&next));
+                next[curve.curved.place] = majorant.next(k, curve.curved.argument.size(&next));
             }
             all.push(next);
         }

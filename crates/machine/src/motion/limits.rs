@@ -1,6 +1,7 @@
 //! Limits of a motion and of a call, and the errors when they are exceeded.
 
 use super::Motion;
+use crate::elements::Element;
 use crate::error::Error;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -47,6 +48,23 @@ impl Motion {
             let name = name.rsplit_once('.').map_or(name.clone(), |(of, what)| format!("{of}: {what}"));
             Err(Error::Beyond { time: self.time(), name, value: z[k] })
         })
+    }
+
+    /// Error of a motion that ends in finite time: it names the element whose force grows fastest.
+    pub(super) fn ends(&self) -> Error {
+        let (assembly, z) = (&self.assembly, self.hybrid.z.as_slice());
+        let slope = |i: usize| {
+            let own = &assembly.system.curved[i];
+            own.force.derivative(own.argument.at(z)).abs()
+        };
+        let fastest = (0..assembly.system.curved.len()).max_by(|i, j| slope(*i).total_cmp(&slope(*j)));
+        let elements = assembly.description.elements().filter(|element| element.is_curved());
+        let name = elements.map(Element::dotted).nth(fastest.unwrap_or(0)).unwrap_or_default();
+        let cause = format!(
+            "the motion ends in finite time; the force of {name} lets coordinates grow beyond all \
+             bounds"
+        );
+        Error::Stuck { time: self.time(), cause }
     }
 
     /// Error of a call that exceeds its limit of sub-steps.

@@ -197,8 +197,8 @@ impl Motion {
                 }
             }
             // Knots and resets of signals are finite in number and do not count as work.
-            // The length of a mode's sub-steps says little about a curved force, whose series are as
-            // long as is proved.
+            // Series with curved forces are as long as their remainder allows: however short they
+            // are, a flight without an event is not work without progress.
             let is_series = self.table().is_curved() && !is_event;
             work -= f64::from(u8::from(!is_knot && !is_series));
             work += WORK.1 * (self.time() - from) / self.table().length;
@@ -214,11 +214,12 @@ impl Motion {
     /// signals at the goal keep their advanced values.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, [at_knot, keeps]: [bool; 2]) -> Result<Option<Due>, Error> {
-        let Flown { place, dt, whole, reaches } = if self.table().is_dense() {
-            self.by_tables(goal, at_knot)
+        let flown = if self.table().is_dense() {
+            Some(self.by_tables(goal, at_knot))
         } else {
             self.by_series(goal, at_knot)
         };
+        let Some(Flown { place, dt, whole, reaches }) = flown else { return Err(self.ends()) };
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
         let progresses = dt > PROGRESS * self.table().length;
         if progresses {
@@ -298,9 +299,10 @@ impl Motion {
     }
 
     /// Flies a sub-step by one series of the actual state; the series ends a little after the
-    /// predicted event.
+    /// predicted event. `None` if the motion under curved forces ends in finite time: its series
+    /// then become as short as rounding.
     #[inline(always)]
-    fn by_series(&mut self, goal: DoubleDouble, at_knot: bool) -> Flown {
+    fn by_series(&mut self, goal: DoubleDouble, at_knot: bool) -> Option<Flown> {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
         let met = tables.at(*place);
         let table = &*met.table;
@@ -309,6 +311,9 @@ impl Motion {
         let ahead = &mut scratch.ahead;
         let leaving = |place: usize| (flight.order(place), flight.short_limit(place));
         ahead.find(table, hybrid.z.as_slice(), remaining, leaving);
+        if table.is_curved() && ahead.span < remaining.min(PROGRESS * table.length) {
+            return None;
+        }
         let part = flight.part_within_reach(ahead);
         let is_end = part == 1.0 && ahead.span == remaining;
         let mut passage = flight.passage_ahead(part, ahead);
@@ -338,7 +343,7 @@ impl Motion {
         ahead.series.at(part, hybrid.z.as_mut_slice());
         assembly.system.fill_curved(hybrid.z.as_mut_slice());
         let whole = passage.is_none() && part == 1.0 && ahead.span >= table.length;
-        Flown { place, dt, whole, reaches }
+        Some(Flown { place, dt, whole, reaches })
     }
 
     /// Prepares the next sub-step, at whose start event functions are no longer at zero. If the

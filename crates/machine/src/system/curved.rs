@@ -10,8 +10,7 @@ use crate::kernel::SparseMatrix;
 
 /// Number of curved forces of a machine.
 pub fn count(d: &Description) -> usize {
-    d.springs.iter().filter(|own| own.is_curved()).count()
-        + d.dampers.iter().filter(|own| own.cubic.is_some()).count()
+    d.elements().filter(|element| element.is_curved()).count()
 }
 
 /// The first element with a curved force, by its dotted name.
@@ -36,15 +35,14 @@ impl System {
     #[inline(always)]
     pub(crate) fn fill_curved(&self, z: &mut [f64]) {
         for curved in &self.curved {
-            z[curved.place] = curved.force.value(curved.argument.at(z));
+            curved.fill(z);
         }
     }
 
     /// Writes the variations of the curved forces into a variation of the state `z`.
     pub fn vary_curved(&self, z: &[f64], variation: &mut [f64]) {
         for curved in &self.curved {
-            let slope = curved.force.derivative(curved.argument.at(z));
-            variation[curved.place] = slope * curved.argument.at(variation);
+            curved.vary(z, variation);
         }
     }
 

@@ -50,19 +50,8 @@ fn bound(table: &FlowTable, series: &Series, span: f64, part: f64) -> (f64, f64)
     let straight = table.a.len() - table.curves.len();
     let norms: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(table, k, straight)).collect();
     let sizes: Vec<f64> = (0..=LAST_ORDER).map(|k| series.norm(table, k, table.one)).collect();
-    let mut curves: Vec<CurveTerms> = table
-        .curves
-        .iter()
-        .zip(&series.curves)
-        .map(|(own, series)| CurveTerms {
-            force: own.curved.force,
-            series,
-            reach: own.reach,
-            effect: own.effect,
-            scale: 0.0,
-            most: 0.0,
-        })
-        .collect();
+    let pairs = table.curves.iter().zip(&series.curves);
+    let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series)).collect();
     let mut remainder =
         Remainder { span, rate: table.rate, norms: &norms, sizes: &sizes, curves: &mut curves };
     let size = sizes.iter().enumerate().map(|(k, size)| size * part.powi(k as i32)).fold(0.0, f64::max);
