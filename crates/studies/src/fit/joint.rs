@@ -205,6 +205,14 @@ impl<'a> Joint<'a> {
         (0..self.models.len()).try_fold(true, |all, k| Ok(all && one(k)?))
     }
 
+    /// Whether the motion of a record is chaotic.
+    pub fn is_chaotic(&self, values: &[f64]) -> bool {
+        self.models.iter().zip(&self.places).any(|(model, places)| {
+            let values: Vec<f64> = places.iter().map(|&place| values[place]).collect();
+            model.is_chaotic(&values)
+        })
+    }
+
     /// Sets the standard deviations of columns and contacts from the residuals at a point.
     pub fn reweigh(&mut self, point: &Point, reach: &Reach) -> Result<()> {
         let all: Vec<_> = (0..self.models.len()).map(|k| self.local(k, point, reach)).collect();

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// Distances of a restart from the fitted point, in standard errors: without and with contacts.
 /// The cost jumps where an impact appears, and the valley behind the jump often begins ten errors
 /// away. The next distance is tried if the previous one finds no better point.
-const AWAY: [&[f64]; 2] = [&[6.0], &[12.0, 6.0]];
+const AWAY: [&[f64]; 2] = [&[6.0], &[12.0]];
 /// Distances along pairs of combinations if the residuals exceed noise, in standard errors.
 const MORE: [f64; 2] = [12.0, 20.0];
 /// Largest relative change of a parameter in a restart.
@@ -44,8 +44,16 @@ pub(super) enum Found {
     Same,
     /// A better point.
     Better(Solved),
-    /// Another minimum that is as good.
-    Other(Vec<f64>),
+    /// Other minima that are as good.
+    Others(Vec<Other>),
+}
+
+/// Another minimum that is as good.
+pub(super) struct Other {
+    pub(super) values: Vec<f64>,
+    /// Ratios of the errors that reach this minimum to the ones from the curvature, at least 1. As
+    /// in a profile of the cost, a rise by r variances is √r errors away.
+    pub(super) factors: Vec<f64>,
 }
 
 /// Starting points that move each parameter without effect at `point`, in both directions.
@@ -88,6 +96,14 @@ pub(super) fn restarted(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Found> {
     let is_whole = best.reach.is_whole();
+    let mut others = Vec::new();
+    if model.has_stops() && is_whole {
+        match scanned(model, bounds, best, factors, go_on)? {
+            Found::Same => {}
+            Found::Others(found) => others.extend(found),
+            found @ Found::Better(_) => return Ok(found),
+        }
+    }
     let ways = AWAY[usize::from(model.has_stops() && is_whole)].iter().map(|away| (*away, false));
     // Residuals above noise indicate that a better point exists.
     let is_better = model.has_stops() && is_whole && model.misses(&best.point, &best.reach)?;
@@ -95,10 +111,63 @@ pub(super) fn restarted(
     for (away, is_paired) in ways.chain(more) {
         match restarted_from(model, bounds, best, (factors, away, is_paired), go_on)? {
             Found::Same => {}
-            found => return Ok(found),
+            Found::Others(found) => others.extend(found),
+            found @ Found::Better(_) => return Ok(found),
         }
     }
-    Ok(Found::Same)
+    Ok(if others.is_empty() { Found::Same } else { Found::Others(others) })
+}
+
+/// Number of points of a scanned line to each side, and their distance in standard errors.
+const SCAN: (i32, f64) = (12, 1.0);
+/// Largest number of valleys from which a scan descends.
+const VALLEYS: usize = 12;
+
+/// Restarts from the valleys of the cost on lines through a point: along each parameter, and along
+/// the combinations. The cost of a motion with impacts has narrow valleys side by side, which a
+/// restart at a fixed distance misses.
+fn scanned(
+    model: &dyn Problem,
+    bounds: &Bounds,
+    best: &Solved,
+    factors: &[f64],
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Found> {
+    let at = model.evaluate(&best.point, &best.reach)?;
+    let Some((jacobian, mut lines)) = along(model, best, &at, (1.0, false)) else { return Ok(Found::Same) };
+    let own = (model.loss(), model.has_sigma());
+    let errors = Uncertainty::of(&at, &bounds.names, &best.point.values, own).errors;
+    for (j, error) in errors.iter().enumerate() {
+        let mut line = Point::from(vec![0.0; best.point.values.len()]);
+        line.values[j] = error.unwrap_or(0.0);
+        lines.push(line);
+    }
+    let (count, step) = SCAN;
+    let place = |line: &Point, k: i32| {
+        let mut next = best.point.clone();
+        for (j, value) in next.values.iter_mut().enumerate() {
+            let moved = *value + step * f64::from(k) * line.values[j];
+            *value = moved.clamp(bounds.low[j], bounds.high[j]);
+        }
+        next
+    };
+    let valleys = |(line, sign): (&Point, i32)| {
+        let points: Vec<Point> = (0..=count).map(|k| place(line, sign * k)).collect();
+        let cost = |point: &Point| {
+            let at = Solved { point: point.clone(), ..best.clone() };
+            if go_on() { model.cost(&at).unwrap_or(f64::INFINITY) } else { f64::INFINITY }
+        };
+        let costs: Vec<f64> = points.par_iter().map(cost).collect();
+        let is_valley =
+            |k: &usize| costs[*k] < costs[k - 1] && costs.get(k + 1).is_none_or(|next| costs[*k] <= *next);
+        (1..costs.len()).filter(is_valley).map(|k| (costs[k], points[k].clone())).collect::<Vec<_>>()
+    };
+    let sides: Vec<(&Point, i32)> = lines.iter().flat_map(|line| [(line, 1), (line, -1)]).collect();
+    let mut all: Vec<(f64, Point)> = sides.into_par_iter().flat_map(valleys).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.truncate(VALLEYS);
+    let starts: Vec<Point> = all.into_iter().map(|own| own.1).collect();
+    descended(model, bounds, best, (factors, &jacobian, &at), &starts, go_on)
 }
 
 /// Restarts at one distance from a point.
@@ -126,6 +195,19 @@ fn restarted_from(
             next
         }));
     }
+    descended(model, bounds, best, (factors, &jacobian, &at), &starts, go_on)
+}
+
+/// Descends from several points, and compares the minima with the best point.
+fn descended(
+    model: &dyn Problem,
+    bounds: &Bounds,
+    best: &Solved,
+    (factors, jacobian, at): (&[f64], &DMatrix<f64>, &Evaluated),
+    starts: &[Point],
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Found> {
+    let p = best.point.values.len();
     let variance = model.variance(best.cost, p);
     // Without contacts there is one valley: its minimum need not be found again.
     let enough = if model.has_stops() { f64::NEG_INFINITY } else { best.cost + variance };
@@ -138,7 +220,7 @@ fn restarted_from(
         return Ok(Found::Better(own.clone()));
     }
     let own = (model.loss(), model.has_sigma());
-    let mut uncertainty = Uncertainty::of(&at, &bounds.names, &best.point.values, own);
+    let mut uncertainty = Uncertainty::of(at, &bounds.names, &best.point.values, own);
     uncertainty.widen(factors);
     let errors = uncertainty.errors;
     let is_other = |own: &&Solved| {
@@ -148,10 +230,20 @@ fn restarted_from(
         };
         let is_one = near.all(is_one);
         let off = own.point.values.iter().zip(&best.point.values).map(|(a, b)| a - b);
-        let rise = (&jacobian * DVector::from_iterator(p, off)).norm_squared();
+        let rise = (jacobian * DVector::from_iterator(p, off)).norm_squared();
         own.cost < best.cost + AS_GOOD * variance && rise > ELSEWHERE * variance && !is_one
     };
-    Ok(all.iter().find(is_other).map_or(Found::Same, |own| Found::Other(own.point.values.clone())))
+    let other = |own: &Solved| {
+        let away = ((own.cost - best.cost) / variance).max(1.0).sqrt();
+        let mut wider = factors.to_vec();
+        for (j, wider) in wider.iter_mut().enumerate() {
+            let off = (own.point.values[j] - best.point.values[j]).abs();
+            *wider *= errors[j].map_or(f64::INFINITY, |error| off / (error * away)).max(1.0);
+        }
+        Other { values: own.point.values.clone(), factors: wider }
+    };
+    let others: Vec<Other> = all.iter().filter(is_other).map(other).collect();
+    Ok(if others.is_empty() { Found::Same } else { Found::Others(others) })
 }
 
 /// Jacobian of all residuals, and parameter changes of `away` standard errors along the least

@@ -10,7 +10,7 @@ use super::loss::Loss;
 use super::problem::Problem;
 use super::profile::{Profile, profile};
 use super::progress::Observer;
-use super::restarts::{Found, restarted};
+use super::restarts::{Found, Other, restarted};
 use super::schedule::{MOST_ATTEMPTS, best_from};
 use super::solver::{Convergence, solve};
 use super::verdict::Verdict;
@@ -25,6 +25,10 @@ const REWEIGHTED: u32 = 2;
 const REWEIGHTED_ROBUST: u32 = 6;
 /// Largest number of moves to a better point found by a restart.
 const BETTER: u32 = 20;
+
+/// Largest ratio by which other minima that are as good widen the errors. Impacts that appear or
+/// disappear divide one valley into several; a minimum farther away is a different answer.
+const WIDER: f64 = 5.0;
 
 /// Callback that ends a search early by returning false.
 type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
@@ -92,7 +96,10 @@ fn fit_carrying(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitte
         let found = solve(&joint, &bounds, &best.point, (&best.reach, Convergence::Whole), go_on)?;
         best = Solved { is_continuous: best.is_continuous, ..found };
     }
-    let Settled { best, factors, doubt } = settled(&joint, &bounds, best, go_on)?;
+    let found = settled(&joint, &bounds, best, go_on)?;
+    let is_divided = matches!(request.segments, Segments::Length(_));
+    let found = if is_divided { found } else { joined(&joint, &bounds, found, go_on)? };
+    let Settled { best, factors, doubt } = found;
     let at = joint.evaluate(&best.point, &best.reach)?;
     let own = (request.loss, joint.has_sigma());
     let mut uncertainty = Uncertainty::of(&at, &bounds.names, &best.point.values, own);
@@ -217,6 +224,22 @@ struct Settled {
     doubt: Option<String>,
 }
 
+/// Continues with a single motion of each record if segments are left and do not fit: a segment may
+/// begin next to an impact that the previous segment lacks, from where no restart leads to it.
+fn joined(joint: &Joint, bounds: &Bounds, found: Settled, go_on: GoOn) -> Result<Settled> {
+    let best = &found.best;
+    if best.reach.is_whole() || joint.fits(&best.point, &best.reach)? || joint.is_chaotic(&best.point.values)
+    {
+        return Ok(found);
+    }
+    let begin = joint.single(best.point.values.clone());
+    let Ok(single) = solve(joint, bounds, &begin.point, (&begin.reach, Convergence::Whole), go_on) else {
+        return Ok(found);
+    };
+    let single = settled(joint, bounds, Solved { is_continuous: true, ..single }, go_on)?;
+    Ok(if single.best.cost < found.best.cost { single } else { found })
+}
+
 /// Moves to better points found by restarts until there is none.
 fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Result<Settled> {
     let watch = &joint.models[0].watch;
@@ -240,8 +263,15 @@ fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Res
         };
         match found {
             Found::Same => break,
-            Found::Other(values) => {
-                doubt = Some(format!("another minimum is as good, {}", bounds.told(&values)));
+            Found::Others(others) => {
+                let own = factors.clone();
+                let is_far = |other: &&Other| other.factors.iter().zip(&own).any(|(a, b)| *a > WIDER * b);
+                let far = others.iter().find(is_far);
+                doubt =
+                    far.map(|other| format!("another minimum is as good, {}", bounds.told(&other.values)));
+                for other in others.iter().filter(|other| !is_far(other)) {
+                    factors.iter_mut().zip(&other.factors).for_each(|(a, b)| *a = a.max(*b));
+                }
                 break;
             }
             Found::Better(_) if turn == BETTER => {
