@@ -9,6 +9,9 @@ use crate::{significant, sobol};
 /// Lower bound while segments are apart, as a fraction of a positive initial value.
 const INSIDE: f64 = 0.02;
 
+/// Largest growth of a positive parameter in a rough descent.
+const MOST_GROWTH: f64 = 10.0;
+
 /// Ranges and initial values of the free parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Bounds {
@@ -159,6 +162,19 @@ impl Bounds {
         bounds
     }
 
+    /// Bounds for a rough descent: a positive parameter grows at most tenfold over its initial
+    /// value. A parameter that the first seconds of a record hardly determine would otherwise grow
+    /// by any factor, and motions of a stiff machine take long.
+    pub fn for_rough(&self) -> Self {
+        let mut bounds = self.clone();
+        for (j, x) in self.begin.iter().enumerate() {
+            if bounds.low[j] >= 0.0 && *x > 0.0 {
+                bounds.high[j] = bounds.high[j].min(MOST_GROWTH * x);
+            }
+        }
+        bounds
+    }
+
     /// Bounds that hold a parameter at a value.
     pub fn held(&self, number: usize, value: f64) -> Self {
         let mut bounds = self.clone();
@@ -200,6 +216,20 @@ pub(super) fn in_record(name: &str, record: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn invariant_only_positive_parameters_have_a_limit_in_rough_descents() {
+        let bounds = Bounds {
+            begin: vec![2.0, 0.0, -1.0, 2.0, 1.0],
+            low: vec![0.0, 0.0, -5.0, 1.0, -1.0],
+            high: vec![f64::INFINITY, 9.0, 9.0, 9.0, 99.0],
+            names: vec![String::new(); 5],
+            given: vec![false; 5],
+        };
+        let rough = bounds.for_rough();
+        assert_eq!(rough.high, [2.0 * MOST_GROWTH, 9.0, 9.0, 9.0, 99.0]);
+        assert_eq!(rough.low, bounds.low);
+    }
 
     #[test]
     fn invariant_bounds_inside_leave_out_0_below_a_positive_start_alone() {

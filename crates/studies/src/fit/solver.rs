@@ -112,6 +112,8 @@ pub(super) fn solve(
     (reach, convergence): (&Reach, Convergence),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
+    let rough = (convergence == Convergence::Rough).then(|| bounds.for_rough());
+    let bounds = rough.as_ref().unwrap_or(bounds);
     let (loss, mut point) = (model.loss(), begin.clone());
     let mut at = model.evaluate(&point, reach)?;
     let mut cost = cost_of(&at, loss);
