@@ -103,7 +103,8 @@ pub struct DiagramOfPaper {
 #[derive(Args, Debug)]
 pub struct Lyapunov {
     /// Largest number of periods over which exponents are computed; with FILE 8 to 1000000, after
-    /// 32 periods in which the variation turns into its direction [default: 1500; with FILE 400]
+    /// 32 periods in which the variation aligns with the direction of fastest growth [default:
+    /// 1500; with FILE 400]
     #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
