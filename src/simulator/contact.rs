@@ -5,19 +5,20 @@ use super::{Contact, DueEvent, Event, Simulator};
 use crate::flow::{CENTRED, Series};
 use crate::model::{Augmented, Impact, RELATIVE, RELATIVE_RATE, SmoothMode};
 
-/// e_c of docs/theory.md (18): largest displacement, in gaps, that the rest of a chatter run would
-/// cause after it is closed, at most a unit in the last place.
+/// e_c of docs/theory.md (18): a chatter run is closed when its remaining bounces move the block
+/// by at most this distance, in gaps. The distance is less than a unit in the last place of the
+/// gap.
 const CHATTER: f64 = 0.5 * f64::EPSILON;
-/// Loss 1 - κ below which runs are closed by the height of their bounces instead
-/// (docs/numerics.md, "Chatter").
+/// Loss 1 - κ below which [`LEAST_BOUNCE`] limits a run, not [`CHATTER`] (docs/numerics.md,
+/// "Chatter").
 const LEAST_LOSS: f64 = 1e-3;
 /// e_h of docs/theory.md (18): height of a bounce, in gaps, below which a nearly elastic run is
-/// closed. No host resolves this height. Down to it, 10⁵ bounces per second must be computed; down
-/// to round-off there would be 10⁹.
+/// closed. No program that uses the results resolves this height. A run that is computed down to
+/// this height has 10⁵ bounces per second; down to round-off it would have 10⁹.
 const LEAST_BOUNCE: f64 = 1e-12;
-/// Largest relative change of the merged motion's free acceleration within t_c at which a run is
-/// closed. The rate of change is bounded over 2 t_c (docs/theory.md (19); docs/numerics.md,
-/// "Chatter").
+/// Largest change of the merged motion's free acceleration within t_c, relative to the
+/// acceleration, at which a run is closed. The rate of change must keep this bound over 2 t_c
+/// (docs/theory.md (19); docs/numerics.md, "Chatter").
 const STEADY: f64 = 0.125;
 
 #[inline(always)]
@@ -41,15 +42,16 @@ impl Simulator {
         if self.hybrid.contact != Contact::Flight {
             z[RELATIVE_RATE] = 0.0;
             self.hybrid.contact = Contact::Flight;
-            // w' and w'' are zero. The block leaves by the jerk, or by the first higher derivative
-            // that is larger than rounding.
+            // w' and w'' are zero. The block leaves with the third derivative of w, or with the
+            // first higher derivative that is larger than rounding.
             let (_, certain) = self.flight_from_stop(z);
             self.hybrid.departing = certain.map_or(3, |order| order.max(3)) as u8;
             self.hybrid.doubtful = certain.is_none();
             report(observer, Event::Release { time, side: stop });
             return false;
         }
-        // An approach speed that is negative by round-off is set to zero: a touch.
+        // If round-off makes the approach speed negative, the speed is set to zero: the block only
+        // touches the stop.
         z[RELATIVE_RATE] = side * (side * z[RELATIVE_RATE]).max(0.0);
         let Impact { speed, impulse, lost } = self.model.impact(z, side);
         self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
@@ -67,8 +69,8 @@ impl Simulator {
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
-            // The impacts accumulate `left` s later. The state rests from the present time on; the
-            // difference is round-off.
+            // The impacts accumulate `left` s later. The block already rests from the present time
+            // on, which changes its position by no more than round-off.
             report(observer, Event::Rest { time: time + left, side: stop });
         }
         true
@@ -92,7 +94,7 @@ impl Simulator {
         let span = if elastic { 2.0 * u / a } else { 2.0 * u / (a * loss) };
         let longest = 2.0 * span;
         if longest > 0.5 * self.interval() {
-            return None; // beyond the radius of the series below
+            return None; // the series below is not accurate that far
         }
         // State with box and block moving as one body. The run deviates from this motion by less
         // than the height of its bounces.
@@ -126,7 +128,7 @@ impl Simulator {
             return;
         }
         if let Some(DueEvent::Impact { .. }) = due {
-            self.hybrid.due = due; // its law decides, by the new values
+            self.hybrid.due = due; // the law of the impact decides, with the new values
             return;
         }
         let side = y[1].signum();

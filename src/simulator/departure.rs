@@ -1,8 +1,8 @@
 //! The first moments of a departure from a stop, while w still rounds to the stop.
 //!
 //! The state at such a moment shows the block's motion only inaccurately or not at all, since the
-//! motion is lost in rounding. So a sub-step from there begins at the departure itself, where w and
-//! the vanishing derivatives are exact (docs/numerics.md, section 2).
+//! motion is lost in rounding. So a sub-step from there begins at the departure itself, where w
+//! and the vanishing derivatives are exact (docs/numerics.md, section 2).
 
 use super::{HybridState, Simulator};
 use crate::energy::{Pending, Sums};
@@ -13,9 +13,9 @@ use crate::model::{
 use serde::{Deserialize, Serialize};
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Size above which a derivative of w of order k is more than rounding, in units of k² ε rᵏ S with
-/// the size S of docs/numerics.md, section 1. This is twice the rounding of w'', which is a sum of
-/// some eight products of rounded coordinates.
+/// Size above which a derivative of w is more than rounding. For order k the unit is k² ε rᵏ S,
+/// with the size S of docs/numerics.md, section 1. The value is twice the rounding of w'', which
+/// is a sum of some eight products of rounded coordinates.
 const CERTAIN: f64 = 4.0;
 
 /// Moment, less than a sub-step ago, at which the block left a stop, while w still rounds to that
@@ -47,8 +47,8 @@ struct Present {
 }
 
 impl Simulator {
-    /// Whether the next sub-step, of at most `remaining` s, begins at a departure that must be
-    /// stored, because w may still round to the stop at the sub-step's end.
+    /// Whether the next sub-step begins at a departure that must be stored. It must be stored if w
+    /// may still round to the stop after the sub-step, which takes at most `remaining` s.
     #[inline(always)]
     pub(super) fn is_departing(&self, remaining: f64) -> bool {
         match self.hybrid.departing {
@@ -58,7 +58,7 @@ impl Simulator {
         }
     }
 
-    /// Whether the block leaves a stop without speed and all its derivatives are within rounding.
+    /// Whether the block leaves a stop with w' = 0 and all derivatives of w are within rounding.
     #[inline(always)]
     pub(super) fn is_doubtful(&self) -> bool {
         self.hybrid.departing > 1 && self.hybrid.doubtful
@@ -74,8 +74,8 @@ impl Simulator {
         let here = Departure { time, z: *z, gained: [0.0; 2] };
         let from = self.hybrid.departure.take().unwrap_or(here);
         (self.hybrid.time, *z) = (from.time, from.z);
-        // Without accounts (also while a batch reports) the gain is not subtracted, because it
-        // would not be added again.
+        // Without energy accounts (also while a batch reports) the gain is not subtracted, because
+        // the sub-step would not add it again.
         if self.keeps_energy_accounts {
             let sums = &mut self.hybrid.sums;
             (sums.input, sums.damped) = (sums.input.plus(-from.gained[0]), sums.damped.plus(-from.gained[1]));
@@ -89,9 +89,9 @@ impl Simulator {
         Departing { from, order: self.hybrid.departing, accounts: self.accounts(), present }
     }
 
-    /// Ends a sub-step that began at a departure. If the sub-step reached `end`, w still rounds to
-    /// the stop and the departure is less than a sub-step ago, the next sub-step begins at the
-    /// departure again.
+    /// Ends a sub-step that began at a departure. The next sub-step begins at the same departure
+    /// if the sub-step reached `end`, if w still rounds to the stop, and if the departure is less
+    /// than a sub-step ago.
     #[cold]
     #[inline(never)]
     pub(super) fn keep_departure(
@@ -103,8 +103,8 @@ impl Simulator {
     ) {
         let Departing { from, order, accounts, present } = begun;
         if passage.is_some() {
-            // With other roundings an event may be found before the present, although none was
-            // found there earlier. The event then takes place at the present.
+            // An earlier sub-step found no event before the present. Because of different
+            // rounding, this one may find one there. The event then takes place at the present.
             if self.hybrid.time.minus(present.time).value() < 0.0 {
                 *z = present.z;
                 (self.hybrid.time, self.hybrid.sums, self.pending) =
@@ -123,13 +123,14 @@ impl Simulator {
         }
     }
 
-    /// Flight from a stop at which the block has no speed: its series over 1/r, and the order of
-    /// the first derivative of w, from the second to the eighth, that is beyond rounding.
+    /// Flight from a stop at which w' = 0. Returns the series of the flight over the time 1/r, and
+    /// the order (2 to 8) of the first derivative of w that is larger than rounding.
     pub(super) fn flight_from_stop(&self, z: &Augmented) -> (Series<9>, Option<usize>) {
         let forces = self.forces_now();
         let radius = 1.0 / self.model.rate;
         let series = Series::<9>::expand(&self.model, SmoothMode::Flight, z, Some(&forces), radius);
-        let mut rounding = CERTAIN * f64::EPSILON * self.largest_acceleration(z, &forces); // of order k, over k²
+        // Limit of rounding for the derivative of order k, divided by k².
+        let mut rounding = CERTAIN * f64::EPSILON * self.largest_acceleration(z, &forces);
         let certain = (2..9).find(|&k| {
             let certain = series.free[k - 2].abs() > (k * k) as f64 * rounding;
             rounding /= (k - 1) as f64;
@@ -148,9 +149,9 @@ impl Simulator {
         if !self.loaded() {
             return own;
         }
-        // The size of a load is a sum over its orders j, divided by rʲ. Each summand is the larger
-        // of two numbers: the present derivative of order j, and the sum of the sizes of its
-        // polynomial's terms since the load was set.
+        // The size of a load is the sum of d_j/rʲ over the orders j. The number d_j is the larger
+        // of the size of the load's present derivative of order j and the sum of the sizes of this
+        // derivative's terms, which are powers of the time since the load was set.
         let since = self.hybrid.time.minus(self.hybrid.loads_from).value().abs();
         let terms = shifted(&self.hybrid.loads.map(|f| f.map(f64::abs)), since);
         let load = |now: &[f64; 4], terms: &[f64; 4]| {

@@ -4,7 +4,7 @@
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The model or the simulator refuses.
+    /// The model or the simulator refuses its input.
     #[error(transparent)]
     Model(#[from] vibro_impact::Error),
     /// A described machine or its motion is refused.
@@ -111,7 +111,7 @@ pub enum Error {
     Store(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// Result with the analyses' error.
+/// Result with the studies' error.
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {

@@ -154,7 +154,7 @@ def design(
         Relative tolerance of the varied parameters. The worst value at the corners of the tolerance box counts (at 16 corners for more than
         four parameters); for the best design, at 32 interior points too.
     evaluations
-        Number of designs to evaluate; local searches may add about ten for each of three basins.
+        Number of designs to evaluate; local searches in three basins may add about ten each.
     periods, settle, section
         As in :meth:`Machine.measure`.
     again

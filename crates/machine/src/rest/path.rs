@@ -14,7 +14,8 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 const ZERO: f64 = 1e-12;
 /// Largest number of pieces of the load path.
 const PIECES: usize = 10_000;
-/// Largest number of elements at a limit at once for which all sides are tried.
+/// Largest number of elements at their limits for which all combinations of sides are tried. Any
+/// further elements keep their sides.
 const AT_ONCE: usize = 12;
 
 /// A stop at rest.
@@ -45,14 +46,14 @@ struct Point {
     lambda: Vec<f64>,
     /// For each lined spring: index of the line that acts.
     lines: Vec<usize>,
-    /// For each stop: whether it presses or is closed.
+    /// For each stop: whether it presses (if compliant) or is closed (if rigid).
     bears: Vec<bool>,
 }
 
 /// An element at its limit.
 #[derive(Clone, Copy)]
 enum Limit {
-    /// A lined spring (first index) at the corner at the end of a line (second index).
+    /// A lined spring at a corner: index of the spring, and index of the line below the corner.
     Corner(usize, usize),
     Stop(usize),
 }
@@ -99,8 +100,8 @@ impl<'a> LoadPath<'a> {
         &self.system.springs[lined.spring].elongation.column
     }
 
-    /// Follows the path to its end. Returns the forces with the lines that act there, and the
-    /// coordinates.
+    /// Follows the path to its end. Returns the forces and the coordinates there; the forces
+    /// include the active lines.
     pub fn follow(&self, d: &Description, mut holding: Holding) -> Result<(Holding, DVector<f64>), Error> {
         let mut at = Point {
             load: 0.0,
@@ -127,7 +128,7 @@ impl<'a> LoadPath<'a> {
         Err(Error::GivesWay { spring, factor: at.load })
     }
 
-    /// Replaces compliant stops that press by springs, so that the stiffness is the stiffness at
+    /// Turns every compliant stop that presses into a spring, so that the stiffness is correct at
     /// the end of the path.
     fn press(&self, holding: &mut Holding, at: &Point) {
         let compliant = |own: &&super::RestContact| own.compliance > 0.0;
@@ -240,7 +241,7 @@ impl<'a> LoadPath<'a> {
         }
         let held = DMatrix::from_fn(n, closed.len(), |k, c| self.stops[closed[c]].column[k]);
         let begin = DVector::from_fn(closed.len(), |c, _| -self.stops[closed[c]].excess.max(0.0));
-        // y = held⁺ᵀ begin in the held directions; the stiffness determines the rest.
+        // In the held directions y = held⁺ᵀ begin. The stiffness determines the other directions.
         let largest = stiffness.amax().max(f64::MIN_POSITIVE);
         let inverse = match closed.len() {
             0 => held.transpose(),
@@ -304,8 +305,8 @@ impl<'a> LoadPath<'a> {
         at.lambda.iter_mut().zip(&direction.lambda).for_each(|(force, by)| *force += length * by);
     }
 
-    /// The spring with the most steeply falling line among the lines that act or begin here;
-    /// otherwise the first spring with a falling line.
+    /// Spring with the most steeply falling line among the active lines and the lines that meet at
+    /// this point. If none of these lines falls: the first spring with a falling line.
     fn gave_way(&self, at: &Point) -> usize {
         let limits = self.limits(at);
         let falls = |(i, own): (usize, &Lined)| {

@@ -14,7 +14,8 @@ pub(super) type Jet = [f64; ORDER];
 /// Sine and cosine of the phase, and their derivatives.
 pub(super) type Wave = [(f64, f64); ORDER];
 
-/// Position of a time relative to a sweep; at its ends the second derivative of the phase jumps.
+/// Position of a time relative to a sweep. At both ends of the sweep the second derivative of the
+/// phase jumps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     Before,
@@ -49,7 +50,7 @@ pub(super) fn binomial(n: usize, k: usize) -> f64 {
     BINOMIAL[n][k]
 }
 
-/// The quotient, to 32 digits.
+/// The quotient a/b, to 32 digits.
 fn over(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
     let first = DoubleDouble::new(a.value() / b.value());
     let rest = a.minus(first.times(b));
@@ -63,7 +64,7 @@ fn exp_minus_one(x: DoubleDouble) -> DoubleDouble {
     let doublings = (x.value().abs().max(1e-300).log2().ceil() as i32 + 6).max(0);
     let scale = (-f64::from(doublings)).exp2();
     let small = DoubleDouble { hi: x.hi * scale, lo: x.lo * scale };
-    // 2⁻⁶ to the power 18 over 18! is below 1e-47.
+    // 18 terms suffice, since |small| <= 2⁻⁶ and (2⁻⁶)¹⁸/18! is below 1e-47.
     let mut sum = DoubleDouble::default();
     for k in (1..=18).rev() {
         sum = over(small.times(sum.plus(1.0)), DoubleDouble::new(f64::from(k)));
@@ -155,8 +156,8 @@ impl Phase {
         wave
     }
 
-    /// A bound of the derivative of order 12 of sine and cosine of the phase, times h¹², over a
-    /// cell of length h whose highest frequency is given.
+    /// Upper bound, in a cell of length h, of h¹² times the twelfth derivative of the sine and the
+    /// cosine of the phase. `frequency` is the highest frequency in the cell.
     pub fn bound(&self, frequency: f64, h: f64) -> f64 {
         const TWELVE: usize = 12;
         let Sweep { from, to, duration, .. } = self.sweep;
@@ -179,8 +180,8 @@ impl Phase {
         bounds[TWELVE]
     }
 
-    /// The derivative of the phase in a direction of the sweep's parameters, with its derivatives
-    /// by time.
+    /// Derivative of the phase along the direction `by` of the sweep's parameters, and the time
+    /// derivatives of this derivative.
     pub fn along(&self, time: f64, side: Side, by: &Sweep) -> Jet {
         let Sweep { from, to, duration, .. } = self.sweep;
         let mut jet = [0.0; ORDER];

@@ -1,6 +1,6 @@
-//! The paper's machine as a [`PlaneMachine`]. It compares the simulated motion with the exact
-//! orbit that has two symmetric impacts per period. The motions of some rows run [side by
-//! side](Workspace::run).
+//! The paper's machine as a [`PlaneMachine`]: the simulated motion at each point of the plane,
+//! compared with the exact orbit that has two symmetric impacts per period. The motions of several
+//! rows run [side by side](Workspace::run).
 
 use super::parameter_set::ParameterSet;
 use super::plane::{self, SteadyStateClass};
@@ -32,11 +32,11 @@ pub struct SettledMotion {
     pub rests: bool,
     /// Whether the motion is its own mirror image; false for motions without a period.
     pub symmetric: bool,
-    /// Largest of the seven exponents per unit of τ, with the standard error of its estimate, if
-    /// exponents were requested and there are impacts and no period. It is not negative, since one
-    /// of the seven is zero.
+    /// Largest of the seven exponents, per unit of τ, and its standard error. `None` if exponents
+    /// were not requested, and for motions without impacts or with a period. The exponent is not
+    /// negative, since one of the seven is zero.
     pub exponent: Option<[f64; 2]>,
-    /// Whether the motion is on the stable exact orbit, not just leaving it.
+    /// Whether the motion has settled on the stable exact orbit.
     pub on_orbit: bool,
 }
 
@@ -144,8 +144,8 @@ fn site(set: &ParameterSet, request: &IsoperiodicRequest, column: usize, row: us
     Site { theory, orbit, start: Some(Start { parameters, state }) }
 }
 
-/// The points of some rows. Neighbours in a row have similar motions, which keep their lanes busy
-/// for similar times.
+/// The points of some rows. Neighbours in a row have similar motions, which take similar times
+/// when they run side by side.
 fn points(
     set: &ParameterSet,
     request: &IsoperiodicRequest,
@@ -170,7 +170,7 @@ fn points(
         let orbit = sites[index].orbit.as_ref();
         let seen_again = outcome.as_ref().is_ok_and(|found| found.periods > OBSERVED);
         points[index].motion = outcome.ok().map(|found| motion(&start.parameters, found, orbit));
-        // A motion that wanders after the discarded periods has a decided class.
+        // A quasi-periodic class needs a second observation (`MotionClass::is_final`).
         points[index].motion.is_none_or(|m| m.class.is_final() || seen_again && m.class.is_decided())
     });
     points
@@ -202,8 +202,8 @@ mod tests {
 
     #[test]
     fn second_method_beyond_a_doubling_there_is_one_orbit() {
-        // The orbit of one drive period loses its stability at 2.8022 by so little that motions
-        // leaving it seem to be on a torus for thousands of periods. The orbit of two periods is
+        // Above 2.8022 the orbit of one drive period is unstable, but so weakly that motions leave
+        // it slowly and look quasi-periodic for thousands of periods. The orbit of two periods is
         // stable there, as the branches of `vibro-orbits` show.
         let x = ParameterAxis::new(find_group("f10").unwrap(), (2.8035, 2.808), 60).unwrap();
         let y = ParameterAxis::new(find_group("kappa").unwrap(), (0.7499, 0.7501), 2).unwrap();

@@ -25,35 +25,35 @@ FILES
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("goal").required(true).args(["minimize", "maximize"]))]
 pub struct DesignArguments {
-    /// Machine file (TOML); its own parameter values, with --set, are evaluated first
+    /// Machine file (TOML); the first evaluated design has its values, as changed by --set
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Output to minimize, by its worst motion
+    /// Output to minimize; the worst motion of a design counts
     #[arg(long, visible_alias = "minimise", value_name = "OUTPUT")]
     pub minimize: Option<String>,
-    /// Output to maximize, by its worst motion
+    /// Output to maximize; the worst motion of a design counts
     #[arg(long, visible_alias = "maximise", value_name = "OUTPUT")]
     pub maximize: Option<String>,
     /// Parameters to vary, each with its range. May be repeated
     #[arg(long, required = true, value_name = "NAME=LOW:HIGH,…", allow_hyphen_values = true)]
     pub vary: Vec<String>,
-    /// Parameter over which a design has its worst value, e.g. the drive frequency; peaks between
-    /// the values of a range are searched for. May be repeated
+    /// Parameter, e.g. the drive frequency, at all values of which a design is measured; the worst
+    /// value counts, and peaks between the values of a range are searched for. May be repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<String>,
     /// Number of values of a range of --over without a count
     #[arg(long, value_name = "N", default_value_t = 11, value_parser = whole::<u32>(2..=1_000))]
     pub resolution: u32,
-    /// Limit that the worst motion must keep: OUTPUT<=VALUE or OUTPUT>=VALUE, in SI or with a unit.
-    /// May be repeated
+    /// Limit of an output that every motion of a design must keep: OUTPUT<=VALUE or OUTPUT>=VALUE,
+    /// in SI or with a unit. May be repeated
     #[arg(long, value_name = "OUTPUT<=VALUE", allow_hyphen_values = true)]
     pub subject_to: Vec<String>,
-    /// Relative tolerance of the varied parameters, e.g. 5%: the worst value at the corners of the
-    /// tolerance box counts (at 16 corners for more than four parameters), for the best design also
-    /// at 32 points inside the box
+    /// Relative tolerance of the varied parameters, e.g. 5%: a design is measured at the corners
+    /// of its tolerance box (at 16 corners for more than four parameters), the best design also at
+    /// 32 points inside the box; the worst value counts
     #[arg(long, value_name = "PERCENT", default_value = "0%", value_parser = percent)]
     pub robust: f64,
-    /// Number of designs to evaluate; local searches may add about ten for each of three basins
+    /// Number of designs to evaluate; local searches in three basins may add about ten each
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = whole::<u32>(10..=1_000_000))]
     pub evaluations: u32,
     /// Periods discarded before a motion is measured, fewer if it settles earlier
@@ -62,8 +62,8 @@ pub struct DesignArguments {
     /// Periods over which a motion is measured
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
-    /// Largest number of periods of motion for measuring the best designs longer, until one is the
-    /// best by its error bar
+    /// Largest number of additional periods in which the best designs are measured, until their
+    /// error bars show which one is the best
     #[arg(long, value_name = "N", default_value_t = 300_000, value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
     /// Starts: every design is run from each.
@@ -74,7 +74,7 @@ pub struct DesignArguments {
     pub section: SectionArguments,
 }
 
-/// A part, as `5%` or `0.05`.
+/// A fraction, written as `5%` or `0.05`.
 fn percent(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(number) => (number.trim(), 0.01),

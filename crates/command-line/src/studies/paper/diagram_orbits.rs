@@ -27,7 +27,7 @@ use vibro_studies::paper::stroboscopic::dimensional;
 use vibro_studies::paper::{Name, ParameterSet};
 use vibro_studies::parts::PartStore;
 
-/// Largest number of values, in each direction, at which settled motions start branches.
+/// Largest number of values, in each direction, from whose settled motions branches start.
 const MOST_SEEDS: usize = 1001;
 /// Drive periods after which a row that no branch covers is examined again. By then, the transient
 /// of a row next to a bifurcation has decayed.
@@ -47,10 +47,9 @@ pub enum Covering {
         /// Distance of the motion's states from the orbit's, in units of L and L ω10.
         distance: f64,
     },
-    /// The block rests at a stop during the motion. An orbit of impacts alone does not describe
-    /// such a motion.
+    /// The block rests at a stop during the motion. Branches describe only orbits without rest.
     Rests,
-    /// The motion had not settled. After further periods it lies on a stable branch.
+    /// The motion had not settled yet. After further periods it lies on a stable branch.
     Transient,
     /// No followed branch contains it.
     Missing,
@@ -83,12 +82,12 @@ pub struct DiagramOrbits {
 /// The family of a sweep.
 ///
 /// # Errors
-/// An error that names the parameter if orbits cannot vary it.
+/// An error with the parameter's name if orbits cannot be followed over it.
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
     let family = Family::new(set, span)?;
-    // A free block and undamped modes are refused for any word. Whether this word has an orbit
-    // does not matter.
+    // The search refuses a free block and undamped modes, whatever the word. It does not matter
+    // here whether the word UL has an orbit.
     let middle = family.system(&[0.5 * (span.from + span.to)])?;
     match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
         Ok(_) | Err(vibro_studies::Error::NoOrbit { .. }) => Ok(family),
@@ -98,8 +97,8 @@ pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
 
 impl DiagramOrbits {
     /// Follows all branches in the range of a sweep and assigns each periodic row of its diagram
-    /// to a branch. Finished branches are kept in a store; `told` receives the number of traced
-    /// starts and the number of waiting ones.
+    /// to a branch. Finished branches are kept in `store`. `told` receives the number of traced
+    /// starts and the number of waiting starts.
     ///
     /// # Errors
     /// The errors of the machines and of the store.
@@ -111,8 +110,8 @@ impl DiagramOrbits {
         (store, told): (&dyn PartStore, &(dyn Fn(usize, usize) + Sync)),
     ) -> Result<Self> {
         let family = sweep_family(set, sweep)?;
-        // Branches start at the diagram's values too, so that a window of a single value is not
-        // missed.
+        // Branches also start at the diagram's values. Otherwise a window that contains only one
+        // of these values could be missed.
         let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
         let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
         let options = TreeOptions { seeds, ..options.clone() };
@@ -145,8 +144,8 @@ impl DiagramOrbits {
         }
     }
 
-    /// Ends of the stable ranges that contain the first and the last covered row of a range of
-    /// values.
+    /// Beginning of the stable range of the first covered row between two values, and end of the
+    /// stable range of the last covered row between them.
     pub fn bounds(&self, direction: usize, (from, to): (f64, f64)) -> Option<(RangeEnd, RangeEnd)> {
         let inside = |row: &&CoveredRow| row.direction == direction && (from..=to).contains(&row.value);
         let range = |row: &CoveredRow| match &row.covering {
@@ -159,7 +158,7 @@ impl DiagramOrbits {
         Some((first.from, last.to))
     }
 
-    /// Number of settled periodic rows, and number of these rows that lie on a stable branch.
+    /// Number of periodic rows on a stable branch, and number of all settled periodic rows.
     pub fn share(&self) -> (usize, usize) {
         let count =
             |holds: &dyn Fn(&Covering) -> bool| self.rows.iter().filter(|row| holds(&row.covering)).count();
@@ -190,12 +189,14 @@ impl DiagramOrbits {
         words
     }
 
-    /// Sequences of at least two doublings in words, with the ratios of their distances.
+    /// Text about each sequence of at least two doublings, with the ratios of successive
+    /// distances.
     pub fn doublings_in_words(&self, set: &ParameterSet) -> Vec<String> {
         let sequences = doubling_sequences(&self.tree.branches).into_iter().filter(|s| s.len() > 1);
         let name = self.family.span().name;
         sequences.map(|sequence| doublings_in_words(set, name, &sequence)).collect()
     }
+
     /// The study: a picture of the branches over the diagram, with tables of the drawn curves,
     /// special points, stable ranges, windows and rows.
     ///
@@ -299,7 +300,7 @@ fn not_covered(reason: &str) -> [String; 4] {
     [String::new(), String::new(), String::new(), reason.into()]
 }
 
-/// A sequence of doublings in words, with the ratios of their distances.
+/// Text about a sequence of doublings, with the ratios of successive distances.
 pub(crate) fn doublings_in_words(set: &ParameterSet, name: Name, sequence: &[Doubling]) -> String {
     let place = |d: &Doubling| format!("{} of {}T at {}", d.label, d.period, located(set, name, d.value));
     let places: Vec<String> = sequence.iter().map(place).collect();
@@ -330,8 +331,8 @@ fn located(set: &ParameterSet, name: Name, value: f64) -> String {
 }
 
 /// Adds the branch of the stable orbit on which a motion of the diagram lies; returns false if
-/// there is none. A row may have settled on an orbit that no start of the tree has reached, since
-/// narrow windows are found by chance.
+/// there is none. The tree finds narrow windows only by chance, so a row may have settled on an
+/// orbit that no start of the tree has reached.
 fn follow_own(family: &Family, tree: &mut Tree, point: &SweepPoint) -> Result<bool> {
     let system = family.system(&[point.value])?;
     let Some(state) = point.attractor.states.first() else { return Ok(false) };

@@ -9,10 +9,10 @@ use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::simulator::State;
 use vibro_impact::steady::exact_orbit;
 
-/// Difference of a sum over a turning pair from its limit. A single member differs by O(1/n) over
-/// n periods.
+/// Tolerance for a real exponent and for the sum of two exponents with complex multipliers. Each
+/// of these two differs from the limit by O(1/n) after n periods, but their sum does not.
 const PAIR: f64 = 1e-6;
-/// Rounding of the identity, which holds period by period, over some thousand products.
+/// Tolerance for the rounding of some thousand products; the identity itself holds in each period.
 const IDENTITY: f64 = 1e-8;
 
 fn groups(f10: f64, kappa: f64) -> Parameters {
@@ -23,7 +23,7 @@ fn groups(f10: f64, kappa: f64) -> Parameters {
 fn closed_form_of_the_linear_damped_system() {
     // The block has no spring and never reaches a stop. The box's exponents are the real parts of
     // the roots of r² + c1 r + k1 (here overdamped), and likewise for the secondary oscillator
-    // (underdamped). Block and phase have zero.
+    // (underdamped). The exponents of block and phase are zero.
     let mut p = groups(0.0, 0.75);
     p.coupling_stiffness = 0.0;
     p.box_damping = 2.5;
@@ -34,14 +34,14 @@ fn closed_form_of_the_linear_damped_system() {
     assert_eq!(found.impacts, 0);
     let root = (2.5f64 * 2.5 - 4.0).sqrt();
     let expected = [0.0, 0.0, 0.0, -0.15, -0.15, 0.5 * (-2.5 + root), 0.5 * (-2.5 - root)];
-    // A displacement of the block grows linearly with its speed: one exponent tends to zero as ln
-    // t/t, the other as its negative.
+    // A change of the block's speed makes its displacement grow linearly in time. So one exponent
+    // tends to zero as ln(t)/t and another as -ln(t)/t.
     let time = 1550.0 * p.period();
     let slow = time.ln() / (1500.0 * p.period());
     for (i, (got, want)) in found.exponents.iter().zip(expected).enumerate() {
         let near = match i {
             0..3 => slow,
-            // The members of the turning pair differ by O(1/n), but their sum does not.
+            // Exponents with complex multipliers.
             3 | 4 => 1e-3,
             _ => PAIR,
         };
@@ -59,8 +59,8 @@ fn roots(c: f64, k: f64) -> [f64; 2] {
 
 #[test]
 fn closed_form_of_exponents_far_apart() {
-    // No impacts. In a period of the drive one variation shrinks, relative to another, by more
-    // digits than a double holds: with a slow drive, and with a strong damper.
+    // No impacts. With a slow drive or a strong damper, one variation shrinks relative to another
+    // by more digits in one drive period than a double holds.
     let slow = Parameters {
         drive_frequency: 0.013,
         box_damping: 0.3,
@@ -75,7 +75,8 @@ fn closed_form_of_exponents_far_apart() {
         let found = spectrum(&mut simulator, &options).unwrap();
         assert_eq!(found.impacts, 0);
         let of_box = roots(p.box_damping / p.box_mass, p.box_stiffness / p.box_mass);
-        // The block's two pairs share the loss of their damper.
+        // The secondary oscillator's damper determines the sum of the four exponents of block and
+        // secondary oscillator.
         let of_block = -p.secondary_damping / p.secondary_mass;
         let sum = found.exponents.iter().sum::<f64>();
         assert!((sum - of_box[0] - of_box[1] - of_block).abs() < PAIR, "{found:?}");
@@ -88,9 +89,9 @@ fn closed_form_of_exponents_far_apart() {
 
 #[test]
 fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
-    // In a long period of the drive there are hundreds of impacts. Each slow impact makes one
-    // variation long and another one short. An impact contracts phase space by the square of the
-    // restitution coefficient, and the dampers by their rates.
+    // A long drive period contains hundreds of impacts. Each slow impact stretches one variation
+    // and shrinks another. An impact multiplies the volume in phase space by the square of the
+    // restitution coefficient, and the dampers shrink the volume at a constant rate.
     let p = Parameters {
         box_mass: 0.557_724_769_778_829,
         box_stiffness: 8.491_729_122_830_904,
@@ -119,8 +120,8 @@ fn invariant_the_sum_of_the_exponents_where_slow_impacts_stretch() {
 #[test]
 fn closed_form_of_directions_that_nothing_mixes() {
     // Without impacts box and block do not act on each other, and nothing holds the secondary
-    // oscillator: its position has exponent zero, and so has the phase. Both are found once the
-    // alignment is over.
+    // oscillator: its position has exponent zero, and so has the phase. Both exponents are found
+    // after the periods of alignment.
     let p = Parameters {
         secondary_stiffness: 0.0,
         drive_amplitude: 0.05,
@@ -199,8 +200,9 @@ fn second_method_multipliers_of_the_exact_orbit() {
 fn second_method_two_trajectories_in_chaos() {
     const APART: f64 = 1e-8;
     const PERIODS: u32 = 6000;
-    /// Standard errors by which the estimates may differ. Both fluctuate as chaos does, and blocks
-    /// of periods give their errors. One pair in 10⁴ is farther apart by chance.
+    /// Tolerance for the difference of the two estimates, in standard errors. Chaos makes both
+    /// estimates fluctuate; their standard errors follow from blocks of periods. By chance, one
+    /// comparison in 10⁴ exceeds this tolerance.
     const ERRORS: f64 = 4.0;
     const BLOCK: u32 = 100;
     /// Largest relative error for which the comparison is meaningful.
@@ -246,8 +248,8 @@ fn second_method_two_trajectories_in_chaos() {
 
 #[test]
 fn closed_form_rest_and_dead_impacts_lose_directions() {
-    // κ = 0 with rest: two directions are lost. The other exponents are finite and contain the
-    // phase's zero.
+    // κ = 0 with rest: two exponents are -∞. The other exponents are finite, and one of them is
+    // the exponent zero of the phase.
     let p = groups(3.0, 0.0);
     let found =
         spectrum(&mut settled_simulator(&p, &moving_block(&p), 200.0).unwrap(), &SpectrumOptions::default())
@@ -265,8 +267,8 @@ fn closed_form_variations_through_rest() {
     // whole motions. Two widths cancel the second-order error of the differences (Richardson).
     const NARROW: f64 = 1e-6;
     const WIDE: f64 = 3e-6;
-    /// Error relative to NARROW: a chatter run is closed at bounces of speed about 1e-8, one
-    /// bounce earlier or later for neighbours.
+    /// Tolerance for the differences. A chatter run is closed at a bounce with a speed of about
+    /// 1e-8, in a neighbouring motion one bounce earlier or later, and NARROW divides this error.
     const DIFFERENCE: f64 = 1e-3;
     for (f10, kappa, periods) in [(3.0, 0.0, 60), (2.0, 0.0, 60), (0.3, 0.3, 20), (0.3, 0.5, 20)] {
         let p = groups(f10, kappa);
@@ -291,7 +293,7 @@ fn closed_form_variations_through_rest() {
             variation.propagate(&mut frame, piece);
         })
         .unwrap();
-        // Displacement and rate of the third coordinate, in units of L and of the model's rate.
+        // Displacement (in L) and velocity (in L times the model's rate) of the third coordinate.
         for (direction, unit) in [(2, p.stop_gap), (5, p.stop_gap * model.rate)] {
             let share = model.block_share;
             let end_of = |change: f64| {
