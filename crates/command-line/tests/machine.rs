@@ -298,7 +298,7 @@ fn bad_input_is_refused_by_name() {
     for (arguments, expected) in [
         (
             vec!["steady", "--set", "stop.gap=2kg"],
-            "stop.gap: `kg` is not a unit of it; expected one of m, cm, mm, um, in",
+            "stop.gap: `kg` is not one of its units; expected one of m, cm, mm, um, in",
         ),
         (vec!["steady", "--set", "speed=2"], "no parameter is named `speed`; expected one of"),
         (vec!["bifurcation", "--vary", "drive.frequency=9:11Hz"], "a unit on every number or on none"),

@@ -134,9 +134,9 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     if let Some(given) = command.get_arguments().filter(is_unused).find(is_given) {
         let taken = all.get_arguments().filter(|arg| !is_unused(arg) && arg.get_long() != Some("help"));
         let taken: Vec<String> = taken.map(option).collect();
-        let taken = if taken.is_empty() { "none".into() } else { taken.join(", ") };
+        let taken = if taken.is_empty() { "none".into() } else { format!("only {}", taken.join(", ")) };
         let problem =
-            format!("`vibro {words}` does not use it; of the options of all commands it takes {taken}");
+            format!("`vibro {words}` does not use this option; of the common options it accepts {taken}");
         return Err(Error::Refused { what: option(given), problem });
     }
     if !has_file(command) {
@@ -147,7 +147,7 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     let under = |heading| command.get_arguments().filter(move |a| a.get_help_heading() == Some(heading));
     let Some(given) = under(refused).find(is_given) else { return Ok(()) };
     let whose = match file {
-        Some(file) => format!("an option of the paper's machine, and {} is named", file.display()),
+        Some(file) => format!("an option of the paper's machine, but {} is a machine file", file.display()),
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
     let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
