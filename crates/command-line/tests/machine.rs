@@ -306,7 +306,10 @@ fn bad_input_is_refused_by_name() {
         (vec!["bifurcation", "--vary", "f10=1:2:1"], "f10: 1 values: expected 2 to 20000"),
         (vec!["plane", "--pair", "f10,drive.amplitude"], "two independent parameters"),
         (vec!["plane", "--pair", "f10,kappa", "--vary", "f10=1:2:9999999"], "expected 2 to 10000"),
-        (vec!["lyapunov", "--vary", "stop.gap=1mm:2mm", "--at", "1kg"], "stop.gap: `kg` is not a unit"),
+        (
+            vec!["lyapunov", "--vary", "stop.gap=1mm:2mm", "--at", "1kg"],
+            "stop.gap: `kg` is not one of its units",
+        ),
     ] {
         let (code, error) = refused(&arguments);
         assert!(code == 2 && error.contains(expected), "{arguments:?}: {error}");
