@@ -241,7 +241,7 @@ fn errors_name_the_value_and_what_is_allowed() {
         (
             "tip = [1.9, -2.0, 2.0]",
             "tip = [1.9, -2.0]",
-            "modal.beam.nodes.tip = [1.9, -2.0]: expected a row of finite numbers",
+            "modal.beam.nodes.tip = [1.9, -2.0]: there are 3 coordinates, 0 to 2; expected a row of finite numbers",
         ),
         ("{ \"0\" = 0.6, \"1\" = 1.2 }", "3", "there are 3 coordinates, 0 to 2"),
         (
