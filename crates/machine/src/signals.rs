@@ -23,8 +23,7 @@ use std::f64::consts::TAU;
 use sweep::SweepPiece;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Value and first three derivatives of an input at the time it was set; from then on the input is
-/// a cubic polynomial.
+/// Value and first three derivatives of an input, a cubic polynomial, at the time it was set.
 pub type Input = [f64; 4];
 
 /// The piecewise polynomial part of a signal.
@@ -40,7 +39,7 @@ struct SignalPiece {
     /// Index among the inputs.
     input: Option<usize>,
     /// Set if the signal is integrated: the integral of its constant, steps, table and input.
-    /// Coordinates are then those of the integral, and `rate` is added without being integrated.
+    /// The coordinates then belong to the integral, and `rate` is added without being integrated.
     integral: Option<SignalIntegral>,
 }
 
@@ -86,9 +85,8 @@ impl BodyKind {
     }
 }
 
-/// A harmonic (`order` 0), or its first or second integral from time 0 (docs/assembly-law.md
-/// (A46)): amplitudes of cosine and sine, the constant part, and the factor of the part
-/// proportional to time.
+/// A harmonic (`order` 0), or its integral of order 1 or 2 from time 0 (docs/assembly-law.md
+/// (A46)): amplitudes of cosine and sine, constant part, factor of the part proportional to time.
 fn harmonic(h: &Harmonic, order: usize) -> [f64; 4] {
     let (cosine, sine) = (h.amplitude * h.phase.sin(), h.amplitude * h.phase.cos());
     let omega = TAU * h.frequency;
@@ -161,8 +159,7 @@ pub struct Signals {
     pub curved: usize,
     /// Number of signals with an input.
     pub inputs: usize,
-    /// Number of integrated signals. In the list of inputs, their carried parts come after the
-    /// inputs.
+    /// Number of integrated signals. In the list of inputs their carried parts are last.
     integrals: usize,
     /// The rows of the signals' coordinates in z' = A z.
     rates: Vec<Sparse>,
@@ -182,8 +179,7 @@ struct Parts {
 }
 
 impl SignalIntegral {
-    /// Contribution to the integral and its derivatives that the present input has made since it
-    /// was set.
+    /// Contribution of the present input, since it was set, to the integral and its derivatives.
     fn of_input(&self, (from, input): &(f64, Input), time: f64) -> [f64; 6] {
         let mut d = [0.0; 6];
         d[self.order..self.order + 4].copy_from_slice(input);
@@ -394,8 +390,7 @@ impl Signals {
         }
     }
 
-    /// Index after the last coordinate of constant amplitude. These coordinates are the number 1
-    /// and the cosines and sines of harmonics.
+    /// Index after the coordinates of constant amplitude: the number 1, cosines and sines.
     pub fn constant_size_until(&self) -> usize {
         self.one + 1 + 2 * self.frequencies.len()
     }
