@@ -63,7 +63,7 @@ pub enum Error {
     },
     /// The packaged binary and the native library disagree.
     #[error(
-        "{name} at t = {time} s is {packaged:e} in the packaged binary of {version} and {native:e} in the native run: they must be equal bit for bit; clean both with `cargo clean` and, if it stays, report it"
+        "{name} at t = {time} s is {packaged:e} in the packaged binary of {version} and {native:e} in the native run: they must be equal bit for bit; run `cargo clean`, build both again and, if they still differ, report it"
     )]
     Differs {
         /// Archive.

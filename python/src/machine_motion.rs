@@ -27,14 +27,14 @@ pub struct RunArrays<'py> {
     derivatives: Varied<'py>,
     /// Derivatives of the times of events, by event and parameter.
     event_derivatives: Varied<'py>,
-    /// For each parameter the reason why derivatives do not exist from some time on, or an empty
-    /// text.
+    /// For each parameter: the reason why its derivatives do not exist from some time on. The text
+    /// is empty if they exist throughout.
     lost: Vec<String>,
     /// The state at the end, as a start.
     end: Numbers,
 }
 
-/// Numbers, and for each whether it exists.
+/// Array of numbers, and array of flags: whether each number exists. A missing number is 0.
 type Varied<'py> = (Array2<'py, f64>, Array2<'py, bool>);
 
 fn varied<'py>(
@@ -227,12 +227,13 @@ pub fn follow_many(
     each_of(py, count, progress, one)
 }
 
-/// Ends of many motions: a row of numbers for each, and, if requested, the reason for missing
-/// numbers, which are then 0.
+/// Final states of many motions: a row for each motion, and the reason if the motion has no final
+/// state. Its row is then 0.
 pub type Ends<'py> = (Array2<'py, f64>, Vec<Option<String>>);
 
-/// The ends of many machines' motions at a time (s), each from its own start or all from a common
-/// one; all have the same columns.
+/// Simulates one motion of each of many machines until a time (s), and returns the final states.
+/// Each motion has its own start, or all have a common one; all machines have the same columns.
+/// With `in_rows` a failed motion has a reason in its row instead of ending the computation.
 #[pyfunction]
 #[pyo3(signature = (machines, starts, until, in_rows, progress = None))]
 pub fn simulate_many<'py>(
@@ -269,9 +270,11 @@ pub struct Transition<'py> {
     /// The start with all its numbers.
     start: Numbers,
     end: Numbers,
-    /// Element (i, j): number i of the final state by number j of the start.
+    /// Element (i, j): derivative of number i of the final state with respect to number j of the
+    /// initial state.
     matrix: Varied<'py>,
-    /// For each number at the start the reason for missing derivatives, or an empty text.
+    /// For each number of the initial state: the reason why derivatives with respect to it do not
+    /// exist, or an empty text.
     lost: Vec<String>,
 }
 

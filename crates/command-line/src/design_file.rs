@@ -106,7 +106,7 @@ mod tests {
         for (text, expected) in [
             ("stop.gape\n1\n", "line 1: no parameter is named `stop.gape`; did you mean `stop.gap`?"),
             ("stop.gap\n1\nwide\n", "line 3: stop.gap = `wide` is not a number"),
-            ("stop.gap\n1kg\n", "line 2: stop.gap: `kg` is not a unit of it"),
+            ("stop.gap\n1kg\n", "line 2: stop.gap: `kg` is not one of its units"),
             ("stop.gap\nNaN\n", "line 2: stop.gap = NaN: expected"),
             ("stop.gap,block.m\n1\n", "line 2: `1` has 1 cell; expected 2 cells"),
             ("stop.gap [kg]\n1\n", "line 1: `stop.gap` has the unit `kg`; expected one of m, "),

@@ -70,10 +70,10 @@ const OLD_NAMES: [(&str, &str); 16] = [
 ];
 
 impl Example {
-    /// The machine with a name of this version or of version 0.3.
+    /// Finds the machine by its name in this version or in version 0.3.
     ///
     /// # Errors
-    /// [`Error::Refused`] for an unknown name, with all known names.
+    /// [`Error::Refused`] for an unknown name, with all names of this version.
     pub fn find(name: &str) -> Result<&'static Self> {
         let new = OLD_NAMES.iter().find(|(old, _)| *old == name).map_or(name, |(_, new)| new);
         EXAMPLES.iter().find(|example| example.name == new).ok_or_else(|| {

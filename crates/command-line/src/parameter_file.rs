@@ -214,7 +214,7 @@ mod tests {
         );
         assert!(
             error("[si]\nbox.m = \"12 mm\"")
-                .contains("box.m: `mm` is not a unit of it; expected one of kg, g, mg, t, lb")
+                .contains("box.m: `mm` is not one of its units; expected one of kg, g, mg, t, lb")
         );
         assert!(error("[groups\nf10 = 1").contains("line 1"));
     }

@@ -211,7 +211,7 @@ fn closed_form_sections_of_the_rattle_at_a_flank_and_of_a_linear_motion_at_a_pha
         (&["--of", "box.s"], "two names separated by a comma"),
         (&["--of", "box.s,speed"], "expected one of time, phase, box.s"),
         (&["--phase", "1m"], "expected a finite angle"),
-        (&["--config", "a.toml"], "does not use it"),
+        (&["--config", "a.toml"], "does not use this option"),
     ] {
         let (_, error) = refused(&[&["section", &file][..], words].concat());
         assert!(error.contains(named), "{words:?}: {error}");

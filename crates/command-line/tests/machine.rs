@@ -298,7 +298,7 @@ fn bad_input_is_refused_by_name() {
     for (arguments, expected) in [
         (
             vec!["steady", "--set", "stop.gap=2kg"],
-            "stop.gap: `kg` is not a unit of it; expected one of m, cm, mm, um, in",
+            "stop.gap: `kg` is not one of its units; expected one of m, cm, mm, um, in",
         ),
         (vec!["steady", "--set", "speed=2"], "no parameter is named `speed`; expected one of"),
         (vec!["bifurcation", "--vary", "drive.frequency=9:11Hz"], "a unit on every number or on none"),
@@ -306,7 +306,10 @@ fn bad_input_is_refused_by_name() {
         (vec!["bifurcation", "--vary", "f10=1:2:1"], "f10: 1 values: expected 2 to 20000"),
         (vec!["plane", "--pair", "f10,drive.amplitude"], "two independent parameters"),
         (vec!["plane", "--pair", "f10,kappa", "--vary", "f10=1:2:9999999"], "expected 2 to 10000"),
-        (vec!["lyapunov", "--vary", "stop.gap=1mm:2mm", "--at", "1kg"], "stop.gap: `kg` is not a unit"),
+        (
+            vec!["lyapunov", "--vary", "stop.gap=1mm:2mm", "--at", "1kg"],
+            "stop.gap: `kg` is not one of its units",
+        ),
     ] {
         let (code, error) = refused(&arguments);
         assert!(code == 2 && error.contains(expected), "{arguments:?}: {error}");

@@ -148,15 +148,18 @@ fn second_method_old_spellings_do_what_the_new_ones_do_and_say_them() {
 fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
     let cradle = machine("cradle.toml");
     for (line, words) in [
-        ("check FILE --config x.toml", "--config: `vibro check` does not use it"),
-        ("check FILE --threads 2", "of the options of all commands it takes --set\n"),
-        ("--out here check FILE", "--out: `vibro check` does not use it"),
-        ("draw FILE --replace", "of the options of all commands it takes --set, --out\n"),
-        ("run FILE --until 2s --threads 2", "--threads: is an option of the paper's machine, and "),
-        ("template --set kappa=0.6", "of the options of all commands it takes none\n"),
-        ("merge here --set kappa=0.6", "--set: `vibro merge` does not use it"),
-        ("steady --discard-unfinished", "--discard-unfinished: `vibro paper steady` does not use it"),
-        ("run FILE --until 2s --periods 1", "--periods: is an option of the paper's machine, and "),
+        ("check FILE --config x.toml", "--config: `vibro check` does not use this option"),
+        ("check FILE --threads 2", "of the common options it accepts only --set\n"),
+        ("--out here check FILE", "--out: `vibro check` does not use this option"),
+        ("draw FILE --replace", "of the common options it accepts only --set, --out\n"),
+        ("run FILE --until 2s --threads 2", "--threads: is an option of the paper's machine, but "),
+        ("template --set kappa=0.6", "of the common options it accepts none\n"),
+        ("merge here --set kappa=0.6", "--set: `vibro merge` does not use this option"),
+        (
+            "steady --discard-unfinished",
+            "--discard-unfinished: `vibro paper steady` does not use this option",
+        ),
+        ("run FILE --until 2s --periods 1", "--periods: is an option of the paper's machine, but "),
         ("run FILE --discard 1", "expected one of --until, --times, --columns, --knots"),
         ("run --start v2=1 --start x1=1", "expected one start, with commas between its values"),
         (

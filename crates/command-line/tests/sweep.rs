@@ -239,7 +239,7 @@ fn bad_input_is_refused_by_name() {
         (vec!["--output", "amplitud.x1"], "did you mean `amplitude.x1`? `amplitude.x1`: largest |x1|"),
         (vec!["--output", "temperature"], "expected one of amplitude.x1"),
         (vec!["--vary", "stop.gape=1:2:3"], "did you mean `stop.gap`?"),
-        (vec!["--vary", "stop.gap=1kg:2kg:3"], "`kg` is not a unit of it"),
+        (vec!["--vary", "stop.gap=1kg:2kg:3"], "`kg` is not one of its units"),
         (vec!["--vary", "kappa=0.5:1.5:3"], "kappa = 1.5: expected 0 <= kappa <= 1"),
         (
             vec!["--vary", "kappa=0.1:0.5:3", "--over", "stop.restitution=0.5"],

@@ -7,10 +7,11 @@ use vibro_machine::Start;
 use vibro_orbits::{Orbit, Stability};
 use vibro_studies::common_period;
 
-/// Largest number of steps towards a peak of the band; a secant method squares its error.
+/// Largest number of secant steps towards a peak of the band. The secant method converges
+/// superlinearly, so that a few steps suffice near a peak.
 const STEPS: u32 = 8;
-/// Change of the band's parameter, as a fraction of its interval, at which a peak is found: the
-/// error of its value is the square of this change.
+/// Step of the band's parameter, as a fraction of the bracket, below which the search for a peak
+/// ends. At a peak the slope is zero, so that the measure's error is of second order in this step.
 const FOUND: f64 = 1e-5;
 /// First step towards a peak, as a fraction of the interval to the neighbour.
 const FIRST: f64 = 0.05;
@@ -18,12 +19,14 @@ const FIRST: f64 = 0.05;
 /// An orbit followed while the parameters of the design change.
 #[derive(Clone, Debug)]
 pub(crate) struct Followed {
-    /// Its point of the band; the value along the bracket's axis moves with the peak.
+    /// Point of the band at which the orbit is measured. Along the axis of the bracket the point
+    /// follows the peak.
     pub point: ContactPoint,
-    /// A start on it, and the number of common drive periods after which it repeats.
+    /// State on the last orbit found.
     seed: Start,
+    /// Period of the last orbit found, in common drive periods.
     periods: Option<u32>,
-    /// The common period to which the seed's time refers, s.
+    /// Common drive period of the last orbit found, s; the seed's time is scaled with it.
     period: Option<f64>,
 }
 
@@ -83,7 +86,9 @@ impl Followed {
         Some(Slope { value, gradient: gradient.collect::<Option<_>>()? })
     }
 
-    /// Moves the point to the nearby peak of the band; leaves it if no orbit leads there.
+    /// Moves the point towards the nearby peak of the band. `None` if the point has no bracket, or
+    /// if an orbit or its derivative is missing on the way; the point then stays at the last place
+    /// with both.
     fn climb(&mut self, evaluator: &Evaluator, values: &[f64]) -> Option<()> {
         let (axis, low, high) = self.point.bracket.filter(|own| own.1 < own.2)?;
         let name = [evaluator.sweep.over[axis].name.clone()];

@@ -164,7 +164,7 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     };
     let table = format!("{name}.table");
     if record.knots.len() < 2 || record.knots.len() > MOST_KNOTS {
-        let text = format!("has {} knots; expected 2 to {MOST_KNOTS}", record.knots.len());
+        let text = format!("expected 2 to {MOST_KNOTS} knots, found {}", record.knots.len());
         problems.push(Problem::new(&table, None, text));
     }
     if let Some(i) = record.knots.iter().position(|k| !(k.0.is_finite() && k.1.is_finite())) {
@@ -301,7 +301,7 @@ fn curves(machine: &Description, problems: &mut Vec<Problem>) {
         }
     }
     if let (true, Some(element)) = (machine.starts_at_rest, crate::system::first_curved(machine)) {
-        let text = "the equilibrium is not computed for curved forces; use the body's own `start`";
+        let text = "the equilibrium is not computed for curved forces; give each body a `start` instead";
         problems.push(Problem::new("start", Some("\"rest\"".into()), format!("{element}: {text}")));
     }
 }

@@ -3,9 +3,9 @@
 //!
 //! The value of each curved force is a coordinate of the augmented state, after the signals. Every
 //! force, contact force and watched functional of a machine with curved forces is then a row on
-//! this state, as in a machine with straight laws: z' = A z holds with A constant in a mode. What
-//! differs is that the rate of a curved force does not follow from A but from φ. The flow is a
-//! power series ([`CurveSeries`]) whose remainder is bounded (`Remainder`).
+//! this state, as in a machine with straight laws. In a mode z' = A z holds with constant A for
+//! all coordinates except the curved forces; the rate of a curved force follows from φ. The flow
+//! is a power series ([`CurveSeries`]) whose remainder is bounded (`Remainder`).
 
 mod remainder;
 mod series;
@@ -67,7 +67,8 @@ impl Polynomial {
 pub struct Curved {
     /// x: an elongation e or its rate e'.
     pub argument: Functional,
-    /// φ, N or N m; its coefficients are in N/m² to N/m⁵, or with rad, or with m/s.
+    /// φ, N or N m. The coefficient of xᵐ has the unit of φ divided by the m-th power of the unit
+    /// of x: m, rad, m/s or rad/s.
     pub force: Polynomial,
     /// Index of φ in the augmented state.
     pub place: usize,
@@ -92,8 +93,8 @@ impl Curved {
         variation[self.place] = slope * self.argument.at(variation);
     }
 
-    /// The size of φ by which its rounding is measured: the sizes of its terms, and the change of φ
-    /// by the rounding of the terms of x.
+    /// Size to which the rounding error of φ is relative: the sum of the sizes of the terms of φ,
+    /// plus the slope of the majorant times the sum of the sizes of the terms of x.
     #[inline(always)]
     pub fn size(&self, z: &[f64], sizes: &[f64]) -> f64 {
         let (x, majorant) = (self.argument.at(z).abs(), self.force.majorant());

@@ -59,7 +59,7 @@ pub enum Error {
     #[error(
         "start = \"rest\": no equilibrium; body.{body} has the acceleration {acceleration:?} (SI) \
          at every position; \
-         springs, stops and friction must be able to bear weight and loads at time 0"
+         springs, stops and friction must balance the weights and the loads at time 0"
     )]
     NoEquilibrium {
         /// Name of the body with the largest remaining acceleration.
@@ -67,11 +67,10 @@ pub enum Error {
         /// Acceleration, m/s² or rad/s².
         acceleration: f64,
     },
-    /// A machine that starts at rest and gives way while its loads grow.
+    /// A machine that starts at rest and gives way while its loads grow from zero.
     #[error(
-        "start = \"rest\": spring.{spring} has a falling line and gives way at {factor:?} of the \
-         loads, where no force that grows with them \
-         balances the rest; give start values instead"
+        "start = \"rest\": spring.{spring} has a falling line and gives way when the loads have \
+         grown from zero to {factor:?} of their full values; give start values instead"
     )]
     GivesWay {
         /// Name of the spring.
@@ -124,7 +123,7 @@ pub enum Error {
         end: f64,
     },
     /// A computation that is not available for machines with curved forces.
-    #[error("{what} requires straight laws: {element} has a curved force")]
+    #[error("{what} is not available for machines with curved forces: {element} has one")]
     Curved {
         /// The computation, such as "a derivative by a parameter".
         what: &'static str,

@@ -105,7 +105,8 @@ impl NamedParameters {
         }
         let name = &self.all[place].name;
         if seen[place] == 1 {
-            return Err((place, format!("depends on itself; use an expression without `{name}`")));
+            let text = format!("depends on itself: its expression leads back to `{name}`; break this loop");
+            return Err((place, text));
         }
         seen[place] = 1;
         if let Some(expression) = &self.all[place].expression {

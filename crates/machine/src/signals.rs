@@ -23,7 +23,7 @@ use std::f64::consts::TAU;
 use sweep::SweepPiece;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Value and derivatives of an input: a cubic polynomial from the time it was set.
+/// Value and first three derivatives of an input, a cubic polynomial, at the time it was set.
 pub type Input = [f64; 4];
 
 /// The piecewise polynomial part of a signal.
@@ -38,7 +38,8 @@ struct SignalPiece {
     rate: f64,
     /// Index among the inputs.
     input: Option<usize>,
-    /// The integral of the parts above except `rate`, with its order.
+    /// Set if the signal is integrated: the integral of its constant, steps, table and input.
+    /// The coordinates then belong to the integral, and `rate` is added without being integrated.
     integral: Option<SignalIntegral>,
 }
 
@@ -47,7 +48,8 @@ struct SignalPiece {
 struct SignalIntegral {
     order: usize,
     parts: Integral,
-    /// Index, among the inputs, of the part left by earlier inputs and changes of the machine.
+    /// Index, among the inputs, of the carried part: the contribution of earlier inputs and of
+    /// displacements ([`Signals::displace`]), continued as a polynomial.
     carried: usize,
 }
 
@@ -83,8 +85,8 @@ impl BodyKind {
     }
 }
 
-/// The integral of a harmonic from time 0 on: amplitudes of cosine and sine, constant part, and
-/// rate of the part that grows with time (docs/assembly-law.md (A46)).
+/// A harmonic (`order` 0), or its integral of order 1 or 2 from time 0 (docs/assembly-law.md
+/// (A46)): amplitudes of cosine and sine, constant part, factor of the part proportional to time.
 fn harmonic(h: &Harmonic, order: usize) -> [f64; 4] {
     let (cosine, sine) = (h.amplitude * h.phase.sin(), h.amplitude * h.phase.cos());
     let omega = TAU * h.frequency;
@@ -139,7 +141,8 @@ const TURN: [[f64; 2]; 8] = {
 pub struct Signals {
     /// Index of the coordinate that is always 1.
     pub one: usize,
-    /// Frequencies, Hz; the cosine and sine of each follow the number 1.
+    /// Frequencies of the harmonics, Hz. Each has two coordinates, cosine and sine, after the
+    /// coordinate that is always 1.
     frequencies: Vec<f64>,
     pieces: Vec<SignalPiece>,
     sweeps: Vec<SweepPiece>,
@@ -151,12 +154,12 @@ pub struct Signals {
     repeated_of: Vec<usize>,
     /// Length of the augmented state.
     pub size: usize,
-    /// Index of the first curved force, which are the last coordinates
-    /// ([`Curved`](crate::curved::Curved)).
+    /// Index of the first curved force ([`Curved`](crate::curved::Curved)). Curved forces are the
+    /// last coordinates.
     pub curved: usize,
     /// Number of signals with an input.
     pub inputs: usize,
-    /// Number of integrals; their carried parts follow the inputs.
+    /// Number of integrated signals. In the list of inputs their carried parts are last.
     integrals: usize,
     /// The rows of the signals' coordinates in z' = A z.
     rates: Vec<Sparse>,
@@ -176,7 +179,7 @@ struct Parts {
 }
 
 impl SignalIntegral {
-    /// Contribution of an input to the integral and its derivatives since the input was set.
+    /// Contribution of the present input, since it was set, to the integral and its derivatives.
     fn of_input(&self, (from, input): &(f64, Input), time: f64) -> [f64; 6] {
         let mut d = [0.0; 6];
         d[self.order..self.order + 4].copy_from_slice(input);
@@ -202,7 +205,7 @@ impl SignalPiece {
 }
 
 impl Signals {
-    /// The row of the time derivative of a signal's row.
+    /// The row of a signal's time derivative, from the row of the signal.
     pub fn derivative(&self, row: &DVector<f64>) -> DVector<f64> {
         let mut rate = DVector::zeros(self.size);
         for (f, frequency) in self.frequencies.iter().enumerate() {
@@ -311,8 +314,8 @@ impl Signals {
     }
 
     /// Advances the signals of `from` by a time `dt` and writes them to `to`. Requires that no
-    /// knot lies in between and no frequency turns by more than [`SMALL`] rad. The rounding error
-    /// remains until the next [`fill`](Self::fill), as in a sub-step.
+    /// knot lies in between and that no harmonic turns by more than [`SMALL`] rad. The rounding
+    /// errors of several calls add up until the next [`fill`](Self::fill).
     #[inline(always)]
     pub(crate) fn carry_within(&self, from: &[f64], dt: f64, to: &mut [f64]) {
         to[self.one..].copy_from_slice(&from[self.one..]);
@@ -330,8 +333,8 @@ impl Signals {
         self.next_knot_exactly(time).map(DoubleDouble::value)
     }
 
-    /// The first knot after a time, s. A knot of a repeated signal is a whole number of periods
-    /// plus a time, to 32 digits.
+    /// The first knot after a time, s. For a repeated signal this is the knot's time within the
+    /// period plus a whole number of periods, to 32 digits.
     pub(crate) fn next_knot_exactly(&self, time: f64) -> Option<DoubleDouble> {
         let next = |knots: &Knots| knots.next(time);
         let all = std::iter::once(&self.knots).chain(&self.repeated).filter_map(next);
@@ -344,12 +347,13 @@ impl Signals {
         own.map(|knots| knots.count_at(time)).sum()
     }
 
-    /// No inputs, and no carried parts of integrals.
+    /// Initial list of inputs and carried parts: all are zero.
     pub fn no_inputs(&self) -> Vec<(f64, Input)> {
         vec![(0.0, [0.0; 4]); self.inputs + self.integrals]
     }
 
-    /// Lets input `i` follow a polynomial from a time on. Its integral continues from its value.
+    /// Sets input `i` to a polynomial from a time on. If the input is integrated, the integral
+    /// continues without a jump.
     pub(crate) fn set_input(&self, inputs: &mut [(f64, Input)], i: usize, (time, derivatives): (f64, Input)) {
         let own = self.pieces.iter().find(|piece| piece.input == Some(i));
         if let Some(integral) = own.and_then(|piece| piece.integral.as_ref()) {
@@ -368,12 +372,13 @@ impl Signals {
         Some((piece.first, piece.integral.as_ref()?.order))
     }
 
-    /// Whether input `i` is a rate or an acceleration, which is integrated.
+    /// Whether input `i` is integrated, because it gives a rate or an acceleration.
     pub(crate) fn is_integrated(&self, i: usize) -> bool {
         self.pieces.iter().any(|piece| piece.input == Some(i) && piece.integral.is_some())
     }
 
-    /// Shifts the integral of signal `i` and, for order 2, its rate from a time on.
+    /// Adds `place` to the integral of signal `i` from a time on; to a second integral also a part
+    /// that grows with `rate`.
     pub(crate) fn displace(&self, inputs: &mut [(f64, Input)], i: usize, time: f64, [place, rate]: [f64; 2]) {
         let piece = self.parts[i].piece.map(|p| &self.pieces[p]);
         if let Some(integral) = piece.and_then(|piece| piece.integral.as_ref()) {
@@ -385,7 +390,7 @@ impl Signals {
         }
     }
 
-    /// The index after the last coordinate of constant amplitude: 1, cosines and sines.
+    /// Index after the coordinates of constant amplitude: the number 1, cosines and sines.
     pub fn constant_size_until(&self) -> usize {
         self.one + 1 + 2 * self.frequencies.len()
     }

@@ -623,5 +623,5 @@ fn golden_refusals_of_blocks() {
         "[load.motor]",
         "[block.p]\ninputs = [\"q.y\"]\nd = [[1.0]]\noutputs = [\"y\"]\n[block.q]\ninputs = [\"p.y\"]\nd = [[1.0]]\noutputs = [\"y\"]\n[load.motor]",
     );
-    assert!(looped.contains("an algebraic loop through `d`: p.y reads q.y reads p.y"), "{looped}");
+    assert!(looped.contains("an algebraic loop through `d`: p.y reads q.y, which reads p.y"), "{looped}");
 }

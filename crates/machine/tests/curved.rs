@@ -157,7 +157,10 @@ fn refusals_name_the_element() {
                    spring.k = { between = [\"ground\", \"b\"], cubic = 5.0 }\n";
     let found = Differentiated::new(machine(duffing), &["spring.k.cubic"]);
     let text = found.map(drop).expect_err("no derivative").to_string();
-    assert_eq!(text, "a derivative by a parameter requires straight laws: spring.k has a curved force");
+    assert_eq!(
+        text,
+        "a derivative by a parameter is not available for machines with curved forces: spring.k has one"
+    );
     let refused = |from: &str, to: &str| {
         let text = duffing.replace(from, to);
         assert_ne!(text, duffing);

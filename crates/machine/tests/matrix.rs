@@ -270,7 +270,7 @@ fn errors_of_matrices_name_the_entry() {
         (
             "[-400, 700, -300]",
             "[-401, 700, -300]",
-            "matrix.chain.stiffness: is not symmetric: the entry in row 1 and column 0, counted from 0, is -401.0, the entry across the diagonal is -400.0",
+            "matrix.chain.stiffness: is not symmetric: the entry in row 1 and column 0, counted from 0, is -401.0, but the entry in row 0 and column 1 is -400.0",
         ),
         (
             "[0, 0, 0.5]",

@@ -241,7 +241,7 @@ fn errors_name_the_value_and_what_is_allowed() {
         (
             "tip = [1.9, -2.0, 2.0]",
             "tip = [1.9, -2.0]",
-            "modal.beam.nodes.tip = [1.9, -2.0]: expected a row of finite numbers",
+            "modal.beam.nodes.tip = [1.9, -2.0]: there are 3 coordinates, 0 to 2; expected a row of finite numbers",
         ),
         ("{ \"0\" = 0.6, \"1\" = 1.2 }", "3", "there are 3 coordinates, 0 to 2"),
         (
@@ -259,7 +259,7 @@ fn errors_name_the_value_and_what_is_allowed() {
             "masses = [2.0, 1.0, 0.0]",
             "modal.beam.masses[2] = 0.0: expected a finite number > 0",
         ),
-        ("modal.beam", "mode.beam", "no such key"),
+        ("modal.beam", "mode.beam", "no such kind of section"),
     ] {
         assert!(BEAM.contains(whole), "{whole}");
         let refused = parse(&BEAM.replace(whole, wrong), "modal.toml", &no_records).unwrap_err().to_string();

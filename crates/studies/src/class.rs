@@ -13,8 +13,8 @@ pub const LONGEST: u32 = 32;
 /// After hundreds of periods the remaining transient is smaller, except near a bifurcation.
 pub const RETURN: f64 = 1e-5;
 
-/// Largest distance of states of one attractor reached in different ways. States of two attractors
-/// are farther apart.
+/// Tolerance within which states from two motions count as states of one attractor. Different
+/// attractors are farther apart.
 pub(crate) const SAME: f64 = 1e-3;
 
 /// Relation of two attractors.
@@ -39,8 +39,8 @@ pub enum MotionClass {
     QuasiPeriodic,
     /// λ1 > 0.
     Chaotic,
-    /// Periodic, since its exponents are negative, but the transient has not ended or the period
-    /// exceeds [`LONGEST`].
+    /// Becomes periodic, since the largest exponent is negative or the returns come closer. No
+    /// period is recognized yet: the transient has not ended, or the period exceeds [`LONGEST`].
     Settling,
     /// Undecided: the followed part has no period up to [`LONGEST`], and the exponent's sign is
     /// uncertain.
@@ -91,8 +91,8 @@ impl MotionClass {
     }
 }
 
-/// The smallest n up to [`LONGEST`] for which each of the last 4 n returns equals the return n
-/// before.
+/// The smallest period n up to [`LONGEST`], in returns: each of the last 3 n returns equals the
+/// return n earlier. At least 4 n returns are required.
 pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> Option<u32> {
     (1..=LONGEST).take_while(|&n| 4 * n as usize <= returns.len()).find(|&n| {
         let lag = n as usize;
@@ -101,7 +101,8 @@ pub(crate) fn least_period<R>(returns: &[R], same: impl Fn(&R, &R) -> bool) -> O
     })
 }
 
-/// [`approaches`] for any type of return, with a distance function.
+/// Whether returns come closer. For some lag, the largest distance between a return and the return
+/// that many steps earlier must decrease from each eighth of the record to the next.
 pub(crate) fn comes_nearer<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -> bool {
     const EIGHTHS: usize = 8;
     (1..=LONGEST as usize).take_while(|lag| lag + EIGHTHS <= returns.len()).any(|lag| {
@@ -113,7 +114,7 @@ pub(crate) fn comes_nearer<R>(returns: &[R], distance: impl Fn(&R, &R) -> f64) -
             .zip(earlier.chunks(eighth))
             .map(|(later, earlier)| later.iter().zip(earlier).map(gap).fold(0.0, f64::max));
         let mut before = f64::INFINITY;
-        // Stops at the first eighth that does not decrease.
+        // Stops at the first eighth whose largest distance has not decreased.
         most.all(|most| std::mem::replace(&mut before, most) > most)
     })
 }

@@ -38,8 +38,8 @@ pub enum Error {
     },
     /// A number has an unknown unit, or a unit of another dimension than the parameter's.
     #[error(
-        "{name}: `{unit}` is not a unit of it; expected one of {allowed}, or a number without a \
-         unit, read in the first of these"
+        "{name}: `{unit}` is not one of its units; expected one of {allowed}, or a number without a \
+         unit, which is read in the first of these"
     )]
     Unit {
         /// The parameter.

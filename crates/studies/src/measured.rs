@@ -6,22 +6,24 @@ use serde::{Deserialize, Serialize};
 /// Measures of one motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Value of each measure, in order and in the measure's unit. `None` for the class, and for a
-    /// closed form without a value.
+    /// Value of each measure, in order and in the measure's unit. `None` for the class, for an
+    /// undecided exponent, for a closed form that has no value, and if the motion was not
+    /// measured.
     pub numbers: Vec<Option<f64>>,
-    /// Scatter of each value between windows of this length: the standard deviation from the six
-    /// parts of this window, each a whole number of periods if the motion repeats. For an
-    /// exponent, its standard error. 0 for exact values, and rounding for regular motion.
-    /// docs/theory.md (N3) and (N4).
+    /// Spread of each value: the standard deviation that it would have between windows of this
+    /// length, docs/theory.md (N3) and (N4). It is computed from six parts of this window. If the
+    /// motion repeats, each part is a whole number of its periods, and the spread is only
+    /// rounding. An exponent has its standard error or, for the paper's machine, the standard
+    /// deviation of the running exponents. Exact values have 0.
     pub spreads: Vec<f64>,
     /// Class, if it was requested.
     pub class: Option<MotionClass>,
-    /// Index of the first value that drifts from part to part, so that the motion has not settled.
-    /// The number of measures if only another quantity drifts on which forces depend.
+    /// Index of the first measure whose value drifts from part to part: the motion has not
+    /// settled. Equal to the number of measures if no measure drifts, but another quantity does.
     pub unsettled: Option<usize>,
 }
 
-/// Spread of a value over windows as long as these parts together, from its values in the parts.
+/// Spread of a value between windows, computed from its values in the parts of one window.
 /// The extreme of a long window scatters like the extreme of a part, since the scale of the limit
 /// law of extremes does not depend on the number of parts, docs/theory.md (N3). A mean scatters
 /// less by the root of the number of parts, (N4). A value that is monotone from part to part is
@@ -55,7 +57,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 
 /// Drift of a value that is monotone over the parts with steps that do not grow: the change so far
 /// plus the remaining change, extrapolated from the ratio of the last two steps. `None` for other
-/// values. Values in random order look so about once in ten thousand times.
+/// values. About two in 100,000 sets of six independent normal values look like a drift.
 fn drift(numbers: &[f64]) -> Option<f64> {
     let steps: Vec<f64> = numbers.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let [.., before, last] = steps[..] else { return None };

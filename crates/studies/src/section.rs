@@ -113,7 +113,11 @@ impl Section {
                             d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
                         let known: Vec<&str> = known.map(String::as_str).collect();
                         let problem = format!("section = {name:?}: no stop or friction has this name");
-                        refused(format!("{problem}; expected one of {}", known.join(", ")))
+                        refused(if known.is_empty() {
+                            format!("{problem}; the machine has neither, so give a period (--period)")
+                        } else {
+                            format!("{problem}; expected one of {}", known.join(", "))
+                        })
                     },
                     Ok,
                 )

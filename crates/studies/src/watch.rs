@@ -6,12 +6,14 @@ use vibro_machine::energy::NODES;
 use vibro_machine::motion::EventKind;
 use vibro_machine::system::System;
 
-/// Relative difference of two values up to which they belong to one plateau.
+/// Tolerance of a plateau: two values that differ by at most this fraction of the largest size so
+/// far belong to one plateau.
 const FLAT: f64 = 1e-12;
-/// Relative rounding of an event's time, from the clock and from the flight's length.
+/// Relative rounding error of an event's time; both the clock and the flight's length are rounded.
 const CLOCK: f64 = 4.0 * f64::EPSILON;
-/// An extremum counts as zero up to this fraction of the largest value, as at a stop with gap 0.
-/// After 1e5 periods the clock rounds its time to about 1e-11 of a period.
+/// An extremum smaller than this fraction of the largest size counts as zero, for example the
+/// elongation of a stop with gap 0 at its impacts. The value covers the clock: after 1e5 periods
+/// the clock is rounded to about 1e-11 of a period.
 const ZERO: f64 = 1e-10;
 
 /// The value, or zero if it is rounding relative to `size`.
@@ -38,9 +40,9 @@ pub struct Maxima {
     last: Option<f64>,
     rising: bool,
     size: f64,
-    /// Largest rate during the last stretch of a flight.
+    /// Upper bound of the rate during the last stretch of a flight, per second.
     rate: f64,
-    /// Difference between the next value and the last one that is rounding of the clock.
+    /// Additional tolerance for the first value of a flight, due to the rounding of the clock.
     slack: f64,
     /// Maxima in order.
     pub found: Vec<f64>,
@@ -52,8 +54,9 @@ impl Maxima {
         Self { quantity, last: None, rising: false, size: 0.0, rate: 0.0, slack: 0.0, found: Vec::new() }
     }
 
-    /// Begins a flight at a time. Its first value may differ from the last value of the flight
-    /// before by rounding of the clock times the rate, which is neither a rise nor a fall.
+    /// Begins a flight at a time. Because the clock is rounded, the first value of this flight may
+    /// differ from the last value of the previous flight. This difference counts neither as a rise
+    /// nor as a fall.
     fn begin(&mut self, time: f64, rate: f64) {
         self.slack = CLOCK * time.abs() * rate.max(self.rate);
     }
@@ -99,7 +102,8 @@ pub struct ContactSummary {
     pub lost: f64,
 }
 
-/// Observer of extents, maxima and contacts, which share the series.
+/// Observer of extents, maxima and contacts. Extents and maxima are read from the same power
+/// series of a flight.
 #[derive(Clone, Debug, Default)]
 pub struct Watcher {
     /// Extents of quantities.
@@ -144,7 +148,8 @@ impl Watcher {
         }
     }
 
-    /// Forgets the observations, but not the state of the search for maxima.
+    /// Resets extents, contacts and the number of events. The search for maxima continues, and
+    /// keeps the maxima found.
     pub fn clear(&mut self) {
         for extent in &mut self.extents {
             (extent.least, extent.largest, extent.square) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
@@ -169,7 +174,8 @@ impl Observer for Watcher {
                 let value = |u: f64| q.iter().rev().fold(0.0, |sum, c| sum * u + c);
                 extent.square += length * NODES.iter().map(|(u, w)| w * value(*u).powi(2)).sum::<f64>();
                 let spread: f64 = q[1..].iter().map(|c| c.abs()).sum();
-                // Between the ends the quantity cannot exceed the extrema found so far.
+                // On this stretch the quantity lies between q[0] - spread and q[0] + spread. The
+                // stretch is searched only if this range exceeds the extrema found so far.
                 if q[0] + spread > extent.largest || q[0] - spread < extent.least {
                     monotone_pieces(&q, &mut |x| {
                         extent.least = extent.least.min(x);
@@ -254,7 +260,8 @@ mod tests {
             (&[0.0, 1.0, 0.5, 2.0, -1.0, -0.5, -3.0][..], &[1.0, 2.0, -0.5][..]),
             // A value that falls from the start or rises at the end is not a maximum.
             (&[3.0, 1.0, 2.0], &[]),
-            // A plateau counts once if the values fall after it, whatever its rounding.
+            // A plateau with rounding is one maximum if the values rise before it and fall after
+            // it.
             (&[0.0, 1.0, 1.0 + 1e-14, 1.0, 1.0 - 1e-14, 0.5], &[1.0]),
             (&[2.0, 0.5, 0.5 + 1e-14, 0.5, 0.0, 1.0], &[]),
             (&[-2.0, 0.5, 0.5 - 1e-14, 0.5, 1.0], &[]),

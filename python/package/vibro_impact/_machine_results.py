@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     import xarray
     from numpy.typing import NDArray
 
-#: Energies, J: kinetic; stored; and the balance: work and energy from steps of stiffness, minus losses, since the start.
-#: kinetic + stored - balance is constant.
+#: Kinetic energy, stored energy and balance, J. The balance is the work since the start, plus the energy added by steps of
+#: stiffness, minus losses. The sum kinetic + stored - balance is constant.
 ENERGY = np.dtype([("kinetic", "f8"), ("stored", "f8"), ("balance", "f8")])
 
 

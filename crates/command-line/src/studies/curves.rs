@@ -10,21 +10,22 @@ use vibro_orbits::{Label, LocusEnd, LocusPoint};
 /// A curve and the special point from which it was followed.
 #[derive(Clone, Debug)]
 pub struct LocusCurve<S> {
-    /// Description of the file and row of its special point.
+    /// File and row of the special point, as FILE:ROW.
     pub from: String,
-    /// The row.
+    /// This row.
     pub row: usize,
     /// The special point.
     pub start: S,
     /// Its points.
     pub points: Vec<LocusPoint>,
-    /// Other rows of the table for this point, found on other branches.
+    /// Other rows that contain the same special point, for example as a point of another branch.
     pub also: Vec<usize>,
 }
 
 /// The special point from which a curve was followed, for tables and pictures.
 pub trait CurveStart {
-    /// Names of its columns after the word, after both parameters, and before the row.
+    /// Names of its columns in the table, in three groups: after the word, after both parameters,
+    /// and before the row.
     const COLUMNS: [&'static [&'static str]; 3];
 
     /// The cells of these columns at a point of the curve.
@@ -49,18 +50,18 @@ pub(super) struct Texts<'a> {
     pub names: [&'a str; 2],
     /// The parameters as the first line names them.
     pub over: [&'a str; 2],
-    /// The plural of the points on the curves.
+    /// Kind of the points on the curves, in the plural, e.g. `bifurcations`.
     pub of: &'static str,
     pub title: String,
     /// The machine's other parameters, as a line of the caption.
     pub elsewhere: String,
     pub axes: [Axis; 2],
-    /// Texts of values of both parameters.
+    /// Converts values of both parameters to texts.
     pub told: &'a dyn Fn([f64; 2]) -> [String; 2],
 }
 
-/// The study of curves over two parameters; `problems` are the reasons for points from which no
-/// curve could be followed.
+/// The study of curves over two parameters. `problems` names each special point from which no
+/// curve could be followed, with the reason.
 pub(super) fn study<S: CurveStart>(
     curves: &[LocusCurve<S>],
     problems: &[String],
@@ -85,7 +86,8 @@ pub(super) fn study<S: CurveStart>(
     })
 }
 
-/// Description of a curve, with its special points except ends of the ranges.
+/// Description of a curve with its special points; ends of ranges and the end of a closed curve
+/// are left out.
 fn in_words<S: CurveStart>(curve: &LocusCurve<S>, told: &dyn Fn([f64; 2]) -> [String; 2]) -> String {
     let also: String = curve.also.iter().map(|row| format!(" = row {row}")).collect();
     let end = |point: &LocusPoint| {
@@ -98,7 +100,8 @@ fn in_words<S: CurveStart>(curve: &LocusCurve<S>, told: &dyn Fn([f64; 2]) -> [St
     format!("{} from {}{also}: {} points{ends}", curve.start.told(), curve.from, curve.points.len())
 }
 
-/// Description of the kind of a special point; `None` for an end of the ranges.
+/// Description of the kind of a special point; `None` for the end of a range and of a closed
+/// curve.
 fn end_in_words(end: LocusEnd) -> Option<&'static str> {
     Some(match end {
         LocusEnd::Range | LocusEnd::Closed => return None,

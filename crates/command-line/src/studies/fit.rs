@@ -15,7 +15,7 @@ use vibro_studies::{Machine, significant};
 pub const AT_BOUND: &str = "is at an end of its range: its error holds to one side only";
 /// Largest number of points in a curve.
 const POINTS: usize = 2000;
-/// Largest number of columns in the picture.
+/// Largest number of the record's columns that are drawn.
 const DRAWN: usize = 4;
 
 /// Study of a fit: `residuals.csv` for columns, `residuals-contacts.csv` for contacts, and a
@@ -209,8 +209,9 @@ fn residual_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     table.text()
 }
 
-/// Stop, time of the record, time of the motion and their difference for each contact of the
-/// record; empty cells if the motion lacks the contact.
+/// A row for each contact of the record: the element, the time in the record, the time in the
+/// fitted motion, and the difference of the two times. If the motion lacks the contact, the last
+/// two cells are empty.
 fn contact_table(request: &FitRequest, fitted: &Fitted) -> Result<Vec<u8>> {
     let mut table = CsvRows::new(["element", "time", "time.fit", "time.residual"])?;
     for ((name, times), (_, off)) in request.measured.contacts.iter().zip(&fitted.contacts) {

@@ -23,8 +23,8 @@ fn address<T>(value: &Box<T>) -> usize {
 }
 
 impl<T> Handles<T> {
-    /// Stores a value and returns its handle. If `handle` is not zero, the value replaces the
-    /// value of `handle`, without a new allocation.
+    /// Stores a value and returns its handle. If `handle` is not zero, the value overwrites the
+    /// value stored under `handle`, which stays valid; no memory is allocated.
     ///
     /// # Errors
     /// [`Fault::Handle`] if the handle is neither zero nor in use.
@@ -40,8 +40,8 @@ impl<T> Handles<T> {
         Ok(handle)
     }
 
-    /// Like [`keep`](Self::keep), but an unknown handle counts as zero: before it is written, a
-    /// host's variable may hold any value.
+    /// Like [`keep`](Self::keep), but an unknown handle counts as zero, because a host may pass an
+    /// uninitialized variable for the handle to be written.
     ///
     /// # Errors
     /// None.
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(handles.get(first), Err(Fault::Handle));
         assert_eq!(handles.get(12345), Err(Fault::Handle));
         assert_eq!(others.keep(4, second), Err(Fault::Handle));
-        // A variable that is only written may hold any value.
+        // An unknown handle, as in an uninitialized variable of a host, counts as zero.
         let new = others.keep_new(5, second).unwrap();
         assert_eq!(others.get(new), Ok(&5));
     }

@@ -40,9 +40,10 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             let names: Vec<String> =
                 way.iter().chain(&way[..1]).map(|own| machine.name_of_output(*own)).collect();
             let text = format!(
-                "an algebraic loop through `d`: {}; put a state, or a sampled block with a delay, \
-                 into the loop",
-                names.join(" reads ")
+                "an algebraic loop through `d`: {} reads {}; put a state, or a sampled block with a \
+                 delay, into the loop",
+                names[0],
+                names[1..].join(", which reads ")
             );
             problems.push(Problem::new(format!("block.{}.d", machine.blocks[way[0].0].name), None, text));
         }
@@ -79,7 +80,7 @@ fn check_block(machine: &Description, block: &Block, problems: &mut Vec<Problem>
     ];
     for (key, rows, count, columns) in shapes {
         if rows.len() != count || rows.iter().any(|row| row.len() != columns) {
-            let text = format!("expected {count} rows of {columns} numbers");
+            let text = format!("expected a {count} × {columns} matrix (rows × columns)");
             problems.push(Problem::new(format!("{of}.{key}"), None, text));
         }
     }

@@ -29,7 +29,9 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         for (what, after, which) in [("e", "", 0), ("e'", "/s", 1)] {
             let (e, size) = elongation(&link.arms, &starts, which);
             if e.abs() > WRITTEN * size {
-                let text = format!("at the start {what} = {e:?} {unit}{after}; expected {what} = 0");
+                let text = format!(
+                    "the starts of its bodies give {what} = {e:?} {unit}{after}; a link requires {what} = 0"
+                );
                 problems.push(Problem::new(format!("link.{}", link.name), None, text));
                 break;
             }

@@ -3,19 +3,20 @@
 use super::series::tail;
 use super::{CurveSeries, Polynomial};
 
-/// Largest error of a series, relative to its largest term in the norm of (A6): half a rounding.
+/// Largest error of a series in the norm of (A6), relative to the largest term of the states. This
+/// is half the spacing of doubles at 1.
 const REMAINDER: f64 = 1e-16;
-/// Size of the last terms, relative to the largest, from which the search for the longest span
-/// begins.
+/// Size of the last two terms, relative to the largest of the first three, at the span with which
+/// the search for the longest span begins.
 const LAST: f64 = 1e-17;
 /// Largest number of steps by which a span is shortened.
 const SHORTENINGS: usize = 100;
-/// Room for roundings of a sum of coefficients, relative to the sum.
+/// Relative allowance for the rounding error of a sum of coefficients.
 const ROOM: f64 = 1e-12;
 /// Largest exponent of the growth of an error within a span.
 const GROWTH: f64 = 20.0;
 
-/// A curved force with its series and its place in the norm of (A6).
+/// A curved force with its series, and the norms of its row and its column.
 pub(crate) struct CurveTerms<'a> {
     /// The force.
     pub(crate) force: Polynomial,
@@ -31,7 +32,7 @@ pub(crate) struct CurveTerms<'a> {
     pub(crate) most: f64,
 }
 
-/// What bounds the remainder of a power series over a fraction of its span.
+/// Data from which the remainder of a power series is bounded over a fraction of the span.
 pub(crate) struct Remainder<'a> {
     /// Length of the span of the computed series, s.
     pub(crate) span: f64,
@@ -39,7 +40,8 @@ pub(crate) struct Remainder<'a> {
     pub(crate) rate: f64,
     /// Norm of the terms of each order, without the coordinates of curved forces.
     pub(crate) norms: &'a [f64],
-    /// Norm of the states' terms alone.
+    /// Norm of the terms of each order, for states only: without the constant 1, signals and
+    /// curved forces.
     pub(crate) sizes: &'a [f64],
     /// The curved forces.
     pub(crate) curves: &'a mut [CurveTerms<'a>],
@@ -51,7 +53,7 @@ impl Remainder<'_> {
         self.norms.len() - 1
     }
 
-    /// The largest term of the states over a fraction of the span.
+    /// Norm of the largest term of the states, with time in units of `part` times the span.
     fn size(&self, part: f64) -> f64 {
         let mut power = 1.0;
         let mut most = 0.0f64;
@@ -72,11 +74,12 @@ impl Remainder<'_> {
         }
     }
 
-    /// Bound of the error of the series within a fraction of the span, if the error stays below
-    /// `margin`: the defect of the polynomial times the growth of an error (A59).
+    /// Bound (A59) of the error of the series within the fraction `part` of the span: the integral
+    /// of the polynomial's defect times the growth factor of an error. The bound is valid if it is
+    /// at most `margin`.
     ///
-    /// The coefficients of an argument are at most C radius⁻ᵏ, with a `radius` in fractions of the
-    /// span; any radius beyond `part` gives a bound.
+    /// The tails of the curved forces come from |xₖ| ≤ C radius⁻ᵏ, with the least C for the given
+    /// `radius` (in units of the span). Every radius larger than `part` gives a valid bound.
     #[inline(always)]
     pub(crate) fn bound(&self, part: f64, radius: f64, margin: f64) -> f64 {
         let last = self.last();
@@ -113,7 +116,8 @@ impl Remainder<'_> {
                 part = part.min((LAST * size / self.norms[k]).powf(1.0 / k as f64));
             }
         }
-        // At this radius the last coefficients are as large as the first.
+        // With this radius as the unit of time, the last terms are about as large as the first
+        // ones.
         let radius = part * (1.0 / LAST).powf(1.0 / last as f64);
         self.prepare(part, radius);
         for _ in 0..SHORTENINGS {

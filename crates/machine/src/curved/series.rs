@@ -10,7 +10,8 @@ pub const TERMS: usize = 40;
 #[derive(Clone, Copy, Debug)]
 pub struct CurveSeries {
     x: [f64; TERMS],
-    /// x backwards, from the end, followed by zeros: products then run forwards in both factors.
+    /// Coefficients of x in reverse order, followed by zeros. With this copy, the sum for a
+    /// product of two series reads both factors in ascending order of memory.
     back: [f64; 2 * TERMS],
     powers: [[f64; TERMS]; POWERS],
 }
@@ -22,7 +23,8 @@ impl Default for CurveSeries {
 }
 
 impl CurveSeries {
-    /// Sets the coefficient of x of order `k`, given all lower ones, and returns that of φ(x).
+    /// Sets the coefficient of order `k` of x, and returns the coefficient of order `k` of φ(x).
+    /// Requires that all lower orders are set.
     #[inline(always)]
     pub fn next(&mut self, force: &Polynomial, k: usize, x: f64) -> f64 {
         self.x[k] = x;
@@ -46,8 +48,7 @@ impl CurveSeries {
         2.0 * c2 * self.x[k] + 3.0 * c3 * square[k] + 4.0 * c4 * cube[k] + 5.0 * c5 * fourth[k]
     }
 
-    /// Σ over the orders from 0 to `last` of the sizes of the coefficients of x, each times
-    /// `part` to its order.
+    /// The sum Σ |xₖ| partᵏ over the orders from 0 to `last`.
     #[inline(always)]
     pub fn sum_of_sizes(&self, part: f64, last: usize) -> f64 {
         self.x[..=last].iter().rev().fold(0.0, |sum, x| sum * part + x.abs())
@@ -65,22 +66,25 @@ impl CurveSeries {
     }
 }
 
-/// Sizes of the terms of the series of a curved force: its majorant at the sizes of the terms of
-/// its argument, and the change of the majorant by the rounding of the argument.
+/// Sizes of the terms of a curved force's series, for judging their rounding errors. The size is
+/// the majorant's series at the sizes of the argument's terms, plus the series of the majorant's
+/// derivative times `shift`.
 #[derive(Clone, Debug)]
 pub struct CurveSizes {
     majorant: Polynomial,
-    /// The derivative of the majorant without its linear term, and the coefficient of the latter.
+    /// Derivative of the majorant without its linear term.
     slope: Polynomial,
+    /// Coefficient of the linear term of the majorant's derivative.
     linear: f64,
-    /// Size of the rounding of the argument.
+    /// Size to which the rounding error of the argument at the start is relative.
     shift: f64,
     value: CurveSeries,
     change: CurveSeries,
 }
 
 impl CurveSizes {
-    /// The sizes for an argument and the size of its rounding.
+    /// The sizes for |x| at the start and for the size to which the rounding error of x is
+    /// relative.
     pub fn of(force: &Polynomial, x: f64, shift: f64) -> Self {
         let majorant = force.majorant();
         let [c2, c3, c4, c5] = majorant.coefficients;
@@ -103,7 +107,8 @@ impl CurveSizes {
     }
 }
 
-/// Coefficient of order `k` of the product of two series, the second backwards.
+/// Coefficient of order `k` of the product of two series; `back` has the coefficients of the
+/// second series in reverse order.
 #[inline(always)]
 fn product(a: &[f64; TERMS], back: &[f64; 2 * TERMS], k: usize) -> f64 {
     let back = &back[TERMS - 1 - k..];
@@ -118,8 +123,9 @@ fn product(a: &[f64; TERMS], back: &[f64; 2 * TERMS], k: usize) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
-/// Bound of the sum of the sizes of the coefficients of orders from `first` on of a polynomial of
-/// x, if |xₖ| ≤ `scale` ratio⁻ᵏ: those of xᵐ are at most scaleᵐ C(k + m - 1, m - 1) ratio⁻ᵏ.
+/// Bound T of (A59): sum of the sizes of all coefficients of φ(x) of order `first` or higher, if
+/// |xₖ| ≤ `scale` ratio⁻ᵏ. The coefficient of order k of xᵐ is then at most
+/// scaleᵐ C(k + m - 1, m - 1) ratio⁻ᵏ, with the binomial coefficient C.
 /// `power` is ratio⁻ᵏ for the order `first`.
 #[inline(always)]
 pub(super) fn tail(force: &Polynomial, scale: f64, (ratio, power): (f64, f64), first: usize) -> f64 {

@@ -10,11 +10,12 @@ use crate::system::System;
 use nalgebra::DVector;
 
 impl Impulse {
-    /// Carries columns of the state's derivative over the impact; each column has a tangent.
+    /// Carries all columns of the state's derivative over the impact. `tangents` has one tangent
+    /// for each column.
     pub(super) fn carry(&self, system: &System, tangents: &[Tangent], deltas: &mut Columns) {
         let (width, n) = (deltas.width, system.coordinates);
         let elongation = |k: usize| &system.stops[self.stops[k]].elongation;
-        // (1 + ε) e'·δ, and the column's direct change of this demand, by stop and column.
+        // The right side of (A36), by stop and column. First (1 + ε) ė·δ, from the columns.
         let mut demands = vec![0.0; self.stops.len() * width];
         for (k, demand) in demands.chunks_exact_mut(width).enumerate() {
             for &(j, x) in elongation(k).rate.terms() {
@@ -50,7 +51,8 @@ impl Impulse {
         }
     }
 
-    /// The derivative of M⁻¹ W at the impulses P, times P; `None` if the column does not vary it.
+    /// Returns (M⁻¹ W)' P, without the derivative of the impulses P; `None` if the column varies
+    /// neither M nor W.
     fn kick(&self, system: &System, tangent: &Tangent) -> Option<DVector<f64>> {
         let own = |k: usize| &tangent.stops[self.stops[k]].elongation.w;
         let turns = (0..self.stops.len()).any(|k| own(k).iter().any(|x| *x != 0.0));
@@ -87,8 +89,9 @@ impl Impulse {
         drate.dot(after) + self.restitution[k] * drate.dot(before) + varied
     }
 
-    /// Returns the touching stops of each impact that are [`tight`](Self::tight). `sizes` defines
-    /// what counts as zero. Empty if fewer than two stops touch.
+    /// Returns, for each impact, the touching stops that are [`tight`](Self::tight). A stop
+    /// touches if its distance is zero within a fraction of the coordinates' `sizes`. Empty if
+    /// fewer than two stops touch.
     pub(super) fn all_tight(system: &System, all: &[Self], sizes: &DVector<f64>) -> Vec<Vec<usize>> {
         let Some(first) = all.first() else { return Vec::new() };
         let touches = |&stop: &usize| {
@@ -103,11 +106,13 @@ impl Impulse {
         all.iter().map(|impulse| impulse.tight(system, &touching)).collect()
     }
 
-    /// Returns the touching stops whose condition u⁺ ≤ -ε u is an equality without their impulse,
-    /// or next to other impulses. A column that moves them off it has one-sided derivatives only.
+    /// Returns the touching stops that satisfy u⁺ = -ε u without an impulse or together with other
+    /// impulses. Stops that no other impulse moves are left out. If a column moves a stop off this
+    /// equality, only one-sided derivatives exist.
     fn tight(&self, system: &System, touching: &[usize]) -> Vec<usize> {
         let [before, after] = &self.states;
-        // The rate of a body pressed from both sides has the rounding error of these stops.
+        // A body between two stops can have a small rate with the rounding error of large rates.
+        // The tolerance therefore contains the largest rate.
         let rates = |z: &DVector<f64>| z.rows(system.coordinates, system.coordinates).amax();
         let largest = rates(before) + rates(after);
         let reaches = |stop: usize| {
@@ -132,11 +137,12 @@ impl Impulse {
         own.map_or_else(|| system.stops[stop].restitution().unwrap_or(0.0), |k| self.restitution[k])
     }
 
-    /// Carries one column over the impacts of one instant, with the result of
-    /// [`all_tight`](Self::all_tight). `scale` has the column's largest sizes so far.
+    /// Carries one column over the impacts of one instant. `tight` is the result of
+    /// [`all_tight`](Self::all_tight); `scale` has the largest size of each entry of the column so
+    /// far.
     ///
     /// # Errors
-    /// The stop that the column moves off its equality.
+    /// Index of the first [`tight`](Self::tight) stop that the column moves off u⁺ = -ε u.
     pub(super) fn carry_one(
         system: &System,
         tangent: &Tangent,

@@ -17,8 +17,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-/// Events count as simultaneous within this fraction of the time plus the time in which the mode's
-/// fastest motion changes.
+/// Largest time between simultaneous events, as a fraction of the sum of the present time and the
+/// longest time of one power series.
 const INSTANT: f64 = 1e-13;
 
 /// The derivative of a mode by one parameter.
@@ -47,9 +47,10 @@ pub(super) struct VariedMode {
     pub by: Vec<InMode>,
     /// Entries of A that vary, with their derivatives by all columns.
     pub sources: Sources,
-    /// Flights over 2^k parts of `length`, made on first use.
+    /// Flights over 2^k times an eighth of `length`, made on first use.
     pub flights: Ladder<Rung>,
-    /// Work that `flights` would have saved so far.
+    /// Work that the flights in `flights` would have saved so far. Missing flights are made once
+    /// this exceeds the work of making them.
     pub saved: AtomicU64,
 }
 
@@ -79,7 +80,8 @@ impl From<&FlowTable> for Parts {
     }
 }
 
-/// Below this share of its direction, a contact does not depend on another.
+/// Largest fraction of a contact's direction that another contact can contribute while the first
+/// contact counts as independent of it.
 const SHARE: f64 = 1e-9;
 
 /// Returns the contacts of a mode that depend on others, and these others.
@@ -167,7 +169,8 @@ impl VariedMode {
         self.a.rows_times(0..z.len(), z.as_slice())
     }
 
-    /// Returns the derivative of z' at a state with the derivative `delta` by parameter `p`.
+    /// Returns the derivative of z' by parameter `p`. `delta` is the derivative of the state `z`
+    /// by this parameter.
     pub fn rates_by(&self, p: usize, z: &DVector<f64>, delta: &DVector<f64>) -> DVector<f64> {
         let mut rates = self.rates(delta);
         self.by[p].a.iter().for_each(|(i, row)| rates[*i] += row.dot(z.as_slice()));

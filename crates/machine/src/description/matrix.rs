@@ -187,12 +187,18 @@ fn symmetric(name: &str, a: &mut DMatrix<f64>, sign: f64) -> Option<Problem> {
             let size = if own > 0.0 { own.max(x.abs()) } else { largest };
             if (x - y).abs() > DIGITS * size {
                 let what = if sign > 0.0 { "symmetric" } else { "skew" };
-                let text = format!(
-                    "is not {what}: the entry in row {i} and column {j}, counted from 0, is {x:?}, \
-                     the entry across the \
-                     diagonal is {:?}; expected a {what} matrix",
-                    a[(j, i)]
-                );
+                let text = match (i == j, sign > 0.0) {
+                    (true, _) => format!(
+                        "is not {what}: the entry in row {i} and column {i}, counted from 0, is {x:?}; \
+                         expected 0 on the diagonal"
+                    ),
+                    (false, alike) => format!(
+                        "is not {what}: the entry in row {i} and column {j}, counted from 0, is {x:?}, \
+                         but the entry in row {j} and column {i} is {:?}; expected {}",
+                        a[(j, i)],
+                        if alike { "equal entries" } else { "entries of equal size and opposite sign" }
+                    ),
+                };
                 return Some(Problem::new(name, None, text));
             }
             let mean = if i == j && sign < 0.0 { 0.0 } else { 0.5 * (x + y) };

@@ -198,7 +198,8 @@ fn matrix(
     [rows, columns]: [usize; 2],
     is_required: bool,
 ) -> Option<Vec<Vec<f64>>> {
-    let allowed = format!("expected {rows} rows of {columns} numbers, such as {}", example(rows, columns));
+    let allowed =
+        format!("expected a {rows} × {columns} matrix (rows × columns), such as {}", example(rows, columns));
     let entry = match is_required {
         true => reading.required(table, key, &allowed)?,
         false => match reading.optional(table, key) {

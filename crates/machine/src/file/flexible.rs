@@ -168,7 +168,7 @@ fn of_file(reading: &mut Reading, entry: &Entry, count: usize) -> Option<Row> {
     let is_row = found.nrows().min(found.ncols()) == 1 && found.len() == count && found.amax() > 0.0;
     if !is_row {
         let text = format!(
-            "has {} rows and {} columns; {ROW}; there are {count} coordinates",
+            "has {} rows and {} columns, but there are {count} coordinates; {ROW}",
             found.nrows(),
             found.ncols()
         );
@@ -203,7 +203,7 @@ fn row(reading: &mut Reading, entry: &Entry, count: Option<usize>) -> Option<Row
     });
     let found = found.filter(|row| !row.is_empty());
     if found.is_none() {
-        reading.refuse(entry, format!("{ROW}; there are {count} coordinates, 0 to {}", count - 1));
+        reading.refuse(entry, format!("there are {count} coordinates, 0 to {}; {ROW}", count - 1));
     }
     found
 }

@@ -272,7 +272,9 @@ impl<'a> Reading<'a> {
         for entry in self.all(table) {
             if !keys.contains(&entry.key.as_str()) {
                 let free = keys.iter().copied().filter(is_free);
-                self.refuse_name(&entry, &entry.key, "no such key", free);
+                let is_section = table.name.is_empty() && entry.value.is_table();
+                let text = if is_section { "no such kind of section" } else { "no such key" };
+                self.refuse_name(&entry, &entry.key, text, free);
             }
         }
     }

@@ -89,7 +89,7 @@ fn knots(text: &str, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
         }
     }
     if knots.len() < 2 {
-        return Err(format!("it has {} knots; expected 2 to {MOST_KNOTS}", knots.len()));
+        return Err(format!("expected 2 to {MOST_KNOTS} knots, found {}", knots.len()));
     }
     Ok(knots)
 }

@@ -7,10 +7,11 @@ use crate::kernel::{Sparse, SparseMatrix};
 use crate::law::ZERO;
 use crate::system::System;
 
-/// Order of the last term of a series with curved forces. Vectors make orders cheap; a fixed
-/// number keeps the bits of a motion independent of luck.
+/// Order of the last term of a series with curved forces. High orders are cheap with vector
+/// instructions. The number is fixed, so that every span takes the same operations.
 const LAST_ORDER: usize = 28;
-/// Rate times length of the longest series.
+/// Rate times the longest span over which coefficients are computed. The proved span of the series
+/// may be longer or shorter.
 const REACH: f64 = 4.0;
 /// Factor by which the span of a series is shortened if its terms overflow.
 const OVERFLOW: f64 = 1e-3;
@@ -27,7 +28,7 @@ pub(super) struct CurveInMode {
 }
 
 impl CurveInMode {
-    /// The curved forces in a mode with matrix A and 1/w of its norm.
+    /// The curved forces in a mode with matrix A. `weights` are the 1/wᵢ of the norm (A6).
     pub(super) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
         let columns = if system.curved.is_empty() { SparseMatrix::default() } else { a.transpose() };
         let in_mode = |curved: &Curved| {
@@ -148,7 +149,8 @@ impl FlowTable {
         }
     }
 
-    /// Advances a variation along a series, by a fraction of the span of the curved forces.
+    /// Advances a variation along a series by the fraction `part` of the span over which its
+    /// coefficients were computed. `terms` is memory for the variation's coefficients.
     fn vary(&self, ahead: &Ahead, variation: &mut [f64], terms: &mut [Vec<f64>], part: f64) {
         terms[0].copy_from_slice(variation);
         for k in 0..=LAST_ORDER {
@@ -204,7 +206,8 @@ impl FlowTable {
         self.watched.iter().map(|w| of(&w.row)).collect()
     }
 
-    /// Sizes of the terms of a series over a sub-step, by order, from the coordinates' sizes.
+    /// For each order the sizes of the terms of a series over a sub-step, given the sizes of the
+    /// coordinates at its start.
     fn sizes_of_terms(&self, z: &[f64], sizes: &[f64], last: usize) -> Vec<Vec<f64>> {
         let own = self.sizes.as_ref().unwrap_or(&self.a);
         let mut all = vec![sizes.to_vec()];

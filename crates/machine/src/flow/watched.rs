@@ -13,8 +13,8 @@ pub(super) const BOUND_MARGIN: f64 = 1.0 + 1e-9;
 /// Stored columns of a watched functional over a sub-step.
 #[derive(Clone, Debug)]
 pub(super) struct WatchColumns {
-    /// Throughout the sub-step, |functional''| is at most Σ curvature · |z|, or Σ curvature ·
-    /// |z''| if forces are computed separately.
+    /// Bound throughout the sub-step: |functional''| is at most Σ curvature · |z|. In modes whose
+    /// stiff forces are computed separately, it is at most Σ curvature · |z''|.
     curvature: Vec<f64>,
     /// For each coordinate: values at the interval ends.
     samples: Vec<[f64; INTERVALS]>,
@@ -132,9 +132,9 @@ fn side_by_side(rows: &[Vec<f64>], size: usize) -> Vec<[f64; ABREAST]> {
     all
 }
 
-/// Number of Taylor coefficients of a functional over a sub-step. With rate times length 3, the
-/// first omitted term is below 3³⁴/34! < 6e-23 of the largest coordinate; for the second
-/// derivative it is below 7e-20.
+/// Number of Taylor coefficients of a functional over a sub-step. The rate times the length of a
+/// sub-step is 3. The first omitted term is therefore below 3³⁴/34! < 6e-23 of the largest
+/// coordinate; in the second derivative it is below 7e-20.
 pub(super) const WHOLE: usize = 34;
 
 /// Values and second derivatives of a power series at 1, 2, …, [`INTERVALS`].
@@ -179,8 +179,8 @@ pub(super) fn watch_columns(
         }
         watched.push(WatchColumns { curvature: peak, samples, local });
     }
-    // The bound within an interval: |r exp(At)| <= |r| exp(|A| t) entry by entry, to the order of
-    // the Taylor coefficients.
+    // The bound within an interval: |r exp(At)| <= |r| exp(|A| t) for each entry. The series of
+    // exp(|A| t) is summed to order `LOCAL`.
     let abs = transpose.abs();
     let peaks: Vec<_> = watched.iter().map(|w| w.curvature.clone()).collect();
     for (peaks, watched) in peaks.chunks(ABREAST).zip(watched.chunks_mut(ABREAST)) {

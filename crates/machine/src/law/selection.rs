@@ -32,9 +32,9 @@ use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
-/// Number of orders beyond twice the number of coordinates after which an undecided contact of a
-/// machine with curved forces counts as zero throughout: no theorem bounds the order, as (A5) does
-/// for straight laws.
+/// Number of orders beyond twice the length of z after which an undecided contact of a machine
+/// with curved forces counts as zero throughout: no theorem bounds the order, as (A5) does for
+/// straight laws.
 const FURTHER: usize = 8;
 
 /// State of a stop during a selection.

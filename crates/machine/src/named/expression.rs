@@ -208,7 +208,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
                 if !self.rest.starts_with(')') {
                     let rest = self.rest;
                     return Err(match rest {
-                        "" => "a `)` is missing at its end".into(),
+                        "" => "a `)` is missing at the end of the expression".into(),
                         _ => format!("expected `)` or an operator before `{rest}`{}", no_unit(rest)),
                     });
                 }
@@ -218,8 +218,11 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
             Some(c) if c.is_ascii_alphabetic() => self.name(),
             _ => {
-                let at =
-                    if self.rest.is_empty() { "at its end".into() } else { format!("at `{}`", self.rest) };
+                let at = if self.rest.is_empty() {
+                    "at the end of the expression".into()
+                } else {
+                    format!("at `{}`", self.rest)
+                };
                 Err(format!("expected a number, `pi`, a parameter, `-` or `(` {at}"))
             }
         }

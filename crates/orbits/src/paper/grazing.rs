@@ -10,7 +10,7 @@ use crate::stop_word::OrbitWord;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// An orbit that touches a stop, in the word that lists the touch.
+/// Touch of a stop by an orbit, described in the word that lists the touch as an impact.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Touch {
     /// The word with the touch.
@@ -20,8 +20,8 @@ pub(super) struct Touch {
     /// Phases and parameters as a point of a curve of the longer word.
     #[serde(with = "crate::stored::vector")]
     pub u: DVector<f64>,
-    /// Other impacts of the word at zero speed: a repeated orbit touches a stop in each
-    /// repetition.
+    /// Indices of other impacts at zero speed in the longer word. For example, a repeated orbit
+    /// touches a stop in each repetition.
     pub also: Vec<usize>,
     /// Whether the followed branch lists the touch.
     pub from_longer: bool,
@@ -44,8 +44,8 @@ impl Touch {
     }
 }
 
-/// Touches indicated by a cycle that is not an orbit of the machine, at its phases: impacts
-/// without a positive approach speed, and extrema of w past a stop.
+/// Touches indicated by a cycle that is not an orbit of the machine: its impacts without a
+/// positive approach speed, and its extrema of w past a stop.
 pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
     let mut found = Vec::new();
     let word = cycle.word;
@@ -57,8 +57,8 @@ pub(super) fn announced(cycle: &Cycle, u: &DVector<f64>) -> Vec<Touch> {
         let span = cycle.arrival(flight) - phase;
         for side in [1i8, -1] {
             let s = f64::from(side);
-            // If the block would stay on its stop, the next flight is past this stop from its
-            // start. This is not a touch.
+            // If the block would stay on its stop after the impact at the start of this flight, w
+            // is past this stop from the start of the flight. Such an extremum is not a touch.
             if cycle.stays(flight) && s * word.side(flight) > 0.0 {
                 continue;
             }
@@ -114,8 +114,8 @@ pub(super) fn speed_gradient(touching: &Touching, u: &DVector<f64>) -> Result<DV
     Ok(matrix.row(matrix.nrows() - 1).transpose())
 }
 
-/// The point with zero speed at the touch, from the equations of the longer word. They are regular
-/// for both branches, with and without the touch.
+/// The point with zero speed at the touch, from the equations of the longer word. These equations
+/// are regular on both branches: on the branch with the touch and on the branch without it.
 pub(super) fn locate(family: &Family, touch: &Touch) -> Result<Touch, Obstacle> {
     let touching =
         Touching { contacts: ContactEquations { family, word: &touch.longer }, index: touch.index };
@@ -130,7 +130,7 @@ const NO_SPEED: f64 = 1e-6;
 pub(super) struct ExaminedTouch {
     /// The touch, with the other touches at the same point.
     pub(super) touch: Touch,
-    /// Whether it is an orbit of the machine except for the touches.
+    /// Whether the cycle is an orbit of the machine, apart from the zero speed at the touches.
     pub(super) is_orbit: bool,
     /// Whether the block is pressed into the stop at a touch, which would cause chatter.
     pub(super) pressed: bool,

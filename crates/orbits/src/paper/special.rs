@@ -10,7 +10,7 @@ use crate::stop_word::OrbitWord;
 use crate::test_functions::{SignedLog, is_on_circle};
 use nalgebra::DVector;
 
-/// Tolerance for equal halves of an orbit, rad: rounding.
+/// Largest difference, rad, between two halves of an orbit that are equal except for rounding.
 const BIRTH: f64 = 1e-9;
 
 /// Step of the difference quotients of a test function. It affects how fast its zero converges,
@@ -37,15 +37,17 @@ pub(super) fn scaled_test(
     Ok(test(&cycle, index).ok_or(Obstacle::NoConvergence)?.relative_to(unit))
 }
 
-/// Difference of the two halves of a doubled orbit, half a span apart.
+/// Phases in the second half of a doubled orbit minus phases in its first half and half the span;
+/// zero if both halves are equal.
 fn halves(word: &OrbitWord, u: &DVector<f64>) -> DVector<f64> {
     let h = word.len() / 2;
     DVector::from_fn(h, |i, _| u[h + i] - u[i] - 0.5 * word.span())
 }
 
-/// A point beyond the birth of a doubled branch, where the halves of its orbit are equal: along
-/// the tangent, at the same distance from the birth as the given point. `None` if this distance
-/// exceeds `within`.
+/// A point on the tangent, beyond the birth of the doubled branch and at the same distance from
+/// the birth as the given point. At the birth both halves of the orbit are equal. `None` if the
+/// birth is not ahead within the distance `within`, if the halves are already equal, or if the
+/// word is not doubled.
 pub(super) fn beyond_birth(
     word: &OrbitWord,
     u: &DVector<f64>,
@@ -59,8 +61,9 @@ pub(super) fn beyond_birth(
     (own.norm() > BIRTH && (0.0..within).contains(&arc)).then(|| u + tangent * (2.0 * arc))
 }
 
-/// The point where a doubled branch is born from another one, if a step passes it. Both halves of
-/// the orbit are equal there, and beyond it the path would retrace its own mirror image.
+/// The point where a doubled branch is born from another one, if a step passes it. At this point
+/// both halves of the orbit are equal. Beyond it the path would pass its own orbits again, with
+/// their halves exchanged.
 pub(super) fn primary(
     family: &Family,
     word: &OrbitWord,
@@ -71,8 +74,8 @@ pub(super) fn primary(
         return Ok(None);
     };
     let [a, b] = [last, next].map(|u| halves(word, u));
-    // The first point of a branch born here has halves that are equal except for rounding. So has
-    // a point past the birth if the corrector ended on the other branch.
+    // The last point has equal halves if the branch was born there; this step then passes nothing.
+    // The next point has equal halves if the corrector ended on the other branch.
     let passes = a.dot(&b) < 0.0 || b.norm() < BIRTH;
     if !passes || a.norm() < BIRTH {
         return Ok(None);

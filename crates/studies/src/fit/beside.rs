@@ -18,7 +18,7 @@ use vibro_machine::{Differentiated, Quantity, What};
 /// Step of a finite difference, relative to the value; for a value of 0, in SI units.
 const MOVED: f64 = 1e-6;
 
-/// Quantities of the motion and contacts of stops that correspond to a record.
+/// Record, with the motion's quantity for each column and the stop for each list of contacts.
 pub(super) struct Compared<'a> {
     pub measured: &'a Measured,
     quantities: Vec<Quantity>,
@@ -38,7 +38,8 @@ pub(super) struct Followed {
     first: usize,
     /// Motion minus record, for each time and column.
     pub samples: Vec<Vec<Varied>>,
-    /// For each list of contacts: the indices in the record, and the times of the motion.
+    /// For each list of contacts: the indices of the record's contacts in this segment, and the
+    /// times of the motion's contacts.
     contacts: Vec<(Range<usize>, Vec<Varied>)>,
     /// State at which the next segment begins; empty for the last segment.
     pub end: Vec<Varied>,
@@ -83,8 +84,9 @@ impl Beside {
         })
     }
 
-    /// Norm of the difference between two motions of a record, in units of the standard deviations
-    /// of columns, then of lists of contacts; infinite if the numbers of contacts differ.
+    /// Norm of the difference between two motions compared with one record. Infinite if the
+    /// motions have different numbers of contacts for the record's contacts. `sigma` has the
+    /// standard deviations of the columns, then of the lists of contacts.
     pub fn apart(&self, other: &Self, sigma: &[f64]) -> f64 {
         let one = |(a, b): (&Varied, &Varied), sigma: &f64| ((a.0 - b.0) / sigma).powi(2);
         let mut sum = 0.0;
@@ -121,7 +123,7 @@ fn rate_of(name: &QuantityName, d: &Description) -> Option<Quantity> {
     QuantityName { of: name.of.clone(), what }.find(d).ok().map(|named| named.quantity)
 }
 
-/// Indices of the stops of a record's contacts.
+/// Index of the stop for each list of contacts in a record.
 pub(super) fn stops_of(measured: &Measured, d: &Description) -> Result<Vec<usize>> {
     let of = |(element, _): &(String, Vec<f64>)| {
         let plain = element.strip_prefix("stop.").unwrap_or(element);
@@ -157,7 +159,7 @@ impl<'a> Compared<'a> {
         })
     }
 
-    /// Longest mean interval between contacts of one list, s; 0 without contacts.
+    /// Largest of the mean intervals between contacts of each list, s; 0 without contacts.
     pub fn longest_interval(&self) -> f64 {
         let lists = self.measured.contacts.iter().map(|(_, times)| times);
         lists.filter(|times| !times.is_empty()).fold(0.0, |most: f64, times| most.max(interval(times)))
@@ -184,7 +186,7 @@ impl<'a> Compared<'a> {
         (0..=reach.nodes.len()).into_par_iter().map(one).collect::<Result<_>>().map(Beside)
     }
 
-    /// Motion at the begin of a segment.
+    /// Motion at the start of a segment.
     fn begin(
         &self,
         made: &Made,
@@ -215,7 +217,8 @@ impl<'a> Compared<'a> {
         let until = next.unwrap_or(reach.end);
         let states = (k > 0).then(|| point.states[k - 1].len());
         let mut columns = if varied { made.columns(unknowns, states)? } else { Columns::default() };
-        // Later segments begin in states of their own.
+        // Only in the first segment do the filters' initial states depend on other parameters.
+        // Later segments begin with fitted states.
         let begins = if varied && k == 0 { &self.sensors[..] } else { &[] };
         let carried = Carried::of(begins, (&made.assembly, &made.start), &mut columns.by)?;
         let inside = |times: &[f64]| {
@@ -257,8 +260,9 @@ impl<'a> Compared<'a> {
             (0..columns.by.len()).filter_map(|p| Some(format!("{}: {}", columns.by[p], motion.lost(p)?)));
         let lost = lost.collect();
         if next.is_none() && !self.stops.is_empty() {
-            // The motion's contact may come later than the record's last one. A motion that cannot
-            // continue has covered the record.
+            // A contact of the motion may come later than the record's last contact, so the motion
+            // is continued by one interval. If it cannot be continued, it already covers the
+            // record.
             let _ = motion.advance_observed(until + made.shift + self.longest_interval(), &mut note);
             events.retain(|(time, _)| *time <= until);
         }

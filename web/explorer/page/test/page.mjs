@@ -182,7 +182,7 @@ const tests = {
     assert.equal(await value("stop.gap"), 0.04);
     await tab.fill("#field-stop-gap", "0,03m");
     assert.equal(await value("stop.gap"), 0.03);
-    for (const [text, words] of [["5 kg", /stop\.gap: `kg` is not a unit of it; expected one of m, cm, mm/], ["", /stop\.gap = `` is not a number: expected/], ["mm", /is not a number/], ["1e999", /not a number|expected/]]) {
+    for (const [text, words] of [["5 kg", /stop\.gap: `kg` is not one of its units; expected one of m, cm, mm/], ["", /stop\.gap = `` is not a number: expected/], ["mm", /is not a number/], ["1e999", /not a number|expected/]]) {
       await tab.fill("#field-stop-gap", String(text));
       assert.match(await tab.textContent("#field-stop-gap-why"), /** @type {RegExp} */ (words));
       assert.equal(await value("stop.gap"), 0.03);

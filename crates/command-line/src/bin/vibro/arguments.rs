@@ -3,11 +3,12 @@
 //! A command is a variant of [`Command`], and its options are a struct of clap's. Some commands
 //! take either the machine of a FILE or the paper's machine:
 //!
-//! * An option of both is in the command's struct. Where the defaults differ, the second one is a
-//!   `default_value_if` on `file`, and the help text states both.
-//! * An option of one machine is in the struct `…OfFile` or `…OfPaper`. The help shows the heading
-//!   of this struct, and by this heading [`check_options`] refuses the option for the other
-//!   machine.
+//! * An option for both machines is in the command's struct. If its default depends on the
+//!   machine, the default for a FILE is a `default_value_if` on `file`, and the help text states
+//!   both.
+//! * An option for one machine only is in the struct `…OfFile` or `…OfPaper`. The help lists it
+//!   under a heading of its own; [`check_options`] refuses options under this heading for the
+//!   other machine.
 //! * An axis, quantity or measure is text to clap; [`Command::read_axes`] and `machine_studies`
 //!   parse it, since its form depends on the machine.
 //!
@@ -69,7 +70,8 @@ pub fn command() -> clap::Command {
     paper::grouped(ungrouped())
 }
 
-/// Every command with its options, under the heading of the machine that has them.
+/// Every command with its options. An option for one of the two machines only is under the heading
+/// of that machine.
 fn ungrouped() -> clap::Command {
     let all = with_negative_numbers(Arguments::command());
     let shared: Vec<Arg> = all.get_arguments().cloned().collect();
@@ -92,9 +94,9 @@ fn unused(command: &str) -> &'static [&'static str] {
     }
 }
 
-/// A command with its shared options. An option that the command does not use is hidden; an option
-/// of the paper's machine only is under the heading of that machine. One motion of a machine's
-/// file does not use threads.
+/// A command with its shared options. An option that the command does not use is hidden. An option
+/// for the paper's machine only is under the heading of that machine, such as `--threads` of
+/// `run`: with a FILE, `run` simulates one motion, on one thread.
 fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
     let (name, of_file) = (command.get_name().to_owned(), has_file(&command));
     let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
@@ -112,8 +114,8 @@ pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
 
-/// Refuses a FILE after `vibro paper`, a shared option that the command does not use, an option of
-/// the paper's machine with a FILE, and an option of a FILE without one.
+/// Refuses a FILE after `vibro paper`, a shared option that the command does not use, options of
+/// the paper's machine if a FILE is given, and options of a machine file if no FILE is given.
 ///
 /// # Errors
 /// [`Error::Refused`] with the option and the valid options.
@@ -132,9 +134,9 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     if let Some(given) = command.get_arguments().filter(is_unused).find(is_given) {
         let taken = all.get_arguments().filter(|arg| !is_unused(arg) && arg.get_long() != Some("help"));
         let taken: Vec<String> = taken.map(option).collect();
-        let taken = if taken.is_empty() { "none".into() } else { taken.join(", ") };
+        let taken = if taken.is_empty() { "none".into() } else { format!("only {}", taken.join(", ")) };
         let problem =
-            format!("`vibro {words}` does not use it; of the options of all commands it takes {taken}");
+            format!("`vibro {words}` does not use this option; of the common options it accepts {taken}");
         return Err(Error::Refused { what: option(given), problem });
     }
     if !has_file(command) {
@@ -145,7 +147,7 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     let under = |heading| command.get_arguments().filter(move |a| a.get_help_heading() == Some(heading));
     let Some(given) = under(refused).find(is_given) else { return Ok(()) };
     let whose = match file {
-        Some(file) => format!("an option of the paper's machine, and {} is named", file.display()),
+        Some(file) => format!("an option of the paper's machine, but {} is a machine file", file.display()),
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
     let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
@@ -204,8 +206,8 @@ pub enum Command {
     /// Simulate a motion exactly from event to event: tables of states, events and contacts, a
     /// picture, an account of energies
     Run(RunArguments),
-    /// Measure many designs: amplitudes, forces, impacts, losses and more, over a grid, a list or a
-    /// Sobol sequence
+    /// Measure many designs: amplitudes, forces, impacts, losses and more, over a grid, a list or
+    /// a Sobol sequence
     ///
     /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in
     /// several motions: over a band of drive frequencies, for example (--over), and from several
@@ -229,18 +231,19 @@ pub enum Command {
     /// Draw a bifurcation diagram: local maxima of a coordinate or quantity over a parameter, both
     /// directions, with periods and classes (figure 14)
     ///
-    /// Each value starts from the last state of the previous value. This chain cannot be divided,
-    /// so every shard repeats it, which is about a fifth of the work. Only the computation at each
-    /// value is divided, so more than about four shards hardly help. `lyapunov` and planes gain
-    /// from more shards.
+    /// Each value starts from the last state of the previous value. This chain of motions cannot
+    /// be divided among shards: every shard repeats it, and it is about a fifth of the work. More
+    /// than about four shards therefore hardly help. `lyapunov` and planes gain from more shards.
     ///
-    /// The motion of a FILE is sampled once per common period of its drives; --period and --section
-    /// change this.
+    /// The motion of a FILE is sampled once per common period of its drives; --period and
+    /// --section change this.
     Bifurcation(Bifurcation),
-    /// Draw a bifurcation diagram with Lyapunov exponents (figure 14, table 2): all exponents, or
-    /// with FILE the largest (--spectrum: all); without --vary only those of the machine as it is
+    /// Draw a bifurcation diagram with Lyapunov exponents (figure 14, table 2); of a FILE without
+    /// --vary, compute the largest exponent of the machine as it is
     ///
-    /// With FILE one variation is carried exactly through flights and events (saltation matrices).
+    /// The diagram shows all exponents of the paper's machine, or the largest one of a FILE, whose
+    /// variation is carried exactly through flights and events (saltation matrices). --spectrum
+    /// computes all exponents of a FILE's machine as it is.
     Lyapunov(Lyapunov),
     /// Compute all steady-state values of one parameter set, by three theories (figure 8)
     Steady,
@@ -256,29 +259,29 @@ pub enum Command {
     Stability(Stability),
     /// Draw the regions of two parameters in which a stable motion exists, by theory (figure 12)
     Plane(Plane),
-    /// Compare theory with simulation: histories, maxima, errors over the mass ratio (figures 8, 16
-    /// to 19)
+    /// Compare theory with simulation: histories, maxima, errors over the mass ratio (figures 8,
+    /// 16 to 19)
     Compare(Compare),
     /// Draw basins of attraction over two initial values
     ///
-    /// With FILE attractors are distinguished by class, period and states at the section, and named
-    /// by the events of their orbits. All motions of one class without a period count as one
+    /// With FILE attractors are distinguished by class, period and states at the section, and
+    /// named by the events of their orbits. All motions of one class without a period count as one
     /// attractor.
     Basin(Basin),
-    /// Draw a Poincaré section of the settled motion of a machine file, at a phase of the period or
-    /// at each event of an element
+    /// Draw a Poincaré section of the settled motion of a machine file, at a phase of the period
+    /// or at each event of an element
     Section(SectionOfFile),
     /// Draw the simulated motion over two parameters: period, impacts, chaos, compared with the
     /// exact orbit
     Isoperiodic(Isoperiodic),
     /// Follow branches of periodic orbits over a parameter, stable or not, with their bifurcations
     ///
-    /// Without --tree, one branch is followed, from the settled motion or from the orbit of a given
-    /// word (--word). `special-points.csv` lists the special points of the branches: LP fold, BP
-    /// branch point, PD period doubling, NS Neimark-Sacker, GR touch, CH chatter, EP end of the
-    /// range, MX not followed further. `vibro locus` follows the first six over two parameters.
-    /// With --tree, `orbits-search.csv` lists the parameter values of the search and the number of
-    /// starts at each.
+    /// Without --tree, one branch is followed, from the settled motion or from the orbit of a
+    /// given word (--word). `special-points.csv` lists the special points of the branches: LP
+    /// fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, CH chatter, EP end
+    /// of the range, MX not followed further. `vibro locus` follows the first six over two
+    /// parameters. With --tree, `orbits-search.csv` lists the parameter values of the search and
+    /// the number of starts at each.
     Orbits(Box<Orbits>),
     /// Compute one periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),

@@ -17,8 +17,8 @@ EXAMPLES
 pub const FILES: &str = "\
 FILES
   best.toml     the machine file with the parameters of the best design
-  design.csv    a row for each evaluated design, in order: parameters, goal and limited outputs with the ends of their error
-                bars, in SI, the motion with the worst goal, and the reason if values are missing
+  design.csv    a row for each evaluated design, in order of evaluation: its parameters, its goal and limited outputs with the
+                ends of their error bars (in SI), the motion with the worst goal, and the reason if values are missing
   design.svg    the goal over the evaluations and over the varied parameters";
 
 /// Arguments of `design`.

@@ -24,8 +24,10 @@ const WORDS: [[&str; 3]; 23] = [
     ],
     ["; with FILE fewer if the motion settles earlier", ", fewer if the motion settles earlier", ""],
     [
-        "; with FILE 8 to 1000000, after 32 periods in which the variation turns into its direction",
-        ", 8 to 1000000, after 32 periods in which the variation turns into its direction",
+        "; with FILE 8 to 1000000, after 32 periods in which the variation aligns with the direction \
+         of fastest growth",
+        ", 8 to 1000000, after 32 periods in which the variation aligns with the direction of fastest \
+         growth",
         "",
     ],
     [
@@ -47,15 +49,19 @@ const WORDS: [[&str; 3]; 23] = [
     ],
     [" (figure 14)", "", " (figure 14)"],
     [
-        " (figure 14, table 2): all exponents, or with FILE the largest (--spectrum: all); without \
-         --vary only those of the machine as it is",
-        ": the largest exponent (--spectrum: all exponents); without --vary only for the machine as it is",
-        " (figure 14, table 2): all exponents",
+        " (figure 14, table 2); of a FILE without --vary, compute the largest exponent of the \
+         machine as it is",
+        "; without --vary, compute the largest exponent of the machine as it is",
+        " (figure 14, table 2)",
     ],
     [
-        "With FILE one variation is carried exactly through flights and events (saltation matrices).",
-        "One variation is carried exactly through flights and events (saltation matrices).",
-        "",
+        "The diagram shows all exponents of the paper's machine, or the largest one of a FILE, \
+         whose variation is carried exactly through flights and events (saltation matrices). \
+         --spectrum computes all exponents of a FILE's machine as it is.",
+        "The diagram shows the largest exponent, whose variation is carried exactly through \
+         flights and events (saltation matrices). --spectrum computes all exponents of the machine \
+         as it is.",
+        "The diagram shows all exponents.",
     ],
     [
         "The motion of a FILE is sampled once per common period of its drives; --period and \

@@ -1,4 +1,5 @@
-//! Arguments of diagrams, and of the studies of the paper's machine that have no separate module.
+//! Arguments of `bifurcation`, `lyapunov` and `response`, of studies of the paper's machine, and
+//! of `merge`, `template`, `new`, `fmu` and `reproduce`.
 
 use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
@@ -43,7 +44,7 @@ pub struct Bifurcation {
     #[arg(long, value_name = "NAME", default_value = "x2")]
     #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub of: Option<String>,
-    /// Start of the motion at the first value of either direction, of all with --anew and --pair.
+    /// Start of the first motion in each direction; with --anew or --pair, start of every motion.
     #[arg(long, help = start_help!("Start of the motion at the first value of either direction, and of each motion that does not continue another"), value_name = START_VALUE, allow_hyphen_values = true)]
     #[arg(default_value = "v2=1", default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub start: Vec<String>,
@@ -52,7 +53,7 @@ pub struct Bifurcation {
     /// the branches alone and has more options
     #[arg(long, conflicts_with_all = ["pair", "at_section"])]
     pub orbits: bool,
-    /// For many machines.
+    /// Share of the study that this computer computes.
     #[command(flatten)]
     pub share: Share,
     /// Options of a machine's file.
@@ -66,7 +67,7 @@ pub struct Bifurcation {
 /// Options of a diagram of a machine's file.
 #[derive(Args, Debug)]
 pub struct DiagramOfFile {
-    /// Where motions are looked at.
+    /// Poincaré section at which motions are observed.
     #[command(flatten)]
     pub section: SectionArguments,
     /// Draw the values at the section (Poincaré section) instead of local maxima
@@ -77,8 +78,9 @@ pub struct DiagramOfFile {
     /// May be repeated
     #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
     pub pair: Vec<String>,
-    /// Start each value from the file or --start instead of the last state of the previous value,
-    /// for example for a machine with steps or records. The diagram then has one direction
+    /// Start the motion at each value from the file or --start, not from the last state at the
+    /// previous value, e.g. for a machine with steps or records. The diagram then has one
+    /// direction
     #[arg(long, conflicts_with = "pair")]
     pub anew: bool,
 }
@@ -101,15 +103,16 @@ pub struct DiagramOfPaper {
 #[derive(Args, Debug)]
 pub struct Lyapunov {
     /// Largest number of periods over which exponents are computed; with FILE 8 to 1000000, after
-    /// 32 periods in which the variation turns into its direction [default: 1500; with FILE 400]
+    /// 32 periods in which the variation aligns with the direction of fastest growth [default:
+    /// 1500; with FILE 400]
     #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
     /// The diagram.
     #[command(flatten)]
     pub sweep: Bifurcation,
-    /// Compute all exponents of the machine as it is: every variation is carried through flights
-    /// and events, over --periods returns
+    /// Compute all exponents for the present parameters, over --periods returns. Every variation
+    /// is carried through flights and events
     #[arg(long, conflicts_with_all = ["range", "pair"], help_heading = WITH_FILE)]
     pub spectrum: bool,
     /// End a spectrum as soon as the standard deviation of the running exponents over 200 periods
@@ -117,8 +120,8 @@ pub struct Lyapunov {
     #[arg(long, value_name = "X", default_value_t = 0.0)]
     #[arg(value_parser = real(0.0..=f64::MAX, "a finite number >= 0"), help_heading = WITHOUT_FILE)]
     pub threshold: f64,
-    /// Values at which spectra are listed and running exponents shown [default: for f10
-    /// 0.6,1.5,2.45,3.6 or the value that was set; for other parameters the quarters of the range]
+    /// Values at which spectra are listed and running exponents shown [default: the value that was
+    /// set, otherwise 0.6,1.5,2.45,3.6 for f10 and the quarters of the range for other parameters]
     #[arg(long, value_name = "V,V,…", value_delimiter = ',', allow_hyphen_values = true)]
     #[arg(help_heading = WITHOUT_FILE)]
     pub at: Vec<String>,
@@ -133,23 +136,23 @@ pub struct Isoperiodic {
     /// Values on each axis
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = whole::<u16>(2..=3_000))]
     pub resolution: u16,
-    /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s box.v
-    /// block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is not
-    /// given is zero. "orbit" starts on the exact orbit if it is stable
+    /// Start of every motion: x1 x2 x3 in L, v1 v2 v3 in L omega10; box.s block.s secondary.s
+    /// box.v block.v secondary.v in SI; each also with a unit (block.s=5mm). A coordinate that is
+    /// not given is zero. "orbit" starts on the exact orbit if it is stable
     #[arg(long, value_name = "NAME=VALUE,…", default_value_t = StartRule::default(), allow_hyphen_values = true)]
     pub start: StartRule,
     /// Drive periods discarded, fewer if the motion settles earlier
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
-    /// Largest number of drive periods over which the largest exponent of a motion without a period
-    /// is computed at a time. The computation ends as soon as the class is decided. 0 leaves out
-    /// the exponents
+    /// Largest number of drive periods for each computation of the largest exponent, for motions
+    /// without a period. The computation ends as soon as the class is decided. 0 leaves out the
+    /// exponents
     #[arg(long, value_name = "N", default_value_t = 4000, value_parser = whole(0..=u32::MAX))]
     pub periods: u32,
     /// Constant loads.
     #[command(flatten)]
     pub loads: ConstantLoads,
-    /// For many machines.
+    /// Share of the study that this computer computes.
     #[command(flatten)]
     pub share: Share,
 }
@@ -176,7 +179,8 @@ pub struct Template {
 /// Arguments of `new`.
 #[derive(Args, Debug)]
 pub struct New {
-    /// Machine of the gallery, e.g. damper_with_buffer or gear_backlash; without it, all are listed
+    /// Machine of the gallery, e.g. damper_with_buffer or gear_backlash; without it, all are
+    /// listed
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
     /// File to write, which must not exist [default: NAME.toml]
@@ -219,9 +223,9 @@ pub struct Response {
     #[arg(allow_hyphen_values = true)]
     pub range: Vec<String>,
     /// Output to draw. With FILE an output of `vibro sweep`, e.g. amplitude.box.s or
-    /// maximum.buffer.f, or a quantity, whose largest value is drawn; without FILE the amplitude of
-    /// x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the amplitude of the first
-    /// free body; without FILE the paper's C and A3]
+    /// maximum.buffer.f, or a quantity, whose largest value is drawn; without FILE the amplitude
+    /// of x1 (the box), x2 (the block), x3, w = x2 - x1 [default: with FILE the amplitude of the
+    /// first free body; without FILE the paper's C and A3]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
     /// Of a machine's file.
@@ -241,7 +245,7 @@ pub struct ResponseOfPaper {
     pub kind: ResponseKind,
     /// Values of the parameter that differs between curves: f10 or gamma1 for the frequency
     /// response, sigma1 for the force response, any other parameter for other responses. A value
-    /// that was set is added; without a list it is the only one
+    /// that was set is added to the list; without a list it is the only value
     #[arg(long, value_name = "NAME=V,V,…", allow_hyphen_values = true)]
     pub values: Vec<ParameterValues>,
     /// The parsed ranges.
@@ -279,8 +283,8 @@ pub struct Manifold {
 /// Arguments of `stability`.
 #[derive(Args, Debug)]
 pub struct Stability {
-    /// Figures to draw, by the paper's numbers: limits over restitution and mass ratio (5), Masri's
-    /// plane (6) [default: both]
+    /// Figures to draw, by the paper's numbers: limits over restitution and mass ratio (5),
+    /// Masri's plane (6) [default: both]
     #[arg(long, value_name = "N", value_parser = ["5", "6"])]
     pub figure: Vec<String>,
 }

@@ -139,9 +139,9 @@ fn units_are_those_of_the_dimension() {
     }
     assert_eq!(
         error(&["stop.gap=2 kg"]),
-        "stop.gap: `kg` is not a unit of it; expected one of m, cm, mm, um, in, or a number without a unit, read in the first of these"
+        "stop.gap: `kg` is not one of its units; expected one of m, cm, mm, um, in, or a number without a unit, which is read in the first of these"
     );
-    assert!(error(&["f10=2 N"]).starts_with("f10: `N` is not a unit of it; expected one of 1, %"));
+    assert!(error(&["f10=2 N"]).starts_with("f10: `N` is not one of its units; expected one of 1, %"));
     assert!(error(&["box.m=nanogram"]).contains("is not a number"));
     for (si, text, value) in
         [("s", "2", 2.0), ("s", "1.5min", 90.0), ("m/s", "-3 mm/s", -0.003), ("m", "2 mm", 0.002)]
