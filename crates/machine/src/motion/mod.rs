@@ -125,6 +125,7 @@ pub struct Hybrid {
 /// 1.25 m:
 ///
 /// ```
+/// use vibro_machine::motion::Reached;
 /// use vibro_machine::{Assembly, Motion, file};
 ///
 /// let text = r#"
@@ -139,6 +140,8 @@ pub struct Hybrid {
 /// let [s, v, a] = motion.body(0);
 /// assert!((s - 3.75).abs() < 1e-14 && v.abs() < 1e-14 && a == 10.0);
 /// assert_eq!(motion.impacts(0).count, 1);
+/// assert_eq!(motion.advance_to_event(9.0, &mut |_| ())?, Reached::Event);
+/// assert!((motion.time() - 2.0).abs() < 1e-14 && (motion.rate(0) + 2.5).abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

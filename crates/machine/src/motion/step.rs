@@ -61,26 +61,6 @@ impl Motion {
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
-    ///
-    /// # Examples
-    /// A body at 2 m/s reaches a stop at 1 m after 0.5 s:
-    ///
-    /// ```
-    /// use vibro_machine::motion::Reached;
-    /// use vibro_machine::{Assembly, Motion, file};
-    ///
-    /// let text = r#"
-    ///     name = "Wall"
-    ///     body.a = { mass = 1.0, start = { v = 2.0 } }
-    ///     stop.wall = { between = ["ground", "a"], gap = 1.0, restitution = 0.25 }
-    /// "#;
-    /// let machine = file::parse(text, "wall.toml", &file::no_records)?;
-    /// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
-    /// assert_eq!(motion.advance_to_event(9.0, &mut |_| ())?, Reached::Event);
-    /// assert_eq!((motion.time(), motion.rate(0)), (0.5, -0.5));
-    /// assert_eq!(motion.advance_to_event(9.0, &mut |_| ())?, Reached::End);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn advance_to_event(
         &mut self,
         end: f64,
