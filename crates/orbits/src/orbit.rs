@@ -238,7 +238,7 @@ impl Orbit {
     /// autonomous machine, the shift in time have the multiplier 1 and are left out.
     ///
     ///
-    /// A period's flights keep the area of the ball's states, and its impact shrinks it by ε²:
+    /// A flight preserves areas of the ball's states, and an impact multiplies them by ε²:
     ///
     /// ```
     /// use vibro_orbits::{Orbit, Stability};

@@ -185,8 +185,8 @@ impl Orbit {
     /// if Newton's method fails; otherwise as [`Machine::motion`] and [`Family::place`].
     ///
     /// # Examples
-    /// A ball on a shaken table that flies for a period T after each impact meets it with the
-    /// closing speed gT/(1 + ε), however far the table moves:
+    /// A ball that flies for a period T after each impact on a shaken table has the closing speed
+    /// gT/(1 + ε), whatever the table's amplitude:
     ///
     /// ```
     /// use vibro_orbits::Orbit;

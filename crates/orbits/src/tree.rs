@@ -101,8 +101,8 @@ fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
 /// obstacle as an error.
 ///
 /// # Examples
-/// A table must rise with gT/2 (1 - ε)/(1 + ε) to keep a ball flying for each period T. The branch
-/// of this motion ends in a fold where its largest speed is just that:
+/// A table must rise with gT/2 (1 - ε)/(1 + ε) at each impact, so that a ball flies for a period
+/// T. The branch of this orbit turns at a fold where the table's largest speed is just that:
 ///
 /// ```
 /// use std::f64::consts::TAU;

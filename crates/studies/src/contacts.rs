@@ -13,8 +13,8 @@ use vibro_numerics::sorting::sort_by;
 /// Contact of a stop.
 ///
 ///
-/// A body of 1 kg with 2 m/s on a stop of 100 N/m: half an oscillation with ω = 10 rad/s, whose
-/// force rises to v √(km):
+/// A body of 1 kg meets a stop of 100 N/m with 2 m/s. The contact is half an oscillation at
+/// ω = 10 rad/s, and its force rises to v √(km):
 ///
 /// ```
 /// use std::f64::consts::PI;

@@ -26,7 +26,7 @@ pub struct Natural {
 /// The eigenvalues of a mode's system for some of its states.
 ///
 ///
-/// Two equal bodies on three equal springs swing with √(k/m) and √(3k/m):
+/// Two equal bodies on three equal springs oscillate at √(k/m) and √(3k/m):
 ///
 /// ```
 /// use vibro_machine::{Assembly, Motion, file};

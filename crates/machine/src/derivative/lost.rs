@@ -5,8 +5,8 @@ use std::fmt;
 /// The instant at which a motion loses its derivative by a parameter, and the reason.
 ///
 ///
-/// A body that is pulled away from a stop with as much force as it is pushed on it may or may not
-/// leave the stop if the force changes:
+/// From 1 s on, a pull just cancels the force that presses a body on a stop. If that force
+/// changes, the body either stays or leaves:
 ///
 /// ```
 /// use vibro_machine::derivative::Cause;
