@@ -48,6 +48,23 @@ impl Limit {
     /// # Errors
     /// [`Error::Form`] for another form, and if the value is not a number in the output's unit;
     /// [`Error::Described`] for an output that the machine does not have.
+    ///
+    /// # Examples
+    /// ```
+    /// use vibro_design::{Limit, Side};
+    /// use vibro_studies::Machine;
+    ///
+    /// # let text = r#"
+    /// #     name = "Lid"
+    /// #     body.block = { mass = "350 g" }
+    /// #     stop.lid = { between = ["ground", "block"], gap = "4 mm", restitution = 0.7 }
+    /// # "#;
+    /// let machine = Machine::parse(text, "lid.toml", &vibro_machine::file::no_records)?;
+    /// let limit = Limit::read("impact.speed.lid <= 50 cm/s", &machine)?;
+    /// assert_eq!((limit.side, limit.value), (Side::AtMost, 0.5));
+    /// assert_eq!(limit.to_string(), "impact.speed.lid<=0.5");
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
     pub fn read(text: &str, machine: &Machine) -> Result<Self> {
         let form = |expected| Error::Form { text: text.into(), expected };
         let of = |sign: &str, side| text.split_once(sign).map(|(output, value)| (output, side, value));

@@ -25,6 +25,31 @@ const NEARBY: f64 = 0.08;
 ///
 /// # Errors
 /// As [`DesignRequest::check`].
+///
+/// # Examples
+/// An oscillator follows a force with the largest amplitude F/(cω) at k = mω²:
+///
+/// ```
+/// use vibro_design::{Control, DesignRequest, Goal, design};
+/// use vibro_studies::Machine;
+/// use vibro_studies::design_sweep::ParameterInterval;
+///
+/// # let text = r#"
+/// #     name = "Shaken"
+/// #     body.a = { mass = 1.0 }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 12.0, damping = 1.25 }
+/// #     load.f = { on = "a", amplitude = 26.0, frequency = "4 rad/s" }
+/// # "#;
+/// let machine = Machine::parse(text, "shaken.toml", &vibro_machine::file::no_records)?;
+/// let goal = Goal { measure: "amplitude.a.s".parse()?, maximize: true };
+/// let name = "spring.k.stiffness".to_owned();
+/// let vary = vec![ParameterInterval { name, from: 10.0, to: 30.0 }];
+/// let request = DesignRequest { evaluations: 40, ..DesignRequest::new(machine, goal, vary) };
+/// let best = design(&request, &Control { go_on: &|| true, progress: &|_| () })?.best.unwrap();
+/// assert!((best.values[0] - 16.0).abs() < 1e-3); // the peak is flat
+/// assert!((best.goal.value - 26.0 / 5.0).abs() < 1e-7);
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn design(request: &DesignRequest, control: &Control) -> Result<Designed> {
     request.check()?;
     let evaluator = Evaluator::new(request, control);

@@ -19,6 +19,25 @@ pub const FILE: &str = "machine.toml";
 const MOST_BYTES: u64 = 64 << 20;
 
 /// A machine that is ready to be instantiated, with its variables.
+///
+///
+/// ```
+/// use vibro_machine_component::{Plan, Role};
+///
+/// let text = r#"
+///     name = "Ball"
+///     gravity = 9.81
+///     body.ball = { mass = "20 g", gravity = 1.0 }
+///     stop.floor = { between = ["ground", "ball"], gap = "1 m", restitution = 0.9 }
+/// "#;
+/// let plan = Plan::new(text.to_owned(), "ball.toml")?;
+/// let row = |name: &str| &plan.table.rows[plan.table.reference(name).unwrap() as usize - 1];
+/// assert_eq!((row("ball.v").role, row("ball.v").unit), (Role::Output, "m/s"));
+/// assert_eq!(row("stop.floor.gap").role, Role::Tunable);
+/// assert_eq!(plan.table.reference("floor.gap"), None);
+/// assert_eq!(plan.token(), Plan::token_of(text));
+/// # Ok::<(), vibro_machine_component::MachineProblem>(())
+/// ```
 #[derive(Debug)]
 pub struct Plan {
     /// The variables.
@@ -71,6 +90,24 @@ impl Plan {
 
     /// Adds the matrices of derivatives over a step. These need a separate model description, for
     /// FMI 3.0 only, since several importers cannot read arrays.
+    ///
+    ///
+    /// ```
+    /// use vibro_machine_component::{Plan, Role};
+    ///
+    /// # let text = r#"
+    /// #     name = "Ball"
+    /// #     gravity = 9.81
+    /// #     body.ball = { mass = "20 g", gravity = 1.0 }
+    /// #     stop.floor = { between = ["ground", "ball"], gap = "1 m", restitution = 0.9 }
+    /// # "#;
+    /// let plan = Plan::new(text.to_owned(), "ball.toml")?.with_arrays();
+    /// let matrices = plan.table.rows.iter().filter(|row| row.role == Role::Sensitivity);
+    /// let sizes: Vec<_> = matrices.map(|row| row.dimensions.clone()).collect();
+    /// assert!(sizes.contains(&vec![2, 2])); // the state after a step by the state before it
+    /// assert_ne!(plan.token(), Plan::token_of(text));
+    /// # Ok::<(), vibro_machine_component::MachineProblem>(())
+    /// ```
     #[must_use]
     pub fn with_arrays(mut self) -> Self {
         self.token = token_with_arrays(&self.text);

@@ -10,6 +10,24 @@ use crate::rest::equilibrium;
 use crate::system::{Part, System, first_curved, in_series, starts_of_blocks};
 
 /// A checked machine with its matrices.
+///
+///
+/// A rigid link leaves one coordinate for two bodies:
+///
+/// ```
+/// use vibro_machine::{Assembly, file};
+///
+/// let text = r#"
+///     name = "Gears"
+///     body.pinion = { inertia = 0.1 }
+///     body.wheel = { inertia = 0.4 }
+///     link.mesh = { arms = { pinion = 1.0, wheel = 2.0 } }
+/// "#;
+/// let assembly = Assembly::new(file::parse(text, "gears.toml", &file::no_records)?)?;
+/// assert_eq!(assembly.description.bodies.len(), 2);
+/// assert_eq!(assembly.system().coordinates, 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Assembly {
     /// The description.
@@ -48,6 +66,23 @@ impl Assembly {
     ///
     /// # Errors
     /// [`Error::NoEquilibrium`], [`Error::GivesWay`]; [`Error::Curved`] with curved forces.
+    ///
+    /// # Examples
+    /// A weight of 20 N on a spring of 1 kN/m sinks by 20 mm:
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, file};
+    ///
+    /// let text = r#"
+    ///     name = "Hanging"
+    ///     gravity = 10.0
+    ///     body.weight = { mass = 2.0, gravity = 1.0 }
+    ///     spring.k = { between = ["ground", "weight"], stiffness = "1 kN/m" }
+    /// "#;
+    /// let assembly = Assembly::new(file::parse(text, "hanging.toml", &file::no_records)?)?;
+    /// assert!((assembly.equilibrium()?[0] - 0.02).abs() < 1e-16);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn equilibrium(&self) -> Result<Vec<f64>, Error> {
         self.check_straight("an equilibrium")?;
         let (system, q) = (&self.system, equilibrium(&self.description, &self.system)?);
@@ -116,6 +151,21 @@ impl Assembly {
 
     /// The continuous states and their rates as quantities, in the order of the augmented state:
     /// coordinates of bodies, then their rates, then first-order states.
+    ///
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, Quantity, What, file};
+    ///
+    /// # let text = r#"
+    /// #     name = "Wall"
+    /// #     body.a = { mass = 1.0, start = { v = 2.0 } }
+    /// #     stop.wall = { between = ["ground", "a"], gap = 1.0, restitution = 0.25 }
+    /// # "#;
+    /// let assembly = Assembly::new(file::parse(text, "wall.toml", &file::no_records)?)?;
+    /// let [s, v, a] = [What::S, What::V, What::A].map(|what| Quantity::of_body(0, what));
+    /// assert_eq!(assembly.state_quantities(), [[s, v], [v, a]]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn state_quantities(&self) -> Vec<[Quantity; 2]> {
         let system = &self.system;
         let of_bodies = |whats: [What; 2]| {

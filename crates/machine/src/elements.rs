@@ -14,6 +14,24 @@ use crate::what::What;
 use std::ops::Range;
 
 /// An element of a machine.
+///
+///
+/// ```
+/// use vibro_machine::elements::Action;
+/// use vibro_machine::file::{no_records, parse};
+///
+/// let text = r#"
+///     name = "Hammer"
+///     body.ram = { mass = 1.0 }
+///     load.push = { on = "ram", constant = 5.0 }
+///     stop.anvil = { between = ["ground", "ram"], gap = 0.1, restitution = 0.3 }
+/// "#;
+/// let machine = parse(text, "hammer.toml", &no_records)?;
+/// let all: Vec<_> = machine.elements().map(|own| (own.dotted(), own.action())).collect();
+/// let (stop, load) = ("stop.anvil".to_owned(), "load.push".to_owned());
+/// assert_eq!(all, [(stop, Action::Hitting), (load, Action::Driving)]);
+/// # Ok::<(), vibro_machine::Refusal>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Element<'a> {
     /// A spring with its dashpot.

@@ -16,6 +16,26 @@ use serde::{Deserialize, Serialize};
 use vibro_numerics::double_double::DoubleDouble;
 
 /// Sums since the start, J. Losses are positive.
+///
+///
+/// Friction stops a block of 1 kg that slides with 2 m/s, and takes its 2 J:
+///
+/// ```
+/// use vibro_machine::{Assembly, Motion, file};
+///
+/// let text = r#"
+///     name = "Block"
+///     body.block = { mass = 1.0, start = { v = 2.0 } }
+///     friction.ground = { between = ["ground", "block"], force = 0.5 }
+/// "#;
+/// let machine = file::parse(text, "block.toml", &file::no_records)?;
+/// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+/// motion.advance_to(10.0)?;
+/// assert!((motion.energy().frictions[0].value() - 2.0).abs() < 1e-14);
+/// assert!((motion.energy().balance() + 2.0).abs() < 1e-14);
+/// assert_eq!(motion.kinetic_and_stored(), (0.0, 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accounts {
     enabled: bool,

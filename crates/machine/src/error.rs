@@ -4,6 +4,22 @@
 use crate::refusal::Refusal;
 
 /// An error of a machine or its motion.
+///
+///
+/// ```
+/// use vibro_machine::{Assembly, Error, Motion, file};
+///
+/// let text = "name = \"A\"\nbody.a = { mass = 1.0 }\n\
+///     load.push = { on = \"a\", constant = 3.0 }\n";
+/// let machine = file::parse(text, "a.toml", &file::no_records)?;
+/// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+/// motion.advance_to(2.0)?;
+/// // A motion cannot go back; an error leaves it at its present time.
+/// let error = motion.advance_to(1.0).unwrap_err();
+/// assert_eq!(error, Error::Step { time: 2.0, end: 1.0 });
+/// assert_eq!(motion.time(), 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -62,6 +62,24 @@ use std::path::Path;
 
 /// Reads the text of a record. The path is as in the machine's file: relative, and not above its
 /// folder.
+///
+///
+/// A program can keep records in memory:
+///
+/// ```
+/// use vibro_machine::file::parse;
+///
+/// let records = |path: &str| match path {
+///     "push.csv" => Ok("t/ms, f [kN]\n0, 0\n500, 2\n".to_owned()),
+///     _ => Err(std::io::ErrorKind::NotFound.into()),
+/// };
+/// let text = "name = \"Pushed\"\nbody.a = { mass = 1.0 }\n\
+///     load.push = { on = \"a\", table = \"push.csv\" }\n";
+/// let machine = parse(text, "pushed.toml", &records)?;
+/// let table = machine.loads[0].force.table.as_ref().unwrap();
+/// assert_eq!(table.knots, [(0.0, 0.0), (0.5, 2000.0)]);
+/// # Ok::<(), vibro_machine::Refusal>(())
+/// ```
 pub type Records<'a> = &'a dyn Fn(&str) -> io::Result<String>;
 
 /// Largest size of a file or record, bytes.
@@ -71,6 +89,26 @@ const MOST_BYTES: u64 = 64 << 20;
 ///
 /// # Errors
 /// A [`Refusal`] with every problem found, or with the reason why the file cannot be read.
+///
+/// # Examples
+/// The bounces of this ball follow each other ever faster and end at (1 + ε)/(1 - ε) √(2h/g):
+///
+/// ```
+/// use std::path::Path;
+/// use vibro_machine::motion::EventKind;
+/// use vibro_machine::{Assembly, Motion, file};
+///
+/// let machine = file::read(Path::new("../../examples/assembly/bouncing_ball.toml"))?;
+/// let mut ball = Motion::new(Assembly::new(machine)?.into())?;
+/// let mut ends = Vec::new();
+/// ball.advance_observed(10.0, &mut |event| match event.kind {
+///     EventKind::Close { .. } => ends.push(event.time),
+///     _ => {}
+/// })?;
+/// let exact = 1.9 / 0.1 * (2.0 / 9.81f64).sqrt();
+/// assert!(ends.len() == 1 && (ends[0] - exact).abs() < 1e-11 * exact);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn read(path: &Path) -> Result<Description, Refusal> {
     read_by(path, check)
 }
@@ -114,6 +152,24 @@ fn read_text(path: &Path) -> io::Result<String> {
 ///
 /// # Errors
 /// A [`Refusal`] with every problem found.
+///
+/// # Examples
+/// Numbers may have any unit of their dimension:
+///
+/// ```
+/// use vibro_machine::file::{no_records, parse};
+///
+/// let text = r#"
+///     name = "Ball"
+///     gravity = "9.81 m/s2"
+///     body.ball = { mass = "20 g", gravity = 1.0 }
+///     stop.floor = { between = ["ground", "ball"], gap = "1 in", restitution = 0.9 }
+/// "#;
+/// let machine = parse(text, "ball.toml", &no_records)?;
+/// assert_eq!((machine.name.as_str(), machine.gravity), ("Ball", 9.81));
+/// assert_eq!((machine.bodies.len(), machine.stops[0].gap), (1, 0.0254));
+/// # Ok::<(), vibro_machine::Refusal>(())
+/// ```
 pub fn parse(text: &str, file: &str, records: Records) -> Result<Description, Refusal> {
     parse_by(text, (file, records), check)
 }

@@ -26,6 +26,23 @@ pub struct Following {
 impl Description {
     /// Numbers that follow from named parameters: parameters with expressions, then numbers of the
     /// machine in the order of [`parameters`](Self::parameters).
+    ///
+    ///
+    /// ```
+    /// use vibro_machine::file::{no_records, parse};
+    ///
+    /// let text = r#"
+    ///     name = "Gear"
+    ///     parameters = { backlash = "0.1 mm", half = "= backlash / 2" }
+    ///     body.wheel = { mass = 1.0 }
+    ///     stop.flank = { between = ["ground", "wheel"], gap = "= half", restitution = 0.4 }
+    /// "#;
+    /// let machine = parse(text, "gear.toml", &no_records)?.with([("backlash", 2e-4)])?;
+    /// let found = machine.following();
+    /// assert_eq!((found[0].name.as_str(), found[0].value), ("half", 1e-4));
+    /// assert_eq!((found[1].name.as_str(), found[1].value), ("stop.flank.gap", 1e-4));
+    /// # Ok::<(), vibro_machine::Refusal>(())
+    /// ```
     pub fn following(&self) -> Vec<Following> {
         let of_expression = |own: &Named| {
             let expression = format!("= {}", own.expression.as_ref()?.text);

@@ -55,6 +55,25 @@ type SplitTerms<'a> = (&'a Split, Vec<Term>, Vec<Term>);
 
 impl System {
     /// The linear system of a mode.
+    ///
+    ///
+    /// The second derivative of an oscillator's coordinate is -k/m s - c/m v:
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// let text = r#"
+    ///     name = "Oscillator"
+    ///     body.a = { mass = 2.0 }
+    ///     spring.k = { between = ["ground", "a"], stiffness = 8.0, damping = 1.0 }
+    /// "#;
+    /// let machine = file::parse(text, "oscillator.toml", &file::no_records)?;
+    /// let motion = Motion::new(Assembly::new(machine)?.into())?;
+    /// let linear = motion.assembly().system().linear(motion.mode());
+    /// assert_eq!([0, 1].map(|column| linear.a.entry(0, column)), [0.0, 1.0]);
+    /// assert_eq!([0, 1].map(|column| linear.a.entry(1, column)), [-4.0, -0.5]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn linear(&self, mode: &Mode) -> Linear {
         let held = Held::new(self, &mode.basis);
         let terms = self.split_terms(mode);

@@ -23,6 +23,27 @@ pub enum Contact {
 }
 
 /// A mode: the state of every element, and the independent contacts whose forces are solved for.
+///
+///
+/// A body that is pressed onto a stop:
+///
+/// ```
+/// use vibro_machine::mode::{Contact, StopState};
+/// use vibro_machine::{Assembly, Motion, file};
+///
+/// # let text = r#"
+/// #     name = "Pressed"
+/// #     body.a = { mass = 1.0, start = { s = 0.1 } }
+/// #     load.push = { on = "a", constant = 5.0 }
+/// #     stop.wall = { between = ["ground", "a"], gap = 0.1, restitution = 0.5 }
+/// #     stop.back = { between = ["a", "ground"], gap = 0.1, restitution = 0.5 }
+/// # "#;
+/// let machine = file::parse(text, "pressed.toml", &file::no_records)?;
+/// let motion = Motion::new(Assembly::new(machine)?.into())?;
+/// assert_eq!(motion.mode().stops, [StopState::Closed, StopState::Open]);
+/// assert_eq!(motion.mode().basis, [Contact::Stop(0)]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mode {
     /// State of each stop.

@@ -18,6 +18,25 @@ use nalgebra::DVector;
 const ZERO: f64 = 1e-10;
 
 /// The neutral directions of a machine.
+///
+///
+/// Nothing holds a train to the ground:
+///
+/// ```
+/// use vibro_machine::neutral::Neutral;
+/// use vibro_machine::{Assembly, file};
+///
+/// let text = r#"
+///     name = "Train"
+///     body.engine = { mass = 3.0 }
+///     body.wagon = { mass = 1.0 }
+///     spring.coupling = { between = ["engine", "wagon"], stiffness = 100.0 }
+/// "#;
+/// let train = Assembly::new(file::parse(text, "train.toml", &file::no_records)?)?;
+/// let words = Neutral::of(train.system()).in_words(&train.description, train.system());
+/// assert_eq!(words[0], "no force depends on engine.s, wagon.s together, as 1 : 1");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Neutral {
     /// Number of coordinates.

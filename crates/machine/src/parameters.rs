@@ -47,6 +47,20 @@ impl Parameter {
     ///
     /// # Errors
     /// A [`Refusal`] with the parameter's name, the text and the allowed values.
+    ///
+    /// # Examples
+    /// ```
+    /// # use vibro_machine::file::{no_records, parse};
+    /// # let text = "name = \"A\"\nbody.a = { mass = 1.0 }\n\
+    /// #     stop.s = { between = [\"ground\", \"a\"], gap = \"4 mm\", restitution = 0.5 }\n";
+    /// let machine = parse(text, "a.toml", &no_records)?;
+    /// let gap = machine.parameter("stop.s.gap")?;
+    /// assert_eq!((gap.unit, gap.value), ("m", 0.004));
+    /// assert_eq!(gap.read("5 mm")?, 0.005);
+    /// assert_eq!(gap.read("5 mm"), gap.read("0.005"));
+    /// assert!(gap.read("5 N").is_err());
+    /// # Ok::<(), vibro_machine::Refusal>(())
+    /// ```
     pub fn read(&self, text: &str) -> Result<f64, Refusal> {
         read(self.kind, self.dimension, text).ok_or_else(|| {
             let too_small = read(self.kind.of_any_size(), self.dimension, text).is_some();
@@ -167,6 +181,20 @@ impl Description {
     /// # Errors
     /// A [`Refusal`] for unknown names, with the nearest valid names; for values out of range; and
     /// for any other reason to refuse a file with these values.
+    ///
+    /// # Examples
+    /// ```
+    /// # use vibro_machine::file::{no_records, parse};
+    /// # let text = "name = \"A\"\nbody.a = { mass = 1.0, start.s = \"3 mm\" }\n\
+    /// #     stop.s = { between = [\"ground\", \"a\"], gap = \"4 mm\", restitution = 0.5 }\n";
+    /// let machine = parse(text, "a.toml", &no_records)?;
+    /// // With this gap alone, the body would start behind the stop.
+    /// assert!(machine.with([("stop.s.gap", 0.002)]).is_err());
+    /// let smaller = machine.with([("stop.s.gap", 0.002), ("body.a.start.s", 0.001)])?;
+    /// assert_eq!(smaller.get("stop.s.gap")?, 0.002);
+    /// assert_eq!(machine.get("stop.s.gap")?, 0.004);
+    /// # Ok::<(), vibro_machine::Refusal>(())
+    /// ```
     pub fn with<'n>(&self, changes: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self, Refusal> {
         self.changed(changes, check)
     }

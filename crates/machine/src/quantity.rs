@@ -77,6 +77,23 @@ impl Description {
     }
 
     /// All quantities in the order of [`quantities`](Self::quantities), with their names.
+    ///
+    ///
+    /// ```
+    /// use vibro_machine::file::{no_records, parse};
+    ///
+    /// let text = r#"
+    ///     name = "Wheel"
+    ///     body.wheel = { inertia = 0.1 }
+    ///     spring.shaft = { between = ["ground", "wheel"], stiffness = 40.0 }
+    /// "#;
+    /// let machine = parse(text, "wheel.toml", &no_records)?;
+    /// let named = machine.named_quantities();
+    /// let names: Vec<_> = named.iter().map(|own| (own.name.as_str(), own.unit)).collect();
+    /// assert_eq!(names[..3], [("wheel.s", "rad"), ("wheel.v", "rad/s"), ("wheel.a", "rad/s2")]);
+    /// assert_eq!(names[3..], [("shaft.e", "rad"), ("shaft.rate", "rad/s"), ("shaft.f", "N.m")]);
+    /// # Ok::<(), vibro_machine::Refusal>(())
+    /// ```
     pub fn named_quantities(&self) -> Vec<NamedQuantity> {
         let elements: Vec<Element> = self.elements().collect();
         self.quantities().map(|quantity| self.named(quantity, &elements)).collect()

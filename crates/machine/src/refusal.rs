@@ -51,6 +51,21 @@ pub(crate) fn cut(text: &str, longest: usize) -> Cow<'_, str> {
 }
 
 /// Refusal of a machine with all problems found, in the order of their lines.
+///
+///
+/// An editor can mark each problem at its line:
+///
+/// ```
+/// use vibro_machine::file::{no_records, parse};
+///
+/// let text = "name = \"A\"\n[body.a]\nmass = 1.0\n\
+///     [stop.s]\nbetween = [\"ground\", \"a\"]\ngap = \"1 mm\"\nrestitution = 1.5\n";
+/// let refused = parse(text, "a.toml", &no_records).unwrap_err();
+/// assert_eq!(refused.problems.len(), 1);
+/// let problem = &refused.problems[0];
+/// assert_eq!((problem.line, problem.name.as_str()), (Some(7), "stop.s.restitution"));
+/// assert_eq!(problem.to_string(), "stop.s.restitution = 1.5: expected a number from 0 to 1");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
     /// Name of the file; empty without a file.

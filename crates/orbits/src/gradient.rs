@@ -82,6 +82,33 @@ impl Orbit {
     ///
     /// # Errors
     /// As [`measure`](Self::measure).
+    ///
+    /// # Examples
+    ///
+    /// The closing speed gT/(1 + ε) of a ball on a shaken table does not depend on its mass:
+    ///
+    /// ```
+    /// use vibro_orbits::Orbit;
+    /// use vibro_studies::{Machine, Start};
+    ///
+    /// # let text = r#"
+    /// #     name = "Juggler"
+    /// #     gravity = 10.0
+    /// #     body.table = { motion = { amplitude = "4 mm", frequency = "5 Hz" } }
+    /// #     body.ball = { mass = "20 g", gravity = -1.0, start = { v = 1.0 } }
+    /// #     stop.table = { between = ["ball", "table"], gap = 0.0, restitution = 0.8 }
+    /// # "#;
+    /// let machine = Machine::parse(text, "juggler.toml", &vibro_machine::file::no_records)?;
+    /// let orbit = Orbit::settled(&machine, &Start::default(), 400)?;
+    /// let all = orbit.gradient(&"impact.speed.table".parse()?)?;
+    /// let by = |name: &str| {
+    ///     let found = all.iter().find(|own| own.parameter == name);
+    ///     found.unwrap().derivative.clone().unwrap()
+    /// };
+    /// assert!((by("stop.table.restitution") + 2.0 / (1.8 * 1.8)).abs() < 1e-9);
+    /// assert!(0.02 * by("body.ball.mass").abs() < 1e-9); // times the mass
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
     pub fn gradient(&self, measure: &Measure) -> Result<Vec<ParameterDerivative>> {
         let machine = self.problem.family.at(self.value())?;
         let all = machine.description.parameters().into_iter().filter(|p| !p.name.contains(".start."));

@@ -236,6 +236,28 @@ impl Orbit {
 
     /// The nontrivial multipliers of the period, largest first. Neutral directions and, for an
     /// autonomous machine, the shift in time have the multiplier 1 and are left out.
+    ///
+    ///
+    /// A flight preserves areas of the ball's states, and an impact multiplies them by ε²:
+    ///
+    /// ```
+    /// use vibro_orbits::{Orbit, Stability};
+    /// use vibro_studies::{Machine, Start};
+    ///
+    /// # let text = r#"
+    /// #     name = "Juggler"
+    /// #     gravity = 10.0
+    /// #     body.table = { motion = { amplitude = "4 mm", frequency = "5 Hz" } }
+    /// #     body.ball = { mass = "20 g", gravity = -1.0, start = { v = 1.0 } }
+    /// #     stop.table = { between = ["ball", "table"], gap = 0.0, restitution = 0.8 }
+    /// # "#;
+    /// let machine = Machine::parse(text, "juggler.toml", &vibro_machine::file::no_records)?;
+    /// let orbit = Orbit::settled(&machine, &Start::default(), 400)?;
+    /// let [a, b] = orbit.multipliers() else { panic!("a ball has two states") };
+    /// assert!((a * b - 0.8 * 0.8).norm() < 1e-12);
+    /// assert_eq!(orbit.stability(), Stability::Stable);
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
     pub fn multipliers(&self) -> &[Complex<f64>] {
         &self.multipliers[..self.multipliers.len() - self.trivial.min(self.multipliers.len())]
     }

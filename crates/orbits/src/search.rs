@@ -82,6 +82,37 @@ impl Orbit {
     /// # Errors
     /// [`Error::Described`] for a period that the machine cannot have, and if no orbit is found,
     /// with the other orbits found; otherwise as [`settled`](Self::settled).
+    ///
+    /// # Examples
+    /// At 12 mm a ball on a shaken table no longer settles on the motion with one impact in each
+    /// period, but the motion still exists:
+    ///
+    /// ```
+    /// use vibro_orbits::{Orbit, Stability, WantedPeriod, WantedWord, WordSearch};
+    /// use vibro_studies::{Machine, Start};
+    ///
+    /// # let text = r#"
+    /// #     name = "Juggler"
+    /// #     gravity = 10.0
+    /// #     body.table = { motion = { amplitude = "12 mm", frequency = "5 Hz" } }
+    /// #     body.ball = { mass = "20 g", gravity = -1.0, start = { v = 1.0 } }
+    /// #     stop.table = { between = ["ball", "table"], gap = 0.0, restitution = 0.8 }
+    /// # "#;
+    /// let machine = Machine::parse(text, "juggler.toml", &vibro_machine::file::no_records)?;
+    /// let assembly = vibro_machine::Assembly::new(machine.description.clone())?;
+    /// let request = WordSearch {
+    ///     start: Start::default(),
+    ///     word: Some(WantedWord::parse("impact table", &assembly)?),
+    ///     period: Some(WantedPeriod::Drive(1)),
+    ///     starts: 20,
+    ///     discard: 100,
+    /// };
+    /// let orbit = Orbit::search(&machine, &request, &|| true)?;
+    /// assert_eq!(orbit.stability(), Stability::Unstable);
+    /// let speed = orbit.measure(&"impact.speed.table".parse()?)?;
+    /// assert!((speed - 10.0 * 0.2 / 1.8).abs() < 1e-12);
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
     pub fn search(
         machine: &Machine,
         request: &WordSearch,

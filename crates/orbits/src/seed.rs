@@ -183,6 +183,29 @@ impl Orbit {
     /// # Errors
     /// [`Error::Described`] if the motion does not settle on a periodic orbit, with its class, or
     /// if Newton's method fails; otherwise as [`Machine::motion`] and [`Family::place`].
+    ///
+    /// # Examples
+    /// A ball that flies for a period T after each impact on a shaken table has the closing speed
+    /// gT/(1 + ε), whatever the table's amplitude:
+    ///
+    /// ```
+    /// use vibro_orbits::Orbit;
+    /// use vibro_studies::{Machine, Start};
+    ///
+    /// let text = r#"
+    ///     name = "Juggler"
+    ///     gravity = 10.0
+    ///     body.table = { motion = { amplitude = "4 mm", frequency = "5 Hz" } }
+    ///     body.ball = { mass = "20 g", gravity = -1.0, start = { v = 1.0 } }
+    ///     stop.table = { between = ["ball", "table"], gap = 0.0, restitution = 0.8 }
+    /// "#;
+    /// let machine = Machine::parse(text, "juggler.toml", &vibro_machine::file::no_records)?;
+    /// let orbit = Orbit::settled(&machine, &Start::default(), 400)?;
+    /// let speed = orbit.measure(&"impact.speed.table".parse()?)?;
+    /// assert!((orbit.period() - 0.2).abs() < 1e-14 && orbit.word().len() == 1);
+    /// assert!((speed - 10.0 * 0.2 / 1.8).abs() < 1e-12);
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
     pub fn settled(machine: &Machine, start: &Start, discard_returns: u32) -> Result<Self> {
         let family = Arc::new(Family::of_one(machine)?);
         let (motion, section) = machine.motion(start)?;

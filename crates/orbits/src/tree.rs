@@ -99,6 +99,31 @@ fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
 /// # Errors
 /// [`Error::Described`] if the present value lies outside the range; otherwise the orbit's own
 /// obstacle as an error.
+///
+/// # Examples
+/// A table must rise with gT/2 (1 - ε)/(1 + ε) at each impact, so that a ball flies for a period
+/// T. The branch of this orbit turns at a fold where the table's largest speed is just that:
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// use vibro_orbits::{Family, Label, Orbit, PathOptions, branch};
+/// use vibro_studies::{Machine, Start};
+///
+/// # let text = r#"
+/// #     name = "Juggler"
+/// #     gravity = 10.0
+/// #     body.table = { motion = { amplitude = "4 mm", frequency = "5 Hz" } }
+/// #     body.ball = { mass = "20 g", gravity = -1.0, start = { v = 1.0 } }
+/// #     stop.table = { between = ["ball", "table"], gap = 0.0, restitution = 0.8 }
+/// # "#;
+/// let machine = Machine::parse(text, "juggler.toml", &vibro_machine::file::no_records)?;
+/// let orbit = Orbit::settled(&machine, &Start::default(), 400)?;
+/// let family = Family::new(&machine, "body.table.motion.amplitude", (0.003, 0.0045))?;
+/// let found = branch(&family, &orbit, &PathOptions::default())?;
+/// let fold = found.points.iter().find(|point| point.label() == Some(Label::Fold)).unwrap();
+/// assert!((fold.value * TAU * 5.0 - 0.2 / 1.8).abs() < 1e-9);
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<Branch> {
     let problem = Problem { family: Arc::new(family.clone()), ..orbit.problem.clone() };
     let (value, (from, to)) = (family.present()?, family.range);

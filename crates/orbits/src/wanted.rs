@@ -73,6 +73,25 @@ impl WantedWord {
     /// # Errors
     /// [`Error::Described`] for an unknown kind or element, with the choices, and for a word that
     /// no motion can repeat: what begins must end before it begins again.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, file};
+    /// use vibro_orbits::WantedWord;
+    ///
+    /// let text = r#"
+    ///     name = "Box"
+    ///     body.block = { mass = "350 g" }
+    ///     stop.steel = { between = ["ground", "block"], gap = "4 mm", restitution = 0.7 }
+    ///     stop.buffer = { between = ["block", "ground"], gap = "6 mm", stiffness = "2 MN/m" }
+    /// "#;
+    /// let assembly = Assembly::new(file::parse(text, "box.toml", &file::no_records)?)?;
+    /// let word = WantedWord::parse("impact steel, press buffer", &assembly)?;
+    /// assert_eq!(word.to_string(), "impact steel, press buffer");
+    /// assert!(WantedWord::parse("impact buffer", &assembly).is_err()); // a compliant stop
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn parse(text: &str, assembly: &Assembly) -> Result<Self> {
         let mut letters = Vec::new();
         for letter in text.split(',') {

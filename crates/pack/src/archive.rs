@@ -18,6 +18,20 @@ pub type Content = BTreeMap<String, Vec<u8>>;
 ///
 /// # Errors
 /// [`Error::Archive`] if an entry cannot be written.
+///
+/// # Examples
+///
+/// ```
+/// use std::io::Cursor;
+/// use std::path::Path;
+/// use vibro_pack::{Content, archive};
+///
+/// let content = Content::from([("resources/machine.toml".to_owned(), b"name = \"A\"".to_vec())]);
+/// let bytes = archive::to_bytes(&content)?;
+/// assert_eq!(archive::of(Cursor::new(&bytes), Path::new("a.fmu"))?, content);
+/// assert_eq!(archive::to_bytes(&content)?, bytes);
+/// # Ok::<(), vibro_pack::Error>(())
+/// ```
 pub fn to_bytes(content: &Content) -> Result<Vec<u8>> {
     let mut none = ZipArchive::new(Cursor::new(EMPTY)).map_err(in_memory)?;
     to_bytes_with(content, &BTreeMap::new(), &mut none)

@@ -33,6 +33,29 @@ pub fn file_name(machine: &str, version: Version) -> String {
 ///
 /// # Errors
 /// [`Error::Picture`](crate::Error::Picture), only through a defect of this crate.
+///
+/// # Examples
+///
+/// ```
+/// use fmi_doors::Version;
+/// use vibro_machine_component::Plan;
+/// use vibro_pack::{Binaries, Kit, MODEL_DESCRIPTION, content};
+///
+/// # let text = r#"
+/// #     name = "Ball"
+/// #     gravity = 9.81
+/// #     body.ball = { mass = "20 g", gravity = 1.0 }
+/// #     stop.floor = { between = ["ground", "ball"], gap = "1 m", restitution = 0.9 }
+/// # "#;
+/// let plan = Plan::new(text.to_owned(), "ball.toml").unwrap();
+/// let library = b"the bytes of the compiled library".to_vec();
+/// let kit = Kit { binaries: Binaries::own(library), ..Kit::default() };
+/// let files = content(Version::Fmi3, &plan, &kit)?;
+/// assert_eq!(files["resources/machine.toml"], text.as_bytes());
+/// let description = String::from_utf8_lossy(&files[MODEL_DESCRIPTION]);
+/// assert!(description.contains("modelName=\"Ball\""));
+/// # Ok::<(), vibro_pack::Error>(())
+/// ```
 pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     let mut content = Content::from([
         (MODEL_DESCRIPTION.to_owned(), plan.xml(version, kit.date.clone()).into_bytes()),
@@ -62,6 +85,29 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
 /// # Errors
 /// [`Error::Machine`](crate::Error::Machine) for a machine without a start,
 /// [`Error::File`](crate::Error::File).
+///
+/// # Examples
+///
+/// ```
+/// use fmi_doors::Version;
+/// use vibro_pack::{Binaries, Kit, archive, file_name, write};
+///
+/// # let text = r#"
+/// #     name = "Ball"
+/// #     gravity = 9.81
+/// #     body.ball = { mass = "20 g", gravity = 1.0 }
+/// #     stop.floor = { between = ["ground", "ball"], gap = "1 m", restitution = 0.9 }
+/// # "#;
+/// let ball = vibro_machine::file::parse(text, "ball.toml", &vibro_machine::file::no_records)?;
+/// let library = b"the bytes of the compiled library".to_vec();
+/// let kit = Kit { binaries: Binaries::own(library.clone()), ..Kit::default() };
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join(file_name("Ball", Version::Fmi2));
+/// write(&ball, Version::Fmi2, &kit, &path)?;
+/// let files = archive::read_all(&path)?;
+/// assert!(path.ends_with("Ball.fmu") && files.values().any(|bytes| *bytes == library));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write(machine: &Description, version: Version, kit: &Kit, path: &Path) -> Result<()> {
     archive::write(&content(version, &Plan::of(machine)?, kit)?, path)
 }

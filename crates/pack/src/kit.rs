@@ -16,6 +16,21 @@ const LICENCES: &str = "licences/";
 pub(crate) const DATE: &str = "date.txt";
 
 /// Compiled library and licences, shared by the archives of all machines.
+///
+///
+/// A program can keep a kit as one file, as the Python package does:
+///
+/// ```
+/// use vibro_pack::{Binaries, Kit};
+///
+/// let binaries = Binaries::own(b"the bytes of the compiled library".to_vec());
+/// let kit = Kit { binaries, date: Some("2026-01-01T00:00:00Z".into()), ..Kit::default() };
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("kit.zip");
+/// kit.write(&path)?;
+/// assert_eq!(Kit::read(&path)?, kit);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Kit {
     /// The compiled library, which serves all machines.

@@ -79,6 +79,18 @@ impl<N: AxisName> ParameterAxis<N> {
     /// # Errors
     /// [`Error::Form`] for a range that is empty or not finite, or for fewer than two values; the
     /// parameter's own range.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use vibro_studies::ParameterAxis;
+    ///
+    /// let axis = ParameterAxis::of("load.f.frequency".to_owned(), (9.0, 11.0), 5)?;
+    /// assert_eq!([0, 1, 4].map(|i| axis.value(i)), [9.0, 9.5, 11.0]);
+    /// assert_eq!(axis.edges(), (8.75, 11.25));
+    /// assert!(ParameterAxis::of("load.f.frequency".to_owned(), (11.0, 9.0), 5).is_err());
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
     pub fn of(name: N, (from, to): (f64, f64), count: usize) -> Result<Self> {
         if !(from < to && (to - from).is_finite() && count >= 2) {
             let text = format!("{}={from}:{to} in {count} values", name.text());

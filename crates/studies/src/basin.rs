@@ -165,6 +165,30 @@ impl<M: BasinMachine> BasinRequest<M> {
 ///
 /// # Errors
 /// As [`BasinRequest::check`] and [`BasinMachine::rows_of_basin`].
+///
+/// # Examples
+/// A linear oscillator has one attractor, which all starts reach:
+///
+/// ```
+/// use vibro_studies::basin::{BasinCell, BasinRequest, StartAxis, basins};
+/// use vibro_studies::parts::Task;
+/// use vibro_studies::{Machine, Start};
+///
+/// # let text = r#"
+/// #     name = "Shaken"
+/// #     body.a = { mass = 1.0 }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 4.0, damping = 1.25 }
+/// #     load.f = { on = "a", amplitude = 26.0, frequency = "2 Hz" }
+/// # "#;
+/// let machine = Machine::parse(text, "shaken.toml", &vibro_machine::file::no_records)?;
+/// let axis = |name: &str| StartAxis { name: name.into(), from: -5.0, to: 5.0, count: 3 };
+/// let (x, y) = (axis("a.s"), axis("a.v"));
+/// let request = BasinRequest { x, y, start: Start::default(), discard: 100 };
+/// let found = basins(&machine, &request, &Task::ALL)?.unwrap();
+/// assert_eq!((found.cells.len(), found.attractors.len()), (9, 1));
+/// assert_eq!(found.share(BasinCell::Attractor(0)), 1.0);
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn basins<M: BasinMachine>(
     machine: &M,
     request: &BasinRequest<M>,

@@ -11,6 +11,23 @@ pub fn columns(d: &Description) -> Vec<String> {
 }
 
 /// Present values of the columns.
+///
+///
+/// ```
+/// use vibro_machine::{Assembly, Motion, file};
+/// use vibro_studies::{columns, values};
+///
+/// let text = r#"
+///     name = "Oscillator"
+///     body.a = { mass = 2.0, start = { s = 0.5, v = 3.0 } }
+///     spring.k = { between = ["ground", "a"], stiffness = 4.0 }
+/// "#;
+/// let machine = file::parse(text, "oscillator.toml", &file::no_records)?;
+/// assert_eq!(columns(&machine), ["a.s", "a.v", "a.a", "k.e", "k.rate", "k.f"]);
+/// let motion = Motion::new(Assembly::new(machine)?.into())?;
+/// assert_eq!(values(&motion), [0.5, 3.0, -1.0, 0.5, 3.0, 2.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn values(m: &Motion) -> Vec<f64> {
     // Adding 0.0 removes the sign of zero.
     m.assembly().description.quantities().map(|quantity| m.value(quantity) + 0.0).collect()
@@ -31,6 +48,26 @@ pub struct NamedEvent {
 }
 
 /// Converts an event to the names of its elements.
+///
+///
+/// ```
+/// use vibro_machine::{Assembly, Motion, file};
+/// use vibro_studies::named;
+///
+/// # let text = r#"
+/// #     name = "Wall"
+/// #     body.a = { mass = 1.0, start = { v = 2.0 } }
+/// #     stop.wall = { between = ["ground", "a"], gap = 1.0, restitution = 0.25 }
+/// # "#;
+/// let machine = file::parse(text, "wall.toml", &file::no_records)?;
+/// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+/// let assembly = motion.assembly().clone();
+/// let mut events = Vec::new();
+/// motion.advance_observed(1.0, &mut |event| events.push(named(&assembly, &event.kind)))?;
+/// assert_eq!((events[0].kind, events[0].element.as_str()), ("impact", "stop.wall"));
+/// assert_eq!(events[0].value, Some(2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn named(assembly: &Assembly, kind: &EventKind) -> NamedEvent {
     let stop = |i: usize| assembly.name_of_stop(i);
     let friction = |i: usize| assembly.name_of_friction(i);

@@ -11,6 +11,32 @@ use vibro_machine::{Assembly, Motion};
 use vibro_numerics::sorting::sort_by;
 
 /// Contact of a stop.
+///
+///
+/// A body of 1 kg meets a stop of 100 N/m with 2 m/s. The contact is half an oscillation at
+/// ω = 10 rad/s, and its force rises to v √(km):
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use vibro_machine::{Assembly, Motion, file};
+/// use vibro_studies::{ContactRecorder, Extremes, Followed};
+///
+/// # let text = r#"
+/// #     name = "Buffered"
+/// #     body.a = { mass = 1.0, start = { v = 2.0 } }
+/// #     stop.buffer = { between = ["ground", "a"], gap = 1.0, stiffness = 100.0 }
+/// # "#;
+/// let machine = file::parse(text, "buffered.toml", &file::no_records)?;
+/// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+/// let extremes = Extremes::new(&[], (0.0, 2.0));
+/// let mut followed = Followed::new(ContactRecorder::new(&motion, &[]), extremes);
+/// followed.advance(&mut motion, 2.0, &mut |_| (), &mut |_| ())?;
+/// let contact = followed.contacts.all()[0];
+/// assert!((contact.end.unwrap() - contact.begin - PI / 10.0).abs() < 1e-14);
+/// assert!((contact.peak.unwrap() - 20.0).abs() < 1e-12);
+/// assert!((contact.impulse.unwrap() - 4.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopContact {
     /// Index of the stop.

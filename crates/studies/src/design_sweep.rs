@@ -317,6 +317,29 @@ impl<M: DesignMachine> SweepRequest<M> {
 }
 
 /// The rows of all designs of a small request, on all threads.
+///
+///
+/// The peak of an oscillator at k = mω² has the amplitude F/(cω):
+///
+/// ```
+/// use vibro_studies::Machine;
+/// use vibro_studies::design_sweep::{Designs, SampledAxis, SweepRequest, rows};
+///
+/// # let text = r#"
+/// #     name = "Shaken"
+/// #     body.a = { mass = 1.0 }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 4.0, damping = 1.25 }
+/// #     load.f = { on = "a", amplitude = 26.0, frequency = "4 rad/s" }
+/// # "#;
+/// let machine = Machine::parse(text, "shaken.toml", &vibro_machine::file::no_records)?;
+/// let axis = SampledAxis { name: "spring.k.stiffness".to_owned(), values: vec![4.0, 16.0] };
+/// let (designs, measures) = (Designs::Grid(vec![axis]), vec!["amplitude.a.s".parse()?]);
+/// let found = rows(&machine, &SweepRequest { designs, measures, ..SweepRequest::default() });
+/// let amplitude = |design: usize| found[design].outputs[0].unwrap().largest;
+/// // A motion counts as settled when its returns differ by less than 1e-9.
+/// assert!((amplitude(0) - 2.0).abs() < 1e-8 && (amplitude(1) - 26.0 / 5.0).abs() < 1e-8);
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn rows<M: DesignMachine>(set: &M, request: &SweepRequest<M>) -> Vec<DesignRow> {
     (0..request.designs.count()).into_par_iter().map(|design| row(set, request, design)).collect()
 }

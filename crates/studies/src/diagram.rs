@@ -170,6 +170,31 @@ fn chain<M: DiagramMachine>(
 ///
 /// # Errors
 /// As [`DiagramRequest::check`], and errors of the parts' folder.
+///
+/// # Examples
+/// The amplitude of a linear oscillator grows with its force:
+///
+/// ```
+/// use vibro_studies::diagram::{DiagramRequest, diagram};
+/// use vibro_studies::parts::Task;
+/// use vibro_studies::{Machine, ParameterAxis};
+///
+/// # let text = r#"
+/// #     name = "Shaken"
+/// #     body.a = { mass = 1.0 }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 4.0, damping = 1.25 }
+/// #     load.f = { on = "a", amplitude = 26.0, frequency = "4 rad/s" }
+/// # "#;
+/// let machine = Machine::parse(text, "shaken.toml", &vibro_machine::file::no_records)?;
+/// let axis = ParameterAxis::of("load.f.amplitude".to_owned(), (13.0, 39.0), 3)?;
+/// let request = DiagramRequest::new(axis, "a.s".parse()?, (100, 10));
+/// let found = diagram(&machine, &request, &Task::ALL)?.unwrap();
+/// for (point, exact) in found.up.iter().zip([1.0, 2.0, 3.0]) {
+///     let (maximum, _) = point.as_ref().unwrap().maxima[0];
+///     assert!((maximum - exact).abs() < 1e-6 * exact); // maxima have seven digits
+/// }
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn diagram<M: DiagramMachine>(
     machine: &M,
     request: &DiagramRequest<M>,

@@ -12,6 +12,19 @@ const ROUNDINGS: f64 = 8.0;
 ///
 /// The matrix is first balanced by powers of 2. Positions and rates differ in size by the
 /// frequency. Without balancing the error would be relative to the largest squared frequency.
+///
+///
+/// An oscillator with ω = 2 rad/s and a damping ratio of 0.6:
+///
+/// ```
+/// use nalgebra::DMatrix;
+/// use vibro_studies::eigenvalues;
+///
+/// let a = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -4.0, -2.4]);
+/// let found = eigenvalues(a);
+/// assert!(found.iter().all(|x| (x.re + 1.2).abs() < 1e-15));
+/// assert!(found.iter().all(|x| (x.im.abs() - 1.6).abs() < 1e-15));
+/// ```
 pub fn eigenvalues(mut a: DMatrix<f64>) -> Vec<Complex<f64>> {
     balance_parlett_reinsch(&mut a);
     let rounding = ROUNDINGS * f64::EPSILON * a.norm();

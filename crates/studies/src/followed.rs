@@ -19,6 +19,27 @@ const USUAL: f64 = 64.0;
 const MOST: f64 = 500_000.0;
 
 /// Contacts and extremes of a motion.
+///
+///
+/// The extremes are the motion's own, not the largest of some samples:
+///
+/// ```
+/// use vibro_machine::{Assembly, Motion, Quantity, What, file};
+/// use vibro_studies::{ContactRecorder, Extremes, Followed};
+///
+/// # let text = r#"
+/// #     name = "Oscillator"
+/// #     body.a = { mass = 1.0, start = { v = 6.0 } }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 4.0 }
+/// # "#;
+/// let machine = file::parse(text, "oscillator.toml", &file::no_records)?;
+/// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+/// let extremes = Extremes::new(&[Quantity::of_body(0, What::S)], (0.0, 1.0));
+/// let mut followed = Followed::new(ContactRecorder::new(&motion, &[]), extremes);
+/// followed.advance(&mut motion, 1.0, &mut |_| (), &mut |_| ())?;
+/// assert!((followed.extremes.all[0].largest - 3.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Followed {
     /// Contacts of the motion.

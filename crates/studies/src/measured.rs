@@ -4,6 +4,30 @@ use crate::class::MotionClass;
 use serde::{Deserialize, Serialize};
 
 /// Measures of one motion.
+///
+///
+/// An oscillator with k - mω² = -12 N/m and cω = 5 N/m follows a force of 26 N with the amplitude
+/// 26/13 m, and its dashpot loses ½ c ω² 2²:
+///
+/// ```
+/// use vibro_studies::{Machine, Measure, Start, measure, settle};
+///
+/// # let text = r#"
+/// #     name = "Shaken"
+/// #     body.a = { mass = 1.0 }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 4.0, damping = 1.25 }
+/// #     load.f = { on = "a", amplitude = 26.0, frequency = "4 rad/s" }
+/// # "#;
+/// let machine = Machine::parse(text, "shaken.toml", &vibro_machine::file::no_records)?;
+/// let measures: Vec<Measure> = vec!["amplitude.a.s".parse()?, "power.k".parse()?];
+/// let (mut motion, section) = machine.motion(&Start::default())?;
+/// settle(&mut motion, &section, 100)?;
+/// let found = measure(&mut motion, &section, &measures, 20)?;
+/// let [amplitude, power] = [0, 1].map(|k| found.numbers[k].unwrap());
+/// // The motion counts as settled when its returns differ by less than 1e-9.
+/// assert!((amplitude - 2.0).abs() < 1e-8 && (power - 40.0).abs() < 4e-7);
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// Value of each measure, in order and in the measure's unit. `None` for the class, for an

@@ -24,6 +24,31 @@ pub struct Natural {
 }
 
 /// The eigenvalues of a mode's system for some of its states.
+///
+///
+/// Two equal bodies on three equal springs oscillate at √(k/m) and √(3k/m):
+///
+/// ```
+/// use vibro_machine::{Assembly, Motion, file};
+/// use vibro_studies::natural::natural;
+///
+/// let text = r#"
+///     name = "Chain"
+///     body.a = { mass = 1.0 }
+///     body.b = { mass = 1.0 }
+///     spring.left = { between = ["ground", "a"], stiffness = 4.0 }
+///     spring.middle = { between = ["a", "b"], stiffness = 4.0 }
+///     spring.right = { between = ["b", "ground"], stiffness = 4.0 }
+/// "#;
+/// let machine = file::parse(text, "chain.toml", &file::no_records)?;
+/// let motion = Motion::new(Assembly::new(machine)?.into())?;
+/// let system = motion.assembly().system();
+/// let found = natural(system, &system.linear(motion.mode()), &[0, 1, 2, 3]);
+/// let mut rates: Vec<f64> = found.values.iter().map(|x| x.im).filter(|x| *x > 0.0).collect();
+/// rates.sort_by(f64::total_cmp);
+/// assert!((rates[0] - 2.0).abs() < 1e-14 && (rates[1] - 12f64.sqrt()).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn natural(system: &System, linear: &Linear, places: &[usize]) -> Natural {
     natural_above(system, linear, places, DENSE)
 }

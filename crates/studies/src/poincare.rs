@@ -56,6 +56,31 @@ pub fn section_of(machine: &Machine, phase: f64) -> Result<Section> {
 ///
 /// # Errors
 /// As [`section_of`]; as [`Machine::motion`] and [`Section::advance`].
+///
+/// # Examples
+/// A force 26 sin ωt with k - mω² = -12 N/m and cω = 5 N/m gives s = 2 sin(ωt - φ), with
+/// tan φ = -5/12 in the second quadrant:
+///
+/// ```
+/// use vibro_studies::{Machine, PoincareRequest, Start, poincare};
+///
+/// # let text = r#"
+/// #     name = "Shaken"
+/// #     body.a = { mass = 1.0 }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 4.0, damping = 1.25 }
+/// #     load.f = { on = "a", amplitude = 26.0, frequency = "4 rad/s" }
+/// # "#;
+/// let machine = Machine::parse(text, "shaken.toml", &vibro_machine::file::no_records)?;
+/// let request = PoincareRequest { start: Start::default(), phase: 0.0, discard: 100, keep: 3 };
+/// let points = poincare(&machine, &request, &mut || true)?;
+/// assert_eq!(points.len(), 3);
+/// for point in points {
+///     // The motion counts as settled when its returns differ by less than 1e-9.
+///     assert!((point.values[0] + 2.0 * 5.0 / 13.0).abs() < 1e-8); // a.s
+///     assert!((point.values[1] + 8.0 * 12.0 / 13.0).abs() < 1e-8); // a.v
+/// }
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn poincare(
     machine: &Machine,
     request: &PoincareRequest,

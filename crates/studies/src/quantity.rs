@@ -89,6 +89,25 @@ impl QuantityName {
     ///
     /// # Errors
     /// [`Error::Described`] with the nearest name.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use vibro_studies::{Machine, QuantityName};
+    ///
+    /// # let text = r#"
+    /// #     name = "Lid"
+    /// #     body.block = { mass = "350 g" }
+    /// #     stop.lid = { between = ["ground", "block"], gap = "4 mm", restitution = 0.7 }
+    /// # "#;
+    /// let machine = Machine::parse(text, "lid.toml", &vibro_machine::file::no_records)?;
+    /// let speed: QuantityName = "block.v".parse()?;
+    /// assert_eq!(speed.find(&machine.description)?.unit, "m/s");
+    /// let misspelt: QuantityName = "blokc.v".parse()?;
+    /// let problem = misspelt.find(&machine.description).unwrap_err().to_string();
+    /// assert!(problem.contains("did you mean `block.v`?"));
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
     pub fn find(&self, d: &Description) -> Result<NamedQuantity> {
         let (name, mut all) = (self.to_string(), d.named_quantities());
         match all.iter().position(|quantity| quantity.name == name) {

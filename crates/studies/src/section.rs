@@ -36,6 +36,29 @@ pub enum SectionRule {
 }
 
 /// Poincaré section of a machine.
+///
+///
+/// Without a drive, the events of the first stop are the section:
+///
+/// ```
+/// use vibro_studies::{Machine, Section, SectionRule, Start};
+///
+/// # let text = r#"
+/// #     name = "Ball"
+/// #     gravity = 10.0
+/// #     body.ball = { mass = "20 g", gravity = 1.0 }
+/// #     stop.floor = { between = ["ground", "ball"], gap = "5 m", restitution = 0.5 }
+/// # "#;
+/// let machine = Machine::parse(text, "ball.toml", &vibro_machine::file::no_records)?;
+/// let section = Section::of(&machine.description, &SectionRule::Auto)?;
+/// assert_eq!(section.in_words(&machine.description), "events of stop.floor");
+/// let (mut motion, _) = machine.motion(&Start::default())?;
+/// for exact in [1.0, 2.0, 2.5] {
+///     section.advance(&mut motion, &mut |_| ())?;
+///     assert!((motion.time() - exact).abs() < 1e-14);
+/// }
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Section {
     /// Whole multiples of a time, s.
@@ -73,6 +96,23 @@ pub fn is_steady(d: &Description) -> bool {
 
 /// Smallest time, s, that is a whole number of periods of each harmonic, repeated signal and
 /// sampling. `None` without these, with a sweep, or if it exceeds 1000 of the longest period.
+///
+///
+/// ```
+/// use vibro_machine::file::{no_records, parse};
+///
+/// let text = r#"
+///     name = "Twice"
+///     body.a = { mass = 1.0 }
+///     load.slow = { on = "a", amplitude = 1.0, frequency = "2 Hz" }
+///     load.fast = { on = "a", amplitude = 1.0, frequency = "3 Hz" }
+/// "#;
+/// let machine = parse(text, "twice.toml", &no_records)?;
+/// assert_eq!(vibro_studies::common_period(&machine), Some(1.0));
+/// let irrational = machine.with([("load.fast.frequency", 2.0 * 2f64.sqrt())])?;
+/// assert_eq!(vibro_studies::common_period(&irrational), None);
+/// # Ok::<(), vibro_machine::Refusal>(())
+/// ```
 pub fn common_period(d: &Description) -> Option<f64> {
     if d.signals().any(|s| !s.signal.sweeps.is_empty()) { None } else { last_period(d) }
 }

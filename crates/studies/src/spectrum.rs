@@ -132,6 +132,25 @@ impl Observer for Orthogonal {
 ///
 /// # Errors
 /// As [`Machine::motion`] and [`Section::advance`](super::Section::advance).
+///
+/// # Examples
+/// All motions of a linear oscillator come closer with e^(-c/2m t):
+///
+/// ```
+/// use vibro_studies::{Machine, Start, spectrum};
+///
+/// # let text = r#"
+/// #     name = "Shaken"
+/// #     body.a = { mass = 1.0 }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 4.0, damping = 1.25 }
+/// #     load.f = { on = "a", amplitude = 26.0, frequency = "2 Hz" }
+/// # "#;
+/// let machine = Machine::parse(text, "shaken.toml", &vibro_machine::file::no_records)?;
+/// let found = spectrum(&machine, &Start::default(), (100, 50), &mut || true)?;
+/// assert_eq!((found.exponents.len(), found.period), (2, Some(1)));
+/// assert!(found.exponents.iter().all(|own| (own.value + 0.625).abs() < 1e-12));
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn spectrum(
     machine: &Machine,
     start: &Start,

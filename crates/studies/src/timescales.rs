@@ -120,6 +120,22 @@ fn last_change(d: &Description) -> Option<(f64, String)> {
 
 /// Description of the last change of a signal if it comes after `time`, s. `None` if all signals
 /// are periodic or constant after `time`.
+///
+///
+/// ```
+/// use vibro_machine::file::{no_records, parse};
+/// use vibro_studies::runs_on;
+///
+/// let text = r#"
+///     name = "Pushed"
+///     body.a = { mass = 1.0 }
+///     load.push = { on = "a", steps = [["0.5 s", "2 N"], ["1.5 s", "-2 N"]] }
+/// "#;
+/// let machine = parse(text, "pushed.toml", &no_records)?;
+/// assert_eq!(runs_on(&machine, 1.0).as_deref(), Some("load.push has a step at 1.5 s"));
+/// assert_eq!(runs_on(&machine, 2.0), None);
+/// # Ok::<(), vibro_machine::Refusal>(())
+/// ```
 pub fn runs_on(d: &Description, time: f64) -> Option<String> {
     last_change(d).filter(|(end, _)| *end > time).map(|(_, words)| words)
 }
@@ -144,6 +160,25 @@ pub(super) fn runs_on_beyond(d: &Description, section: &Section, begin: f64, dis
 /// # Errors
 /// As [`Section::advance`]; [`Error::Described`] if these four periods are more than a hundred
 /// times the requested time.
+///
+/// # Examples
+/// ```
+/// use vibro_studies::{Machine, MotionClass, Start, settle, settled};
+///
+/// let text = r#"
+///     name = "Shaken"
+///     body.a = { mass = 1.0 }
+///     spring.k = { between = ["ground", "a"], stiffness = 4.0, damping = 1.25 }
+///     load.f = { on = "a", amplitude = 26.0, frequency = "2 Hz" }
+/// "#;
+/// let machine = Machine::parse(text, "shaken.toml", &vibro_machine::file::no_records)?;
+/// let (mut motion, section) = machine.motion(&Start::default())?;
+/// settle(&mut motion, &section, 100)?;
+/// let found = settled(&mut motion, &section, None)?;
+/// assert_eq!((found.class, found.contacts), (MotionClass::Periodic(1), 0.0));
+/// assert!((found.interval - 0.5).abs() < 1e-12);
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn settle(motion: &mut Motion, section: &Section, returns: u32) -> Result<()> {
     let begin = motion.time();
     let end = last_change(&motion.assembly().description).map_or(begin, |(time, _)| time);

@@ -42,6 +42,23 @@ impl Machine {
     ///
     /// # Errors
     /// As [`vibro_machine::file::parse`].
+    ///
+    /// # Examples
+    /// Parameters are shown in the units of the file:
+    ///
+    /// ```
+    /// use vibro_studies::Machine;
+    ///
+    /// let text = r#"
+    ///     name = "Lid"
+    ///     body.block = { mass = "350 g" }
+    ///     stop.lid = { between = ["ground", "block"], gap = "4 mm", restitution = 0.7 }
+    /// "#;
+    /// let machine = Machine::parse(text, "lid.toml", &vibro_machine::file::no_records)?;
+    /// assert_eq!(machine.told("stop.lid.gap", 0.0055), "5.5 mm");
+    /// assert_eq!(machine.told("body.block.mass", 0.35), "350 g");
+    /// # Ok::<(), vibro_studies::Error>(())
+    /// ```
     pub fn parse(text: &str, name: &str, records: Records) -> Result<Self> {
         let mut machine = Self::new(file::parse(text, name, records)?);
         machine.units = units(text, &machine.description);

@@ -46,6 +46,22 @@ impl fmt::Display for By {
 
 /// Whether motions have derivatives by a parameter: not by the period of a signal, nor by the
 /// sample times of blocks.
+///
+///
+/// ```
+/// use vibro_machine::derivative::has_derivative;
+/// use vibro_machine::file::{no_records, parse};
+///
+/// let text = r#"
+///     name = "Knocked"
+///     body.a = { mass = 1.0 }
+///     load.knock = { on = "a", steps = [["0.1 s", "2 N"]], repeat = "1 s" }
+/// "#;
+/// let machine = parse(text, "knocked.toml", &no_records)?;
+/// assert!(has_derivative(&machine, "body.a.mass"));
+/// assert!(!has_derivative(&machine, "load.knock.repeat"));
+/// # Ok::<(), vibro_machine::Refusal>(())
+/// ```
 pub fn has_derivative(d: &Description, name: &str) -> bool {
     let is_sampled = |name: &str| {
         name.starts_with("block.") && [".sample", ".delay"].iter().any(|end| name.ends_with(end))

@@ -39,6 +39,30 @@ type Sized = Result<(f64, f64), Lost>;
 /// where the quantity or its rate may jump, the variation of the event's time counts as well. The
 /// times at which an advance begins and ends do not vary. An extreme value that is reached at
 /// several times with different derivatives has no derivative.
+///
+///
+/// The amplitude of an oscillator that starts with v is v/√k, for a mass of 1 kg:
+///
+/// ```
+/// use vibro_machine::derivative::Extremes;
+/// use vibro_machine::{Assembly, Differentiated, Quantity, What, file};
+///
+/// # let text = r#"
+/// #     name = "Oscillator"
+/// #     body.a = { mass = 1.0, start = { v = 6.0 } }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 4.0 }
+/// # "#;
+/// let machine = file::parse(text, "oscillator.toml", &file::no_records)?;
+/// let columns = ["body.a.start.v", "spring.k.stiffness"];
+/// let mut motion = Differentiated::new(Assembly::new(machine)?.into(), &columns)?;
+/// let mut extremes = [Extremes::new(Quantity::of_body(0, What::S))];
+/// motion.advance_with_extremes(2.0, &mut extremes, &mut |_, _| ())?;
+/// let highest = extremes[0].highest().unwrap();
+/// let [by_speed, by_stiffness] = [0, 1].map(|column| highest.by[column].clone().unwrap());
+/// assert!((highest.value - 3.0).abs() < 1e-14 && (by_speed - 0.5).abs() < 1e-14);
+/// assert!((by_stiffness + 0.375).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct Extremes {
     quantity: Quantity,

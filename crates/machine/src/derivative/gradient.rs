@@ -197,6 +197,29 @@ impl Gradient {
     }
 
     /// Adds `factor` × the time of an event to the sum, by its number among all reported events.
+    ///
+    ///
+    /// A ball that falls for T = √(2h/g) meets the floor again at (1 + 2 ε) T:
+    ///
+    /// ```
+    /// use vibro_machine::derivative::Gradient;
+    /// use vibro_machine::{Assembly, file};
+    ///
+    /// # let text = r#"
+    /// #     name = "Ball"
+    /// #     gravity = 10.0
+    /// #     body.ball = { mass = "20 g", gravity = 1.0 }
+    /// #     stop.floor = { between = ["ground", "ball"], gap = "5 m", restitution = 0.5 }
+    /// # "#;
+    /// let ball = Assembly::new(file::parse(text, "ball.toml", &file::no_records)?)?;
+    /// let mut sum = Gradient::new(ball.into(), &["stop.floor.restitution", "stop.floor.gap"])?;
+    /// sum.advance_to(2.2)?;
+    /// sum.add_time(1, 1.0);
+    /// let [by_restitution, by_gap] = sum.gradient()?.try_into().unwrap();
+    /// assert!((by_restitution.unwrap() - 2.0).abs() < 1e-14);
+    /// assert!((by_gap.unwrap() - 2.0 * 0.1).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn add_time(&mut self, event: usize, factor: f64) {
         self.calls.push(Call::Time(event, factor));
         match self.events.get(event) {

@@ -3,6 +3,30 @@
 use std::fmt;
 
 /// The instant at which a motion loses its derivative by a parameter, and the reason.
+///
+///
+/// From 1 s on, a pull just cancels the force that presses a body on a stop. If that force
+/// changes, the body either stays or leaves:
+///
+/// ```
+/// use vibro_machine::derivative::Cause;
+/// use vibro_machine::{Assembly, Differentiated, Quantity, What, file};
+///
+/// # let text = r#"
+/// #     name = "Pressed"
+/// #     body.a = { mass = 1.0, start = { s = 0.1 } }
+/// #     load.push = { on = "a", constant = 5.0, steps = [[1.0, -5.0]] }
+/// #     stop.wall = { between = ["ground", "a"], gap = 0.1, restitution = 0.5 }
+/// # "#;
+/// let machine = file::parse(text, "pressed.toml", &file::no_records)?;
+/// let mut motion = Differentiated::new(Assembly::new(machine)?.into(), &["load.push.constant"])?;
+/// motion.advance_to(2.0)?;
+/// let lost = motion.lost(0).unwrap();
+/// assert_eq!((lost.time, lost.cause), (1.0, Cause::Limit));
+/// assert_eq!(lost.element, "stop.wall");
+/// assert_eq!(motion.derivative(Quantity::of_body(0, What::S), 0), None);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lost {
     /// Time, s.

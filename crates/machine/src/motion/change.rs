@@ -19,6 +19,30 @@ fn inner_places(standing: &[(Contact, f64)]) -> Vec<(Contact, f64)> {
 
 impl Motion {
     /// Continues from a saved state; `None` if the state does not [fit](Hybrid::fits) the machine.
+    ///
+    ///
+    /// A saved state continues in another motion of the machine, with the same bits:
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// # let text = r#"
+    /// #     name = "Ball"
+    /// #     gravity = 9.81
+    /// #     body.ball = { mass = "20 g", gravity = 1.0 }
+    /// #     stop.floor = { between = ["ground", "ball"], gap = "1 m", restitution = 0.9 }
+    /// # "#;
+    /// let machine = file::parse(text, "ball.toml", &file::no_records)?;
+    /// let assembly = Arc::new(Assembly::new(machine)?);
+    /// let mut motion = Motion::new(assembly.clone())?;
+    /// motion.advance_to(0.6)?;
+    /// let mut copy = Motion::resumed(assembly, &motion.save()).unwrap();
+    /// motion.advance_to(3.0)?;
+    /// copy.advance_to(3.0)?;
+    /// assert_eq!(copy.save(), motion.save());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn resumed(assembly: Arc<Assembly>, saved: &Hybrid) -> Option<Self> {
         if !saved.fits(&assembly) {
             return None;
@@ -36,6 +60,29 @@ impl Motion {
     /// # Errors
     /// [`Error::Violated`] if a rigid stop's gap is now less than its e; [`Error::Jammed`];
     /// [`Error::OutOfRange`] for a machine with other stops or other bodies as coordinates.
+    ///
+    /// # Examples
+    /// An oscillator with ω = 2 rad/s passes its middle with 2 m/s after π/4 s. A spring four
+    /// times as stiff then doubles ω and halves the amplitude:
+    ///
+    /// ```
+    /// use std::f64::consts::PI;
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// # let text = r#"
+    /// #     name = "Oscillator"
+    /// #     body.a = { mass = 1.0, start = { s = 1.0 } }
+    /// #     spring.k = { between = ["ground", "a"], stiffness = 4.0 }
+    /// # "#;
+    /// let machine = file::parse(text, "oscillator.toml", &file::no_records)?;
+    /// let stiffer = Assembly::new(machine.with([("spring.k.stiffness", 16.0)])?)?;
+    /// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+    /// motion.advance_to(PI / 4.0)?;
+    /// let mut motion = motion.changed(stiffer.into())?;
+    /// motion.advance_to(3.0 * PI / 8.0)?;
+    /// assert!((motion.coordinate(0) + 0.5).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn changed(&self, assembly: Arc<Assembly>) -> Result<Self, Error> {
         let mut old = self.clone();
         old.pass_event(&mut None)?;

@@ -4,6 +4,35 @@ use crate::mode::Contact;
 use crate::system::SampleAction;
 
 /// An event, with its time.
+///
+///
+/// A ball that falls from 5 m keeps half its speed at each impact:
+///
+/// ```
+/// use vibro_machine::motion::EventKind;
+/// use vibro_machine::{Assembly, Motion, file};
+///
+/// # let text = r#"
+/// #     name = "Ball"
+/// #     gravity = 10.0
+/// #     body.ball = { mass = "20 g", gravity = 1.0 }
+/// #     stop.floor = { between = ["ground", "ball"], gap = "5 m", restitution = 0.5 }
+/// # "#;
+/// let machine = file::parse(text, "ball.toml", &file::no_records)?;
+/// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+/// let mut impacts = Vec::new();
+/// motion.advance_observed(2.6, &mut |event| {
+///     if let EventKind::Impact { speed, .. } = event.kind {
+///         impacts.push((event.time, speed));
+///     }
+/// })?;
+/// let exact = [(1.0, 10.0), (2.0, 5.0), (2.5, 2.5)];
+/// assert_eq!(impacts.len(), exact.len());
+/// for ((time, speed), (t, v)) in impacts.into_iter().zip(exact) {
+///     assert!((time - t).abs() < 1e-14 && (speed - v).abs() < 1e-13);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
     /// Time, s.
@@ -44,6 +73,28 @@ impl Event {
 }
 
 /// Kind of an event, with the indices of stops and frictions.
+///
+///
+/// A block that slides with 3 m/s against a friction of 2 N sticks after 1.5 s:
+///
+/// ```
+/// use vibro_machine::motion::EventKind;
+/// use vibro_machine::{Assembly, Motion, file};
+///
+/// let text = r#"
+///     name = "Block"
+///     body.block = { mass = 1.0, start = { v = 3.0 } }
+///     friction.ground = { between = ["ground", "block"], force = 2.0 }
+/// "#;
+/// let machine = file::parse(text, "block.toml", &file::no_records)?;
+/// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+/// let mut events = Vec::new();
+/// motion.advance_observed(5.0, &mut |event| events.push(event.clone()))?;
+/// assert_eq!(events.len(), 1);
+/// assert_eq!(events[0].kind, EventKind::Stick { friction: 0 });
+/// assert!((events[0].time - 1.5).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventKind {
     /// An impact at a rigid stop.

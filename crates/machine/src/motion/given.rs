@@ -32,6 +32,25 @@ impl Motion {
 
     /// Returns the continuous states as [`from_state`](Self::from_state) takes them: coordinates,
     /// rates, inner places, states of blocks.
+    ///
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// let text = r#"
+    ///     name = "Trolleys"
+    ///     body.a = { mass = 1.0, start = { s = 1.0, v = 0.5 } }
+    ///     body.b = { mass = 2.0, start = { s = 3.0 } }
+    ///     stop.rope = { between = ["a", "b"], gap = 9.0, restitution = 0.5 }
+    /// "#;
+    /// let machine = file::parse(text, "trolleys.toml", &file::no_records)?;
+    /// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+    /// motion.advance_to(2.0)?;
+    /// assert_eq!(motion.states(), [2.0, 3.0, 0.5, 0.0]);
+    /// let same = Motion::from_state(motion.assembly().clone(), 2.0, &motion.states())?;
+    /// assert_eq!(same.body(1), motion.body(1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn states(&self) -> Vec<f64> {
         let system = &self.assembly.system;
         let mut states = self.hybrid.z.as_slice()[..system.states()].to_vec();

@@ -43,6 +43,25 @@ impl Motion {
     ///
     /// # Errors
     /// As [`set_inputs`](Self::set_inputs).
+    ///
+    /// # Examples
+    /// A force of 3 N that grows by 6 N/s moves 1 kg from rest by 1.5 t² + t³:
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// let text = r#"
+    ///     name = "Driven"
+    ///     body.a = { mass = 1.0 }
+    ///     load.hand = { on = "a", input = true }
+    /// "#;
+    /// let machine = file::parse(text, "driven.toml", &file::no_records)?;
+    /// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+    /// motion.set_input(0, [3.0, 6.0, 0.0, 0.0])?;
+    /// motion.advance_to(2.0)?;
+    /// assert!((motion.coordinate(0) - 14.0).abs() < 1e-13);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn set_input(&mut self, i: usize, derivatives: Input) -> Result<(), Error> {
         self.set_inputs(&[(i, derivatives)])
     }

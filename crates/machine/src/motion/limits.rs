@@ -16,6 +16,28 @@ const LOOK: u64 = 1 << 16;
 impl Motion {
     /// Sets the largest number of sub-steps in one call, default 20 million. A call that needs
     /// more ends with [`Error::TooStiff`]; another call continues.
+    ///
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, Error, Motion, file};
+    ///
+    /// # let text = r#"
+    /// #     name = "Oscillator"
+    /// #     body.a = { mass = 1.0, start = { s = 1.0 } }
+    /// #     spring.k = { between = ["ground", "a"], stiffness = 1.0 }
+    /// #     stop.far = { between = ["ground", "a"], gap = 2.0, restitution = 0.5 }
+    /// # "#;
+    /// let machine = file::parse(text, "oscillator.toml", &file::no_records)?;
+    /// let mut motion = Motion::new(Assembly::new(machine)?.into())?.with_most_work(10);
+    /// let mut calls = 1;
+    /// while let Err(error) = motion.advance_to(200.0) {
+    ///     assert!(matches!(error, Error::TooStiff { .. }));
+    ///     calls += 1;
+    /// }
+    /// assert!(calls > 1);
+    /// assert!((motion.coordinate(0) - 200.0f64.cos()).abs() < 1e-13);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn with_most_work(mut self, sub_steps: u64) -> Self {
         self.most_work = sub_steps;

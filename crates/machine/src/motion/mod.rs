@@ -119,6 +119,31 @@ pub struct Hybrid {
 }
 
 /// A motion of a machine.
+///
+///
+/// A ball falls for 1 s onto a floor at 5 m and bounces back with half its speed, to a height of
+/// 1.25 m:
+///
+/// ```
+/// use vibro_machine::motion::Reached;
+/// use vibro_machine::{Assembly, Motion, file};
+///
+/// let text = r#"
+///     name = "Ball"
+///     gravity = 10.0
+///     body.ball = { mass = "20 g", gravity = 1.0 }
+///     stop.floor = { between = ["ground", "ball"], gap = "5 m", restitution = 0.5 }
+/// "#;
+/// let machine = file::parse(text, "ball.toml", &file::no_records)?;
+/// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+/// motion.advance_to(1.5)?;
+/// let [s, v, a] = motion.body(0);
+/// assert!((s - 3.75).abs() < 1e-14 && v.abs() < 1e-14 && a == 10.0);
+/// assert_eq!(motion.impacts(0).count, 1);
+/// assert_eq!(motion.advance_to_event(9.0, &mut |_| ())?, Reached::Event);
+/// assert!((motion.time() - 2.0).abs() < 1e-14 && (motion.rate(0) + 2.5).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Motion {
     assembly: Arc<Assembly>,

@@ -93,6 +93,25 @@ impl Motion {
     }
 
     /// The next knot of a signal or sample of a block, s.
+    ///
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// let text = r#"
+    ///     name = "Pushed"
+    ///     body.a = { mass = 1.0 }
+    ///     load.push = { on = "a", steps = [["0.5 s", "2 N"], ["1.5 s", "-2 N"]] }
+    /// "#;
+    /// let machine = file::parse(text, "pushed.toml", &file::no_records)?;
+    /// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+    /// assert_eq!(motion.next_time_event(), Some(0.5));
+    /// motion.advance_to(1.0)?;
+    /// assert_eq!(motion.next_time_event(), Some(1.5));
+    /// motion.advance_to(2.0)?;
+    /// assert_eq!((motion.next_time_event(), motion.rate(0)), (None, 2.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn next_time_event(&self) -> Option<f64> {
         let knot = self.assembly.system.signals.next_knot(self.time());
         [knot, self.next_sample()].into_iter().flatten().reduce(f64::min)

@@ -40,6 +40,27 @@ impl Motion {
     }
 
     /// A stop's elongation, its rate and its force.
+    ///
+    ///
+    /// A block that rests on a floor presses it with its weight:
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// let text = r#"
+    ///     name = "Resting"
+    ///     gravity = 10.0
+    ///     start = "rest"
+    ///     body.block = { mass = 3.0, gravity = 1.0 }
+    ///     stop.floor = { between = ["ground", "block"], gap = 0.5, restitution = 0.2 }
+    /// "#;
+    /// let machine = file::parse(text, "resting.toml", &file::no_records)?;
+    /// let motion = Motion::new(Assembly::new(machine)?.into())?;
+    /// let [elongation, rate, force] = motion.stop(0);
+    /// assert_eq!((elongation, rate), (0.5, 0.0));
+    /// assert!((force - 30.0).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn stop(&self, i: usize) -> [f64; 3] {
         let present = self.assembly.system.present(i, &self.hybrid.mode.stops);
         let [e, rate, _] = self.stop_varied(i);
@@ -88,6 +109,24 @@ impl Motion {
     }
 
     /// Returns the value of a quantity of the machine, in SI units.
+    ///
+    ///
+    /// ```
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// let text = r#"
+    ///     name = "Oscillator"
+    ///     body.a = { mass = 1.0, start = { s = 1.0 } }
+    ///     spring.k = { between = ["ground", "a"], stiffness = 4.0 }
+    /// "#;
+    /// let machine = file::parse(text, "oscillator.toml", &file::no_records)?;
+    /// let named = machine.named_quantities();
+    /// let force = named.iter().find(|own| own.name == "k.f").unwrap().quantity;
+    /// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+    /// motion.advance_to(0.7)?;
+    /// assert!((motion.value(force) - 4.0 * 1.4f64.cos()).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn value(&self, quantity: Quantity) -> f64 {
         self.value_by(quantity, |i| self.part_force(i))
     }

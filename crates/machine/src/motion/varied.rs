@@ -124,6 +124,29 @@ impl Motion {
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
+    ///
+    /// # Examples
+    ///
+    /// A stop at 1 m with restitution ε sends a body back to s = 1 + ε (1 - s₀ - v₀ t). The
+    /// variations by s₀ and v₀ are then (-ε, 0) and (-ε t, -ε):
+    ///
+    /// ```
+    /// use vibro_machine::motion::Reached;
+    /// use vibro_machine::{Assembly, Motion, file};
+    ///
+    /// # let text = r#"
+    /// #     name = "Wall"
+    /// #     body.a = { mass = 1.0, start = { v = 2.0 } }
+    /// #     stop.wall = { between = ["ground", "a"], gap = 1.0, restitution = 0.25 }
+    /// # "#;
+    /// let machine = file::parse(text, "wall.toml", &file::no_records)?;
+    /// let mut motion = Motion::new(Assembly::new(machine)?.into())?;
+    /// let mut variations = motion.unit_variations();
+    /// while motion.advance_with(3.0, &mut variations)? == Reached::Event {}
+    /// assert_eq!(variations[0][..2], [-0.25, 0.0]);
+    /// assert_eq!(variations[1][..2], [-0.75, -0.25]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn advance_with(&mut self, end: f64, variations: &mut [Vec<f64>]) -> Result<Reached, Error> {
         self.pass_event_with(variations)?;
         let (table, from) = (self.tables.at(self.place).table.clone(), self.time());

@@ -39,6 +39,42 @@ type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
 /// # Errors
 /// [`Error::Described`] for an invalid record, name or range, and if no motion of the machine
 /// covers the record; [`Error::Refusal`] for values outside their range.
+///
+/// # Examples
+/// The record of an oscillator with ω² = 4, and a machine with ω² = 3.5 and an unknown start:
+///
+/// ```
+/// use vibro_studies::fit::{FitRequest, Free, Loss, Measured, Segments, fit};
+/// use vibro_studies::{Machine, Start};
+///
+/// # let text = r#"
+/// #     name = "Oscillator"
+/// #     body.a = { mass = 1.0, start = { s = 0.8 } }
+/// #     spring.k = { between = ["ground", "a"], stiffness = 3.5 }
+/// # "#;
+/// let machine = Machine::parse(text, "oscillator.toml", &vibro_machine::file::no_records)?;
+/// let times: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// let column = times.iter().map(|t| (2.0 * t).cos()).collect();
+/// let columns = vec![("a.s".parse()?, column)];
+/// let measured = Measured { times, columns, contacts: Vec::new() };
+/// let names = ["spring.k.stiffness", "body.a.start.s"];
+/// let free = names.map(|name| Free { name: name.into(), within: None, is_own: false }).to_vec();
+/// let request = FitRequest {
+///     machine,
+///     measured,
+///     free,
+///     start: Start::default(),
+///     sigma: None,
+///     filters: Vec::new(),
+///     loss: Loss::Linear,
+///     segments: Segments::Auto,
+///     starts: 0,
+/// };
+/// let found = fit(&request, &|_| true)?;
+/// let [stiffness, start] = [0, 1].map(|k| found.values[k].1);
+/// assert!((stiffness - 4.0).abs() < 1e-12 && (start - 1.0).abs() < 1e-12);
+/// # Ok::<(), vibro_studies::Error>(())
+/// ```
 pub fn fit(request: &FitRequest, observer: Observer) -> Result<Fitted> {
     let mut all = fit_records(std::slice::from_ref(request), observer)?;
     all.pop().ok_or_else(|| Error::Described { problem: "no record; expected one".into() })
