@@ -15,6 +15,7 @@ mod branches;
 mod by;
 mod columns;
 mod crossing;
+mod curved;
 mod differentiated;
 mod extremes;
 mod flight;
