@@ -16,6 +16,7 @@ mod by;
 mod columns;
 mod crossing;
 mod curved;
+mod curved_flight;
 mod differentiated;
 mod extremes;
 mod flight;

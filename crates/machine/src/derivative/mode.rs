@@ -114,7 +114,8 @@ impl VariedMode {
         let (by, sources) = (Vec::new(), Sources::default());
         let (flights, saved) = (Ladder::default(), AtomicU64::new(0));
         let shared = shared(system, mode, &triangle);
-        let curves = CurvesInMode::of(system, tangents, &a);
+        let curves = tangents.iter().map(|tangent| tangent.curves.clone()).collect();
+        let curves = CurvesInMode::of(system, curves, &a);
         let mode = mode.clone();
         let mut made =
             Self { mode, a, length, lambda, watched, triangle, shared, by, sources, curves, flights, saved };

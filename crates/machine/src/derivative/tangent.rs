@@ -221,6 +221,13 @@ impl Tangent {
         }
     }
 
+    /// Writes the derivatives of the curved forces into the derivative of a state.
+    pub fn vary_curved(&self, system: &System, z: &DVector<f64>, delta: &mut DVector<f64>) {
+        for (own, by) in system.curved.iter().zip(&self.curves) {
+            delta[own.place] = by.derivative(own, z, delta);
+        }
+    }
+
     /// Adds gyroscopic forces, which vary if links vary the bodies' rows.
     fn put_gyroscopic(&mut self, system: &System) {
         for own in &system.gyroscopic {
