@@ -11,8 +11,9 @@ use nalgebra::DVector;
 /// The derivative of a curved force by one parameter, at a fixed state.
 #[derive(Clone, Debug)]
 pub(super) struct CurveTangent {
-    /// Derivative of the argument's row.
+    /// Derivative of the argument's row, and its entries that are not zero.
     pub argument: StateRow,
+    pub moved: Vec<(usize, f64)>,
     /// Derivatives of the coefficients.
     pub force: Polynomial,
 }

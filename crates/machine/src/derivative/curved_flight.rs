@@ -22,6 +22,8 @@ const ALL: Polynomial = Polynomial { coefficients: [1.0; 4] };
 /// Series of the arguments of the curved forces, and of their derivatives by column.
 struct Arguments {
     own: Vec<CurveSeries>,
+    /// Coefficients of φ' by force and order.
+    slopes: Vec<Vec<f64>>,
     /// Coefficients of the derivative of the argument, by force, column and order.
     by: Vec<Vec<Vec<f64>>>,
 }
@@ -89,6 +91,7 @@ impl VariedMode {
         let mut terms = vec![z.numbers.clone()];
         let mut arguments = Arguments {
             own: vec![CurveSeries::default(); forces.len()],
+            slopes: vec![Vec::new(); forces.len()],
             by: vec![vec![Vec::new(); count]; forces.len()],
         };
         for k in 0..=LAST_ORDER {
@@ -119,24 +122,22 @@ impl VariedMode {
 
     /// Writes the terms of order `k` of the curved forces and of their derivatives.
     fn put_curves(&self, term: &mut [f64], width: usize, arguments: &mut Arguments, k: usize) {
+        let dot = |term: &[f64], row: &[(usize, f64)], column: usize| -> f64 {
+            row.iter().map(|&(j, x)| x * term[j * width + column]).sum()
+        };
         for (i, CurveInMode { curved: own, .. }) in self.curves.forces.iter().enumerate() {
-            let dot = |row: &[(usize, f64)], column: usize| -> f64 {
-                row.iter().map(|&(j, x)| x * term[j * width + column]).sum()
-            };
             let series = &mut arguments.own[i];
-            series.next(&ALL, k, dot(own.argument.terms(), 0));
-            let mut values = vec![series.at_order(&own.force, k)];
+            series.next(&ALL, k, dot(term, own.argument.terms(), 0));
+            let slopes = &mut arguments.slopes[i];
+            slopes.push(series.slope(&own.force, k));
+            term[own.place * width] = series.at_order(&own.force, k);
             for (p, by) in self.curves.by.iter().enumerate() {
                 let by = &by[i];
-                let moved = by.argument.iter().enumerate().filter(|(_, x)| **x != 0.0);
-                let moved: f64 = moved.map(|(j, x)| x * term[j * width]).sum();
+                let moved = dot(term, &by.moved, 0);
                 let steps = &mut arguments.by[i][p];
-                steps.push(dot(own.argument.terms(), p + 1) + moved);
-                let product = |j: usize| series.slope(&own.force, j) * steps[k - j];
-                values.push((0..=k).map(product).sum::<f64>() + series.at_order(&by.force, k));
-            }
-            for (column, value) in values.into_iter().enumerate() {
-                term[own.place * width + column] = value;
+                steps.push(dot(term, own.argument.terms(), p + 1) + moved);
+                let sum: f64 = slopes.iter().zip(steps.iter().rev()).map(|(slope, step)| slope * step).sum();
+                term[own.place * width + p + 1] = sum + series.at_order(&by.force, k);
             }
         }
     }

@@ -217,7 +217,9 @@ impl Tangent {
             let Some(curved) = spring.curve.map(|i| &system.curved[i]) else { continue };
             let own = &self.springs[k].0;
             let argument = if curved.is_of_rate { own.rate.clone() } else { own.e.clone() };
-            self.curves.push(CurveTangent { argument, force: Polynomial { coefficients: moved[k] } });
+            let entries = argument.iter().copied().enumerate().filter(|(_, x)| *x != 0.0).collect();
+            let force = Polynomial { coefficients: moved[k] };
+            self.curves.push(CurveTangent { argument, moved: entries, force });
         }
     }
 

@@ -1,7 +1,7 @@
 """Motions of chains with curved springs and dashpots in 40 digits, for `tests/curved.rs`.
 
     python3 crates/machine/tests/data/make_curved.py 40 > crates/machine/tests/data/curved.txt
-    python3 crates/machine/tests/data/make_curved.py 10 by > crates/machine/tests/data/curved_by.txt
+    python3 crates/machine/tests/data/make_curved.py 6 by > crates/machine/tests/data/curved_by.txt
 
 Each machine is a chain of bodies with springs whose forces are polynomials of e, dashpots with a
 cubic term, a harmonic force and a rigid stop between the last two bodies or at the ground. The
