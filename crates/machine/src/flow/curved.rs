@@ -3,7 +3,7 @@
 use super::ahead::{Ahead, HeadAhead, Series};
 use super::{FlowTable, ORDERS};
 use crate::curved::{CurveSeries, CurveSizes, CurveTerms, Curved, Remainder};
-use crate::kernel::{Sparse, SparseMatrix};
+use crate::kernel::{Sparse, SparseMatrix, largest_product};
 use crate::law::ZERO;
 use crate::system::System;
 
@@ -18,37 +18,87 @@ const OVERFLOW: f64 = 1e-3;
 
 /// A curved force in a mode.
 #[derive(Clone, Debug)]
-pub(super) struct CurveInMode {
+pub(crate) struct CurveInMode {
     /// The force.
-    pub(super) curved: Curved,
+    pub(crate) curved: Curved,
     /// Norm of the argument's row: Σ |ℓᵢ| wᵢ.
     pub(super) reach: f64,
-    /// Norm of the column by which φ acts on z': max |yᵢ| / wᵢ.
-    pub(super) effect: f64,
+    /// Norm of the column by which φ acts on the accelerations, and on other rates: max |yᵢ| / wᵢ.
+    pub(super) effects: [f64; 2],
 }
 
 impl CurveInMode {
     /// The curved forces in a mode with matrix A. `weights` are the 1/wᵢ of the norm (A6).
-    pub(super) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
+    pub(crate) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
         let columns = if system.curved.is_empty() { SparseMatrix::default() } else { a.transpose() };
+        let velocities = system.coordinates..2 * system.coordinates;
         let in_mode = |curved: &Curved| {
             let reach = curved.argument.terms().iter().map(|&(j, x)| x.abs() / weights[j]).sum();
-            let column = columns.row(curved.place).iter();
-            let effect = column.map(|&(i, y)| y.abs() * weights[i]).fold(0.0, f64::max);
-            Self { curved: curved.clone(), reach, effect }
+            let mut effects = [0.0f64; 2];
+            for &(i, y) in columns.row(curved.place) {
+                let effect = &mut effects[usize::from(!velocities.contains(&i))];
+                *effect = effect.max(y.abs() * weights[i]);
+            }
+            Self { curved: curved.clone(), reach, effects }
         };
         system.curved.iter().map(in_mode).collect()
     }
 
+    /// For a norm whose weights of velocities are `faster` times larger: the norms of the row of the
+    /// argument and of the column of φ.
+    #[inline(always)]
+    fn norms(&self, faster: f64) -> (f64, f64) {
+        let reach = if self.curved.is_of_rate { faster * self.reach } else { self.reach };
+        (reach, (self.effects[0] / faster).max(self.effects[1]))
+    }
+
+    /// The rate that the force adds to the norm of A at a state, 1/s.
+    #[inline(always)]
+    fn rate(&self, z: &[f64], faster: f64) -> f64 {
+        let (reach, effect) = self.norms(faster);
+        effect * reach * self.curved.force.majorant().derivative(self.curved.argument.at(z).abs())
+    }
+
     /// The force with its series, for the bound of the remainder.
     #[inline(always)]
-    fn with<'a>(&self, series: &'a CurveSeries) -> CurveTerms<'a> {
-        let Self { curved, reach, effect } = self;
-        CurveTerms { force: curved.force, series, reach: *reach, effect: *effect, scale: 0.0, most: 0.0 }
+    fn with<'a>(&self, series: &'a CurveSeries, faster: f64) -> CurveTerms<'a> {
+        let (reach, effect) = self.norms(faster);
+        CurveTerms { force: self.curved.force, series, reach, effect, scale: 0.0, most: 0.0 }
     }
 }
 
+/// The factor of the weights of velocities that suits the slopes of curved forces at a state, and
+/// the rate of z' = A z with these slopes in the norm with this factor, 1/s.
+///
+/// Where springs are steeper than at the amplitude that the start suggests, the motion is faster,
+/// and its velocities are larger than the weights of (A6) expect. A factor of at least 1 times the
+/// weights of velocities raises the norm of A at most by itself.
+#[inline(always)]
+pub(crate) fn balance(rate: f64, curves: &[CurveInMode], z: &[f64]) -> (f64, f64) {
+    let mut steepest = 0.0;
+    for curve in curves {
+        if !curve.curved.is_of_rate {
+            steepest += curve.rate(z, 1.0);
+        }
+    }
+    let faster = (steepest / rate).sqrt().max(1.0);
+    let mut all = faster * rate;
+    for curve in curves {
+        all += curve.rate(z, faster);
+    }
+    (faster, all)
+}
+
 impl Series {
+    /// The norm of (A6) of the first coordinates of a term, with the weights of velocities `faster`
+    /// times larger.
+    #[inline(always)]
+    fn norm_faster(&self, table: &FlowTable, k: usize, coordinates: usize, faster: f64) -> f64 {
+        let (n, term) = (table.coordinates, self.term(k));
+        let part = |from: usize, to: usize| largest_product(&term[from..to], &table.weights[from..to]);
+        part(0, n).max(part(n, 2 * n) / faster).max(part(2 * n, coordinates))
+    }
+
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
     #[inline(always)]
     pub(super) fn curve(&mut self, table: &FlowTable, k: usize) {
@@ -66,12 +116,8 @@ impl Ahead {
     /// remainder of the series is proved to be rounding.
     #[inline(always)]
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
-        let mut slope = table.rate;
-        for curve in &table.curves {
-            let x = curve.curved.argument.at(z).abs();
-            slope += curve.effect * curve.reach * curve.curved.force.majorant().derivative(x);
-        }
-        let mut scale = most.min(REACH / slope);
+        let (faster, rate) = balance(table.rate, &table.curves, z);
+        let mut scale = most.min(REACH / rate);
         let series = &mut self.series;
         loop {
             series.expand(table, z, scale, LAST_ORDER);
@@ -80,7 +126,7 @@ impl Ahead {
             }
             scale *= OVERFLOW;
         }
-        let part = table.proved_part(series, scale, most / scale);
+        let part = table.proved_part(series, (scale, faster), most / scale);
         let mut power = 1.0;
         for k in 1..=LAST_ORDER {
             power *= part;
@@ -115,16 +161,17 @@ impl FlowTable {
     /// The longest fraction of the span of a series, at most `most`, over which its remainder is
     /// proved to be rounding.
     #[inline(always)]
-    fn proved_part(&self, series: &Series, span: f64, most: f64) -> f64 {
+    fn proved_part(&self, series: &Series, (span, faster): (f64, f64), most: f64) -> f64 {
         let straight = self.a.len() - self.curves.len();
         let (mut norms, mut sizes) = ([0.0; LAST_ORDER + 1], [0.0; LAST_ORDER + 1]);
         for k in 0..=LAST_ORDER {
-            (norms[k], sizes[k]) = (series.norm(self, k, straight), series.norm(self, k, self.one));
+            norms[k] = series.norm_faster(self, k, straight, faster);
+            sizes[k] = series.norm_faster(self, k, self.one, faster);
         }
         let pairs = self.curves.iter().zip(&series.curves);
-        let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series)).collect();
+        let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series, faster)).collect();
         let mut remainder =
-            Remainder { span, rate: self.rate, norms: &norms, sizes: &sizes, curves: &mut curves };
+            Remainder { span, rate: faster * self.rate, norms: &norms, sizes: &sizes, curves: &mut curves };
         remainder.longest(most)
     }
 
