@@ -90,13 +90,15 @@ pub(crate) fn balance(rate: f64, curves: &[CurveInMode], z: &[f64]) -> (f64, f64
 }
 
 impl Series {
-    /// The norm of (A6) of the first coordinates of a term, with the weights of velocities `faster`
-    /// times larger.
+    /// The norms of (A6) of a term with the weights of velocities `faster` times larger: without the
+    /// coordinates of curved forces, and of the states alone.
     #[inline(always)]
-    fn norm_faster(&self, table: &FlowTable, k: usize, coordinates: usize, faster: f64) -> f64 {
-        let (n, term) = (table.coordinates, self.term(k));
+    fn norms_faster(&self, table: &FlowTable, k: usize, faster: f64) -> (f64, f64) {
+        let (n, one, straight) = (table.coordinates, table.one, table.a.len() - table.curves.len());
+        let term = self.term(k);
         let part = |from: usize, to: usize| largest_product(&term[from..to], &table.weights[from..to]);
-        part(0, n).max(part(n, 2 * n) / faster).max(part(2 * n, coordinates))
+        let states = part(0, n).max(part(n, 2 * n) / faster).max(part(2 * n, one));
+        (states.max(part(one, straight)), states)
     }
 
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
@@ -162,11 +164,9 @@ impl FlowTable {
     /// proved to be rounding.
     #[inline(always)]
     fn proved_part(&self, series: &Series, (span, faster): (f64, f64), most: f64) -> f64 {
-        let straight = self.a.len() - self.curves.len();
         let (mut norms, mut sizes) = ([0.0; LAST_ORDER + 1], [0.0; LAST_ORDER + 1]);
         for k in 0..=LAST_ORDER {
-            norms[k] = series.norm_faster(self, k, straight, faster);
-            sizes[k] = series.norm_faster(self, k, self.one, faster);
+            (norms[k], sizes[k]) = series.norms_faster(self, k, faster);
         }
         let pairs = self.curves.iter().zip(&series.curves);
         let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series, faster)).collect();
