@@ -273,3 +273,27 @@ fn second_method_a_gradient_is_differences_of_sums() {
         assert!((difference - own).abs() < OF_DIFFERENCE * own.abs().max(1.0), "{j}: {difference} {own}");
     }
 }
+
+/// A prescribed body stands still after the last knot of its record: the knot is not missed,
+/// however the series before it ends.
+#[test]
+fn invariant_energy_balances_after_the_last_knot_of_a_record() {
+    let text = "name = \"T\"\nbody.b0 = { mass = 0.168023 }\nbody.b1 = { inertia = 4.087269e-07 }\n\
+        body.b2 = { motion = { table = [[0.02496103, 3.912137e-05], [0.07488308, -0.0005101811], \
+        [0.1248051, 0.0003322196]], interpolation = \"cubic\" } }\n\
+        spring.e0 = { between = [\"ground\", \"b0\"], stiffness = 418.8237 }\n\
+        spring.e1 = { arms = { b0 = 1.3, b1 = \"0.001330862 m\" }, cubic = -11879160.0, \
+        quintic = 91750470000000.0, damping = 0.00674637 }\n\
+        spring.e3 = { arms = { b1 = \"0.001330862 m\", b2 = -0.6 }, stiffness = -216.0457, cubic = 458676800.0 }\n";
+    let state = [0.000225213406241421, -0.31182452831209273, -0.05864380383214766, -35.29264294729204];
+    let mut off = 0.0f64;
+    for k in 0..20 {
+        let begin = 0.1247 + 1e-6 * f64::from(k);
+        let mut motion = Motion::from_state(machine(text), begin, &state).expect("a motion");
+        let energy = |motion: &Motion| motion.kinetic_and_stored().0 + motion.kinetic_and_stored().1;
+        let first = energy(&motion);
+        motion.advance_to(0.1303).expect("an end");
+        off = off.max((energy(&motion) - first - motion.energy().balance()).abs() / first);
+    }
+    assert!(off < BALANCE, "{off:e}");
+}

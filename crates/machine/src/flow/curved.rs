@@ -128,13 +128,16 @@ impl Ahead {
             }
             scale *= OVERFLOW;
         }
-        let part = table.proved_part(series, (scale, faster), most / scale);
+        let longest = most / scale;
+        let part = table.proved_part(series, (scale, faster), longest);
         let mut power = 1.0;
         for k in 1..=LAST_ORDER {
             power *= part;
             series.scale(k, power);
         }
-        self.span = if part * scale >= most { most } else { part * scale };
+        // Not by `part * scale`, whose rounding may end just before `most`, at which a knot would
+        // then be missed.
+        self.span = if part == longest { most } else { (part * scale).min(most) };
         self.expanded = scale;
         self.heads.clear();
         for w in &table.watched {
