@@ -278,13 +278,18 @@ fn second_method_a_gradient_is_differences_of_sums() {
 /// however the series before it ends.
 #[test]
 fn invariant_energy_balances_after_the_last_knot_of_a_record() {
-    let text = "name = \"T\"\nbody.b0 = { mass = 0.168023 }\nbody.b1 = { inertia = 4.087269e-07 }\n\
+    let text = "name = \"T\"\nbody.b0 = { mass = 0.168023, start = { s = -0.0006827272, v = -0.001386739 } }\n\
+        body.b1 = { inertia = 4.087269e-07, start = { s = -0.359365, v = 1.699337 } }\n\
         body.b2 = { motion = { table = [[0.02496103, 3.912137e-05], [0.07488308, -0.0005101811], \
         [0.1248051, 0.0003322196]], interpolation = \"cubic\" } }\n\
         spring.e0 = { between = [\"ground\", \"b0\"], stiffness = 418.8237 }\n\
         spring.e1 = { arms = { b0 = 1.3, b1 = \"0.001330862 m\" }, cubic = -11879160.0, \
         quintic = 91750470000000.0, damping = 0.00674637 }\n\
-        spring.e3 = { arms = { b1 = \"0.001330862 m\", b2 = -0.6 }, stiffness = -216.0457, cubic = 458676800.0 }\n";
+        spring.e2 = { arms = { b1 = \"0.001330862 m\" }, stiffness = 161.525, quartic = -54027570000.0 }\n\
+        spring.e3 = { arms = { b1 = \"0.001330862 m\", b2 = -0.6 }, stiffness = -216.0457, cubic = 458676800.0 }\n\
+        spring.e4 = { arms = { b1 = \"-0.001330862 m\", b0 = 1.0 }, quintic = 247765200000000.0, \
+        damping = 0.01380835 }\n\
+        load.l0 = { on = \"b0\", constant = -0.07968722, steps = [[0.03244933, 0.07340087]] }\n";
     let state = [0.000225213406241421, -0.31182452831209273, -0.05864380383214766, -35.29264294729204];
     let mut off = 0.0f64;
     for k in 0..20 {
