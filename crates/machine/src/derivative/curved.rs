@@ -2,7 +2,7 @@
 
 use crate::curved::{Curved, Polynomial};
 use crate::flow::CurveInMode;
-use crate::functional::StateRow;
+use crate::functional::Functional;
 use crate::kernel::SparseMatrix;
 use crate::norm::norm;
 use crate::system::System;
@@ -11,9 +11,8 @@ use nalgebra::DVector;
 /// The derivative of a curved force by one parameter, at a fixed state.
 #[derive(Clone, Debug)]
 pub(super) struct CurveTangent {
-    /// Derivative of the argument's row, and its entries that are not zero.
-    pub argument: StateRow,
-    pub moved: Vec<(usize, f64)>,
+    /// Derivative of the argument.
+    pub argument: Functional,
     /// Derivatives of the coefficients.
     pub force: Polynomial,
 }
@@ -22,7 +21,7 @@ impl CurveTangent {
     /// The derivative of φ at a state, with the derivative of the state.
     pub fn derivative(&self, own: &Curved, z: &DVector<f64>, delta: &DVector<f64>) -> f64 {
         let x = own.argument.at(z.as_slice());
-        let dx = own.argument.at(delta.as_slice()) + self.argument.dot(z);
+        let dx = own.argument.at(delta.as_slice()) + self.argument.at(z.as_slice());
         own.force.derivative(x) * dx + self.force.value(x)
     }
 }
@@ -58,9 +57,8 @@ impl CurvesInMode {
 
     /// Writes the time derivatives of φ into z'.
     pub fn add_rates(&self, z: &DVector<f64>, rates: &mut DVector<f64>) {
-        for CurveInMode { curved: own, .. } in &self.forces {
-            let slope = own.force.derivative(own.argument.at(z.as_slice()));
-            rates[own.place] = slope * own.argument.at(rates.as_slice());
+        for own in &self.forces {
+            own.curved.vary(z.as_slice(), rates.as_mut_slice());
         }
     }
 
@@ -69,9 +67,9 @@ impl CurvesInMode {
     pub fn add_rates_by(&self, p: usize, [z, rates, delta]: [&DVector<f64>; 3], changes: &mut DVector<f64>) {
         for (CurveInMode { curved: own, .. }, by) in self.forces.iter().zip(&self.by[p]) {
             let x = own.argument.at(z.as_slice());
-            let dx = own.argument.at(delta.as_slice()) + by.argument.dot(z);
+            let dx = own.argument.at(delta.as_slice()) + by.argument.at(z.as_slice());
             let speed = own.argument.at(rates.as_slice());
-            let dspeed = own.argument.at(changes.as_slice()) + by.argument.dot(rates);
+            let dspeed = own.argument.at(changes.as_slice()) + by.argument.at(rates.as_slice());
             let bend = own.force.second_derivative(x) * dx + by.force.derivative(x);
             changes[own.place] = bend * speed + own.force.derivative(x) * dspeed;
         }

@@ -4,18 +4,10 @@ use super::columns::Columns;
 use super::curved::CurvesInMode;
 use super::mode::VariedMode;
 use crate::curved::{CurveSeries, Polynomial};
-use crate::flow::{CurveInMode, balance};
+use crate::flow::{CURVE_OVERFLOW, CURVE_REACH, CurveInMode, LAST_CURVE_ORDER, balance};
 
-/// Order of the last term of a flight's series.
-const LAST_ORDER: usize = 28;
-/// Rate times length of the longest series.
-const REACH: f64 = 4.0;
 /// Size of the last terms relative to the first ones, of the state and of each column.
 const LAST: f64 = 1e-18;
-/// Factor by which a series whose terms overflow is shortened.
-const OVERFLOW: f64 = 1e-3;
-/// Largest number of series of a flight; a motion that needs more ends in finite time.
-const MOST_SERIES: usize = 1_000_000;
 /// All powers of an argument are computed, as a coefficient may be 0 and still vary.
 const ALL: Polynomial = Polynomial { coefficients: [1.0; 4] };
 
@@ -29,14 +21,15 @@ struct Arguments {
 }
 
 impl VariedMode {
-    /// Carries a state and its derivatives over a time under curved forces.
+    /// Carries a state and its derivatives over a time under curved forces. The time must be within
+    /// the motion's: a state that reaches the end of its motion stays there.
     pub(super) fn carry_curved(&self, z: &mut Columns, time: f64) {
         let mut left = time;
-        for _ in 0..MOST_SERIES {
-            if left <= 0.0 {
-                return;
-            }
+        while left > 0.0 {
             let span = self.curved_series(z, left);
+            if span == 0.0 {
+                break;
+            }
             left = if span >= left { 0.0 } else { left - span };
         }
     }
@@ -45,17 +38,17 @@ impl VariedMode {
     fn curved_series(&self, z: &mut Columns, most: f64) -> f64 {
         let state = z.state();
         let (faster, rate) = balance(self.curves.rate, &self.curves.forces, state.as_slice());
-        let mut span = most.min(REACH / rate);
+        let mut span = most.min(CURVE_REACH / rate);
         let terms = loop {
             let terms = self.curved_terms(z, span);
-            if span < f64::MIN_POSITIVE || terms[LAST_ORDER].iter().all(|x| x.is_finite()) {
+            if span < f64::MIN_POSITIVE || terms[LAST_CURVE_ORDER].iter().all(|x| x.is_finite()) {
                 break terms;
             }
-            span *= OVERFLOW;
+            span *= CURVE_OVERFLOW;
         };
         let part = self.part(&terms, z.width, faster).min(1.0);
-        z.numbers.copy_from_slice(&terms[LAST_ORDER]);
-        for term in terms[..LAST_ORDER].iter().rev() {
+        z.numbers.copy_from_slice(&terms[LAST_CURVE_ORDER]);
+        for term in terms[..LAST_CURVE_ORDER].iter().rev() {
             z.numbers.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
         }
         part * span
@@ -74,8 +67,8 @@ impl VariedMode {
         };
         let mut part = f64::INFINITY;
         for column in 0..=self.by.len() {
-            let first = (0..LAST_ORDER / 2).map(|k| size(k, column)).fold(0.0, f64::max);
-            for k in [LAST_ORDER - 1, LAST_ORDER] {
+            let first = (0..LAST_CURVE_ORDER / 2).map(|k| size(k, column)).fold(0.0, f64::max);
+            for k in [LAST_CURVE_ORDER - 1, LAST_CURVE_ORDER] {
                 let last = size(k, column);
                 if last > 0.0 && first > 0.0 {
                     part = part.min((LAST * first / last).powf(1.0 / k as f64));
@@ -94,9 +87,9 @@ impl VariedMode {
             slopes: vec![Vec::new(); forces.len()],
             by: vec![vec![Vec::new(); count]; forces.len()],
         };
-        for k in 0..=LAST_ORDER {
+        for k in 0..=LAST_CURVE_ORDER {
             self.put_curves(&mut terms[k], width, &mut arguments, k);
-            if k < LAST_ORDER {
+            if k < LAST_CURVE_ORDER {
                 let next = self.next_term(&terms[k], width, span / (k + 1) as f64);
                 terms.push(next);
             }
@@ -133,7 +126,7 @@ impl VariedMode {
             term[own.place * width] = series.at_order(&own.force, k);
             for (p, by) in self.curves.by.iter().enumerate() {
                 let by = &by[i];
-                let moved = dot(term, &by.moved, 0);
+                let moved = dot(term, by.argument.terms(), 0);
                 let steps = &mut arguments.by[i][p];
                 steps.push(dot(term, own.argument.terms(), p + 1) + moved);
                 let sum: f64 = slopes.iter().zip(steps.iter().rev()).map(|(slope, step)| slope * step).sum();

@@ -216,10 +216,9 @@ impl Tangent {
         for (k, spring) in system.springs.iter().enumerate() {
             let Some(curved) = spring.curve.map(|i| &system.curved[i]) else { continue };
             let own = &self.springs[k].0;
-            let argument = if curved.is_of_rate { own.rate.clone() } else { own.e.clone() };
-            let entries = argument.iter().copied().enumerate().filter(|(_, x)| *x != 0.0).collect();
+            let argument = Functional::of(if curved.is_of_rate { own.rate.clone() } else { own.e.clone() });
             let force = Polynomial { coefficients: moved[k] };
-            self.curves.push(CurveTangent { argument, moved: entries, force });
+            self.curves.push(CurveTangent { argument, force });
         }
     }
 

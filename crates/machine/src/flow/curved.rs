@@ -9,12 +9,12 @@ use crate::system::System;
 
 /// Order of the last term of a series with curved forces. High orders are cheap with vector
 /// instructions. The number is fixed, so that every span takes the same operations.
-const LAST_ORDER: usize = 28;
+pub(crate) const LAST_CURVE_ORDER: usize = 28;
 /// Rate times the longest span over which coefficients are computed. The proved span of the series
 /// may be longer or shorter.
-const REACH: f64 = 4.0;
+pub(crate) const CURVE_REACH: f64 = 4.0;
 /// Factor by which the span of a series is shortened if its terms overflow.
-const OVERFLOW: f64 = 1e-3;
+pub(crate) const CURVE_OVERFLOW: f64 = 1e-3;
 
 /// A curved force in a mode.
 #[derive(Clone, Debug)]
@@ -119,19 +119,19 @@ impl Ahead {
     #[inline(always)]
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
         let (faster, rate) = balance(table.rate, &table.curves, z);
-        let mut scale = most.min(REACH / rate);
+        let mut scale = most.min(CURVE_REACH / rate);
         let series = &mut self.series;
         loop {
-            series.expand(table, z, scale, LAST_ORDER);
-            if scale < f64::MIN_POSITIVE || series.term(LAST_ORDER).iter().all(|x| x.is_finite()) {
+            series.expand(table, z, scale, LAST_CURVE_ORDER);
+            if scale < f64::MIN_POSITIVE || series.term(LAST_CURVE_ORDER).iter().all(|x| x.is_finite()) {
                 break;
             }
-            scale *= OVERFLOW;
+            scale *= CURVE_OVERFLOW;
         }
         let longest = most / scale;
         let part = table.proved_part(series, (scale, faster), longest);
         let mut power = 1.0;
-        for k in 1..=LAST_ORDER {
+        for k in 1..=LAST_CURVE_ORDER {
             power *= part;
             series.scale(k, power);
         }
@@ -167,8 +167,8 @@ impl FlowTable {
     /// proved to be rounding.
     #[inline(always)]
     fn proved_part(&self, series: &Series, (span, faster): (f64, f64), most: f64) -> f64 {
-        let (mut norms, mut sizes) = ([0.0; LAST_ORDER + 1], [0.0; LAST_ORDER + 1]);
-        for k in 0..=LAST_ORDER {
+        let (mut norms, mut sizes) = ([0.0; LAST_CURVE_ORDER + 1], [0.0; LAST_CURVE_ORDER + 1]);
+        for k in 0..=LAST_CURVE_ORDER {
             (norms[k], sizes[k]) = series.norms_faster(self, k, faster);
         }
         let pairs = self.curves.iter().zip(&series.curves);
@@ -182,7 +182,7 @@ impl FlowTable {
     /// the motion's: a state that reaches the end of its motion stays there.
     pub fn carry_along(&self, z: &mut [f64], variations: &mut [Vec<f64>], time: f64) {
         let (mut ahead, mut left) = (Ahead::default(), time);
-        let mut terms = vec![vec![0.0; z.len()]; LAST_ORDER + 1];
+        let mut terms = vec![vec![0.0; z.len()]; LAST_CURVE_ORDER + 1];
         while left > 0.0 {
             ahead.find_curved(self, z, left);
             if ahead.span == 0.0 {
@@ -203,7 +203,7 @@ impl FlowTable {
     /// coefficients were computed. `terms` is memory for the variation's coefficients.
     fn vary(&self, ahead: &Ahead, variation: &mut [f64], terms: &mut [Vec<f64>], part: f64) {
         terms[0].copy_from_slice(variation);
-        for k in 0..=LAST_ORDER {
+        for k in 0..=LAST_CURVE_ORDER {
             let (known, later) = terms.split_at_mut(k + 1);
             for (curve, series) in self.curves.iter().zip(&ahead.series.curves) {
                 let product =
@@ -215,8 +215,8 @@ impl FlowTable {
                 self.rows_times_to(0, &known[k], ahead.expanded / (k + 1) as f64, next);
             }
         }
-        variation.copy_from_slice(&terms[LAST_ORDER]);
-        for term in terms[..LAST_ORDER].iter().rev() {
+        variation.copy_from_slice(&terms[LAST_CURVE_ORDER]);
+        for term in terms[..LAST_CURVE_ORDER].iter().rev() {
             variation.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
         }
     }

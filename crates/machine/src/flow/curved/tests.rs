@@ -50,7 +50,7 @@ fn state(system: &System, chance: &mut Chance) -> Vec<f64> {
 /// The terms of a series and the remainder's bound over a fraction of its span.
 fn bound(table: &FlowTable, series: &Series, (span, faster): (f64, f64), part: f64) -> (f64, f64) {
     let (norms, sizes): (Vec<f64>, Vec<f64>) =
-        (0..=LAST_ORDER).map(|k| series.norms_faster(table, k, faster)).unzip();
+        (0..=LAST_CURVE_ORDER).map(|k| series.norms_faster(table, k, faster)).unzip();
     let pairs = table.curves.iter().zip(&series.curves);
     let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series, faster)).collect();
     let mut remainder =
@@ -75,7 +75,7 @@ fn second_method_the_remainder_is_below_its_bound() {
         ahead.find_curved(&table, &z, 100.0);
         let (span, part) = (ahead.expanded, ahead.span / ahead.expanded);
         let mut series = Series::default();
-        series.expand(&table, &z, span, LAST_ORDER);
+        series.expand(&table, &z, span, LAST_CURVE_ORDER);
         for (beyond, faster) in BEYOND.into_iter().flat_map(|beyond| FASTER.map(|faster| (beyond, faster))) {
             let (limit, size) = bound(&table, &series, (span, faster), part * beyond);
             if !(limit.is_finite() && limit < LARGEST * size) {
