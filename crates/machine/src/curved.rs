@@ -59,13 +59,6 @@ impl Polynomial {
     pub fn majorant(&self) -> Self {
         Self { coefficients: self.coefficients.map(f64::abs) }
     }
-
-    /// Smallest x > 0 at which one of the terms reaches a given size.
-    pub(crate) fn reaching(&self, size: f64) -> f64 {
-        let root = |(i, c): (usize, &f64)| (size / c.abs()).powf(1.0 / (i + LOWEST) as f64);
-        let all = self.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0).map(root);
-        all.fold(f64::INFINITY, f64::min)
-    }
 }
 
 /// A curved force.
@@ -80,9 +73,6 @@ pub struct Curved {
     pub place: usize,
     /// Whether x is a rate: φ then dissipates; otherwise it stores energy.
     pub is_of_rate: bool,
-    /// Slope φ' at the amplitude that the start and the loads suggest, N/m or N s/m. It gives the
-    /// mode a time scale, and no bound depends on it.
-    pub slope: f64,
 }
 
 impl Curved {

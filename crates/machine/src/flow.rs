@@ -34,7 +34,9 @@ use crate::norm::{norm, rate_bound};
 use crate::signals::SMALL;
 use crate::system::{DENSE, STIFF, System};
 use apart::Apart;
-pub(crate) use curved::{CURVE_OVERFLOW, CURVE_REACH, CurveInMode, LAST_CURVE_ORDER, balance};
+pub(crate) use curved::{
+    CURVE_OVERFLOW, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, halvings, part, rate_at,
+};
 use exponential::series_orders;
 use kept::Kept;
 use std::sync::Arc;
@@ -166,10 +168,7 @@ impl FlowTable {
         }
         let split = system.split();
         let is_straight = system.curved.is_empty();
-        let norm = |a: &SparseMatrix| match is_straight {
-            true => split.norm(a),
-            false => split.norm(&system.with_slopes(a)),
-        };
+        let norm = |a: &SparseMatrix| split.norm(a);
         if mode.contacts().next().is_some() {
             let mut table = Self::with_norm(system.linear(mode), one, is_straight, norm);
             table.curves = CurveInMode::all(system, &table.a, &table.weights);

@@ -230,7 +230,6 @@ impl System {
         system.add_blocks(d, &sources);
         system.add_freewheels(d);
         system.add_forces();
-        system.estimate_slopes(d);
         Ok(system)
     }
 

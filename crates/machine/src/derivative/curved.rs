@@ -35,8 +35,9 @@ pub(super) struct CurvesInMode {
     /// A bound of the norm of A, and 1/w for each coordinate; empty without curved forces.
     pub rate: f64,
     pub weights: Vec<f64>,
-    /// Indices of the velocities.
-    pub velocities: std::ops::Range<usize>,
+    /// Number of displacements, and index of the constant 1.
+    pub coordinates: usize,
+    pub one: usize,
 }
 
 impl CurvesInMode {
@@ -45,9 +46,9 @@ impl CurvesInMode {
         if system.curved.is_empty() {
             return Self::default();
         }
-        let (rate, weights) = norm(&system.with_slopes(a), system.signals.one);
-        let velocities = system.coordinates..2 * system.coordinates;
-        Self { forces: CurveInMode::all(system, a, &weights), by, rate, weights, velocities }
+        let (rate, weights) = norm(a, system.signals.one);
+        let (coordinates, one) = (system.coordinates, system.signals.one);
+        Self { forces: CurveInMode::all(system, a, &weights), by, rate, weights, coordinates, one }
     }
 
     /// Whether there are none.

@@ -4,7 +4,9 @@ use super::columns::Columns;
 use super::curved::CurvesInMode;
 use super::mode::VariedMode;
 use crate::curved::{CurveSeries, Polynomial};
-use crate::flow::{CURVE_OVERFLOW, CURVE_REACH, CurveInMode, LAST_CURVE_ORDER, balance};
+use crate::flow::{
+    CURVE_OVERFLOW, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, halvings, part, rate_at,
+};
 
 /// Size of the last terms relative to the first ones, of the state and of each column.
 const LAST: f64 = 1e-18;
@@ -36,17 +38,20 @@ impl VariedMode {
 
     /// Carries a state and its derivatives along one series; returns the time.
     fn curved_series(&self, z: &mut Columns, most: f64) -> f64 {
-        let state = z.state();
-        let (faster, rate) = balance(self.curves.rate, &self.curves.forces, state.as_slice());
+        let rate = rate_at(self.curves.rate, &self.curves.forces, z.state().as_slice());
         let mut span = most.min(CURVE_REACH / rate);
         let terms = loop {
             let terms = self.curved_terms(z, span);
-            if span < f64::MIN_POSITIVE || terms[LAST_CURVE_ORDER].iter().all(|x| x.is_finite()) {
-                break terms;
+            let is_finite = terms[LAST_CURVE_ORDER].iter().all(|x| x.is_finite());
+            match halvings(&self.group_norms(&terms, z.width, 0)).filter(|n| *n > 0) {
+                _ if span < f64::MIN_POSITIVE => break terms,
+                _ if !is_finite => span *= CURVE_OVERFLOW,
+                Some(halvings) => span *= 0.5f64.powi(halvings),
+                None => break terms,
             }
-            span *= CURVE_OVERFLOW;
         };
-        let part = self.part(&terms, z.width, faster).min(1.0);
+        let parts = (0..=self.by.len()).map(|column| part(&self.group_norms(&terms, z.width, column), LAST));
+        let part = parts.fold(1.0, f64::min);
         z.numbers.copy_from_slice(&terms[LAST_CURVE_ORDER]);
         for term in terms[..LAST_CURVE_ORDER].iter().rev() {
             z.numbers.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
@@ -54,28 +59,14 @@ impl VariedMode {
         part * span
     }
 
-    /// The fraction of a span over which the last terms of the state and of each column are
-    /// rounding.
-    fn part(&self, terms: &[Vec<f64>], width: usize, faster: f64) -> f64 {
-        // In the norm of (A6) the coordinates are comparable; φ follows from the others.
-        let CurvesInMode { weights, forces, velocities, .. } = &self.curves;
-        let weight = |i: usize| weights[i] / if velocities.contains(&i) { faster } else { 1.0 };
-        let size = |k: usize, column: usize| {
-            let numbers = terms[k][column..].iter().step_by(width).enumerate();
-            let others = numbers.take(weights.len() - forces.len());
-            others.fold(0.0f64, |most, (i, x)| most.max((x * weight(i)).abs()))
+    /// The norms of (A6) of the terms of a column, by group. Column 0 is the state.
+    fn group_norms(&self, terms: &[Vec<f64>], width: usize, column: usize) -> Vec<GroupNorms> {
+        let CurvesInMode { weights, coordinates: n, one, .. } = &self.curves;
+        let norm = |term: &[f64], from: usize, to: usize| {
+            (from..to).fold(0.0f64, |most, i| most.max((term[i * width + column] * weights[i]).abs()))
         };
-        let mut part = f64::INFINITY;
-        for column in 0..=self.by.len() {
-            let first = (0..LAST_CURVE_ORDER / 2).map(|k| size(k, column)).fold(0.0, f64::max);
-            for k in [LAST_CURVE_ORDER - 1, LAST_CURVE_ORDER] {
-                let last = size(k, column);
-                if last > 0.0 && first > 0.0 {
-                    part = part.min((LAST * first / last).powf(1.0 / k as f64));
-                }
-            }
-        }
-        part
+        let of_term = |term: &Vec<f64>| [norm(term, 0, *n), norm(term, *n, 2 * n), norm(term, 2 * n, *one)];
+        terms.iter().map(of_term).collect()
     }
 
     /// The terms of the series of a state and its derivatives over a span.

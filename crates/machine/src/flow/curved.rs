@@ -1,5 +1,9 @@
 //! Curved forces in a mode, and the power series of a state under them.
 
+mod pace;
+
+pub(crate) use pace::{GroupNorms, halvings, part};
+
 use super::ahead::{Ahead, HeadAhead, Series};
 use super::{FlowTable, ORDERS};
 use crate::curved::{CurveSeries, CurveSizes, CurveTerms, Curved, Remainder};
@@ -15,6 +19,9 @@ pub(crate) const LAST_CURVE_ORDER: usize = 28;
 pub(crate) const CURVE_REACH: f64 = 4.0;
 /// Factor by which the span of a series is shortened if its terms overflow.
 pub(crate) const CURVE_OVERFLOW: f64 = 1e-3;
+/// Power of two by which the span of the computed coefficients may exceed their radius of
+/// convergence. Beyond it they are computed again.
+const MOST_HALVINGS: i32 = 3;
 
 /// A curved force in a mode.
 #[derive(Clone, Debug)]
@@ -67,38 +74,35 @@ impl CurveInMode {
     }
 }
 
-/// The factor of the weights of velocities that suits the slopes of curved forces at a state, and
-/// the rate of z' = A z with these slopes in the norm with this factor, 1/s.
-///
-/// Where springs are steeper than at the amplitude that the start suggests, the motion is faster,
-/// and its velocities are larger than the weights of (A6) expect. A factor of at least 1 times the
-/// weights of velocities raises the norm of A at most by itself.
+/// The rate of z' = A z with the slopes of the curved forces at a state, 1/s, in the norm in which
+/// z' = A z has the given rate.
 #[inline(always)]
-pub(crate) fn balance(rate: f64, curves: &[CurveInMode], z: &[f64]) -> (f64, f64) {
-    let mut steepest = 0.0;
+pub(crate) fn rate_at(rate: f64, curves: &[CurveInMode], z: &[f64]) -> f64 {
+    let (mut stiffness, mut damping) = (0.0, 0.0);
     for curve in curves {
-        if !curve.curved.is_of_rate {
-            steepest += curve.rate(z, 1.0);
-        }
+        *if curve.curved.is_of_rate { &mut damping } else { &mut stiffness } += curve.rate(z, 1.0);
     }
-    let faster = (steepest / rate).sqrt().max(1.0);
-    let mut all = faster * rate;
-    for curve in curves {
-        all += curve.rate(z, faster);
-    }
-    (faster, all)
+    // A factor of at least 1 times the weights of velocities raises the norm of A at most by itself.
+    let faster = (stiffness / rate).sqrt().max(1.0);
+    faster * rate + stiffness / faster + damping
+}
+
+/// The norms of a term with the weights of velocities `faster` times larger: without the
+/// coordinates of curved forces, and of the states alone.
+#[inline(always)]
+fn joint([displacements, velocities, inner]: GroupNorms, signals: f64, faster: f64) -> (f64, f64) {
+    let states = displacements.max(velocities / faster).max(inner);
+    (states.max(signals), states)
 }
 
 impl Series {
-    /// The norms of (A6) of a term with the weights of velocities `faster` times larger: without the
-    /// coordinates of curved forces, and of the states alone.
+    /// The norms of (A6) of a term: by group, and of the signals.
     #[inline(always)]
-    fn norms_faster(&self, table: &FlowTable, k: usize, faster: f64) -> (f64, f64) {
+    fn norms(&self, table: &FlowTable, k: usize) -> (GroupNorms, f64) {
         let (n, one, straight) = (table.coordinates, table.one, table.a.len() - table.curves.len());
         let term = self.term(k);
-        let part = |from: usize, to: usize| largest_product(&term[from..to], &table.weights[from..to]);
-        let states = part(0, n).max(part(n, 2 * n) / faster).max(part(2 * n, one));
-        (states.max(part(one, straight)), states)
+        let norm = |from: usize, to: usize| largest_product(&term[from..to], &table.weights[from..to]);
+        ([norm(0, n), norm(n, 2 * n), norm(2 * n, one)], norm(one, straight))
     }
 
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
@@ -118,18 +122,28 @@ impl Ahead {
     /// remainder of the series is proved to be rounding.
     #[inline(always)]
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
-        let (faster, rate) = balance(table.rate, &table.curves, z);
-        let mut scale = most.min(CURVE_REACH / rate);
+        let mut scale = most.min(CURVE_REACH / rate_at(table.rate, &table.curves, z));
         let series = &mut self.series;
+        let (mut groups, mut signals) = ([[0.0; 3]; LAST_CURVE_ORDER + 1], [0.0; LAST_CURVE_ORDER + 1]);
         loop {
             series.expand(table, z, scale, LAST_CURVE_ORDER);
-            if scale < f64::MIN_POSITIVE || series.term(LAST_CURVE_ORDER).iter().all(|x| x.is_finite()) {
-                break;
+            for k in 0..=LAST_CURVE_ORDER {
+                (groups[k], signals[k]) = series.norms(table, k);
             }
-            scale *= CURVE_OVERFLOW;
+            let is_finite = series.term(LAST_CURVE_ORDER).iter().all(|x| x.is_finite());
+            let halvings = halvings(&groups).filter(|n| *n > MOST_HALVINGS);
+            match halvings {
+                _ if scale < f64::MIN_POSITIVE => break,
+                _ if !is_finite => scale *= CURVE_OVERFLOW,
+                Some(halvings) => scale *= 0.5f64.powi(halvings),
+                None => break,
+            }
         }
+        // With weights of velocities that suit the pace of the motion, the remainder is rounding
+        // of the displacements and of the velocities.
+        let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
         let longest = most / scale;
-        let part = table.proved_part(series, (scale, faster), longest);
+        let part = table.proved_part(series, (&groups, &signals), (scale, faster), longest);
         let mut power = 1.0;
         for k in 1..=LAST_CURVE_ORDER {
             power *= part;
@@ -166,10 +180,16 @@ impl FlowTable {
     /// The longest fraction of the span of a series, at most `most`, over which its remainder is
     /// proved to be rounding.
     #[inline(always)]
-    fn proved_part(&self, series: &Series, (span, faster): (f64, f64), most: f64) -> f64 {
+    fn proved_part(
+        &self,
+        series: &Series,
+        (groups, signals): (&[GroupNorms], &[f64]),
+        (span, faster): (f64, f64),
+        most: f64,
+    ) -> f64 {
         let (mut norms, mut sizes) = ([0.0; LAST_CURVE_ORDER + 1], [0.0; LAST_CURVE_ORDER + 1]);
         for k in 0..=LAST_CURVE_ORDER {
-            (norms[k], sizes[k]) = series.norms_faster(self, k, faster);
+            (norms[k], sizes[k]) = joint(groups[k], signals[k], faster);
         }
         let pairs = self.curves.iter().zip(&series.curves);
         let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series, faster)).collect();
@@ -244,8 +264,9 @@ impl FlowTable {
         doubt: f64,
     ) -> Vec<Option<(usize, f64)>> {
         let mut series = Series::default();
-        series.expand(self, z, self.length, ORDERS - 1);
-        let all = self.sizes_of_terms(z, sizes, ORDERS - 1);
+        let length = CURVE_REACH / rate_at(self.rate, &self.curves, z);
+        series.expand(self, z, length, ORDERS - 1);
+        let all = self.sizes_of_terms(z, sizes, (length, ORDERS - 1));
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
         let of = |row: &Sparse| {
             (0..ORDERS).find_map(|k| {
@@ -256,9 +277,9 @@ impl FlowTable {
         self.watched.iter().map(|w| of(&w.row)).collect()
     }
 
-    /// For each order the sizes of the terms of a series over a sub-step, given the sizes of the
-    /// coordinates at its start.
-    fn sizes_of_terms(&self, z: &[f64], sizes: &[f64], last: usize) -> Vec<Vec<f64>> {
+    /// For each order up to `last` the sizes of the terms of a series over a span, given the sizes
+    /// of the coordinates at its start.
+    fn sizes_of_terms(&self, z: &[f64], sizes: &[f64], (span, last): (f64, usize)) -> Vec<Vec<f64>> {
         let own = self.sizes.as_ref().unwrap_or(&self.a);
         let mut all = vec![sizes.to_vec()];
         let mut majorants: Vec<CurveSizes> = self
@@ -271,7 +292,7 @@ impl FlowTable {
             .collect();
         for k in 1..=last {
             let mut next = vec![0.0; sizes.len()];
-            own.sizes_rows_times_to(0, &all[k - 1], self.length / k as f64, &mut next);
+            own.sizes_rows_times_to(0, &all[k - 1], span / k as f64, &mut next);
             for (curve, majorant) in self.curves.iter().zip(&mut majorants) {
                 next[curve.curved.place] = majorant.next(k, curve.curved.argument.size(&next));
             }

@@ -1,6 +1,7 @@
 //! Limits of a motion and of a call, and the errors when they are exceeded.
 
 use super::Motion;
+use crate::curved::Polynomial;
 use crate::elements::Element;
 use crate::error::Error;
 use std::sync::Arc;
@@ -9,6 +10,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Largest coordinate or rate, m, rad, m/s or rad/s. It is checked at least every 16 sub-steps, in
 /// which numbers grow by a factor of at most 1e21, so that energies stay finite.
 const MOST: f64 = 1e100;
+
+/// The same for machines with curved forces, whose fifth powers stay finite. A motion that gets
+/// there ends soon: it grows without bounds in finite time.
+const MOST_CURVED: f64 = 1e30;
 
 /// Sub-steps between two checks of the interruption flag: some hundredths of a second.
 const LOOK: u64 = 1 << 16;
@@ -64,29 +69,43 @@ impl Motion {
     /// Refuses coordinates and rates whose energies would not be finite.
     pub(super) fn check_sizes(&self) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, self.hybrid.z.as_slice());
-        let beyond = z[..system.signals.one].iter().position(|x| x.abs() > MOST || x.is_nan());
-        beyond.map_or(Ok(()), |k| {
-            let name = self.assembly.name_of_state(k);
-            let name = name.rsplit_once('.').map_or(name.clone(), |(of, what)| format!("{of}: {what}"));
-            Err(Error::Beyond { time: self.time(), name, value: z[k] })
-        })
+        let is_curved = !system.curved.is_empty();
+        let limit = if is_curved { MOST_CURVED } else { MOST };
+        let beyond = z[..system.signals.one].iter().position(|x| x.abs() > limit || x.is_nan());
+        let Some(k) = beyond else { return Ok(()) };
+        if is_curved {
+            let name = self.steepest().0;
+            let cause = format!(
+                "the motion ends in finite time; the force of {name} lets coordinates grow beyond \
+                 all bounds"
+            );
+            return Err(Error::Stuck { time: self.time(), cause });
+        }
+        let name = self.assembly.name_of_state(k);
+        let name = name.rsplit_once('.').map_or(name.clone(), |(of, what)| format!("{of}: {what}"));
+        Err(Error::Beyond { time: self.time(), name, value: z[k] })
     }
 
-    /// Error of a motion that ends in finite time: it names the element whose force grows fastest.
-    pub(super) fn ends(&self) -> Error {
-        let (assembly, z) = (&self.assembly, self.hybrid.z.as_slice());
-        let slope = |i: usize| {
-            let own = &assembly.system.curved[i];
-            own.force.derivative(own.argument.at(z)).abs()
-        };
-        let fastest = (0..assembly.system.curved.len()).max_by(|i, j| slope(*i).total_cmp(&slope(*j)));
-        let elements = assembly.description.elements().filter(|element| element.is_curved());
-        let name = elements.map(Element::dotted).nth(fastest.unwrap_or(0)).unwrap_or_default();
+    /// Error of curved forces that are too large for numbers: it names the element whose force
+    /// grows fastest.
+    pub(super) fn too_large(&self) -> Error {
+        let (name, value) = self.steepest();
         let cause = format!(
-            "the motion ends in finite time; the force of {name} lets coordinates grow beyond all \
-             bounds"
+            "the force of {name} is {value:e} N or N m here, which changes too fast for any step \
+             in time; reduce its coefficients or the displacements"
         );
         Error::Stuck { time: self.time(), cause }
+    }
+
+    /// Dotted name and force of the element whose curved force grows fastest.
+    fn steepest(&self) -> (String, f64) {
+        let (assembly, z) = (&self.assembly, self.hybrid.z.as_slice());
+        let forces = assembly.system.curved.iter().map(|own| (own.force, own.argument.at(z)));
+        let elements = assembly.description.elements().filter(|element| element.is_curved());
+        let slope = |(force, x): (Polynomial, f64)| force.derivative(x).abs();
+        let all = elements.map(Element::dotted).zip(forces);
+        let steepest = all.max_by(|a, b| slope(a.1).total_cmp(&slope(b.1)));
+        steepest.map_or_else(Default::default, |(name, (force, x))| (name, force.value(x)))
     }
 
     /// Error of a call that exceeds its limit of sub-steps.
@@ -115,7 +134,7 @@ impl Motion {
              sub-steps long before the {:e} s that one could last; a \
              lower restitution, damping or a heavier body makes the events fewer, and another call \
              continues from here",
-            self.table().length
+            self.full_length()
         );
         self.stuck(&cause)
     }

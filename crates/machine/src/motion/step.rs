@@ -201,13 +201,18 @@ impl Motion {
             // an event makes progress, however short its series are.
             let is_series = self.table().is_curved() && !is_event;
             work -= f64::from(u8::from(!is_knot && !is_series));
-            work += WORK.1 * (self.time() - from) / self.table().length;
+            work += WORK.1 * (self.time() - from) / self.full_length();
             from = self.time();
             if work < 0.0 {
                 return Err(self.too_many(sub_steps + 1, began));
             }
         }
         Err(self.too_stiff())
+    }
+
+    /// Length of a sub-step without an event, s.
+    pub(super) fn full_length(&self) -> f64 {
+        if self.table().is_curved() { self.scratch.ahead.span } else { self.table().length }
     }
 
     /// Advances by a sub-step towards `goal`, or to the event at which it ends. With `keeps`, the
@@ -219,9 +224,9 @@ impl Motion {
         } else {
             self.by_series(goal, at_knot)
         };
-        let Some(Flown { place, dt, whole, reaches }) = flown else { return Err(self.ends()) };
+        let Some(Flown { place, dt, whole, reaches, length }) = flown else { return Err(self.too_large()) };
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        let progresses = dt > PROGRESS * self.table().length;
+        let progresses = dt > PROGRESS * length;
         if progresses {
             self.hybrid.chain = 0;
         }
@@ -295,12 +300,13 @@ impl Motion {
                 assembly.system.signals.carry_within(start, end.dt, z);
             }
         }
-        Flown { place: passage.map(|passage| passage.place), dt, whole, reaches }
+        let place = passage.map(|passage| passage.place);
+        Flown { place, dt, whole, reaches, length: table.length }
     }
 
     /// Flies a sub-step by one series of the actual state; the series ends a little after the
-    /// predicted event. `None` if the motion under curved forces ends in finite time: its series
-    /// then become as short as rounding.
+    /// predicted event. `None` if the curved forces are so large that no length of the series is
+    /// proved.
     #[inline(always)]
     fn by_series(&mut self, goal: DoubleDouble, at_knot: bool) -> Option<Flown> {
         let Self { tables, place, hybrid, scratch, assembly, .. } = self;
@@ -311,7 +317,7 @@ impl Motion {
         let ahead = &mut scratch.ahead;
         let leaving = |place: usize| (flight.order(place), flight.short_limit(place));
         ahead.find(table, hybrid.z.as_slice(), remaining, leaving);
-        if table.is_curved() && ahead.span < remaining.min(PROGRESS * table.length) {
+        if ahead.span == 0.0 {
             return None;
         }
         let part = flight.part_within_reach(ahead);
@@ -342,8 +348,13 @@ impl Motion {
         }
         ahead.series.at(part, hybrid.z.as_mut_slice());
         assembly.system.fill_curved(hybrid.z.as_mut_slice());
-        let whole = passage.is_none() && part == 1.0 && ahead.span >= table.length;
-        Some(Flown { place, dt, whole, reaches })
+        // The length of a series with curved forces follows from its remainder.
+        let (length, is_full) = match table.is_curved() {
+            true => (ahead.span, !is_end),
+            false => (table.length, ahead.span >= table.length),
+        };
+        let whole = passage.is_none() && part == 1.0 && is_full;
+        Some(Flown { place, dt, whole, reaches, length })
     }
 
     /// Prepares the next sub-step, at whose start event functions are no longer at zero. If the
@@ -390,6 +401,8 @@ struct Flown {
     whole: bool,
     /// Whether it has reached its goal.
     reaches: bool,
+    /// Length of a full sub-step, s.
+    length: f64,
 }
 
 /// A sub-step, compiled for each vector instruction set of a computer. Products are not fused, so

@@ -1,12 +1,10 @@
-//! Curved forces of a machine: their coordinates in the augmented state, and the slopes that give
-//! a mode its time scale.
+//! Curved forces of a machine: their coordinates in the augmented state.
 
 use super::{Elongation, System};
 use crate::curved::{Curved, POWERS, Polynomial};
-use crate::description::{BodyKind, Description};
+use crate::description::Description;
 use crate::elements::Element;
 use crate::functional::Functional;
-use crate::kernel::SparseMatrix;
 
 /// Number of curved forces of a machine.
 pub fn count(d: &Description) -> usize {
@@ -28,7 +26,7 @@ impl System {
         spring.force = &spring.force + &Functional::unit(self.signals.size, place, 1.0);
         spring.curve = Some(self.curved.len());
         let force = Polynomial { coefficients };
-        self.curved.push(Curved { argument, force, place, is_of_rate, slope: 0.0 });
+        self.curved.push(Curved { argument, force, place, is_of_rate });
     }
 
     /// Writes the curved forces into the augmented state, from its coordinates and rates.
@@ -52,65 +50,5 @@ impl System {
         for curved in &self.curved {
             sizes[curved.place] = sizes[curved.place].max(curved.size(z, sizes));
         }
-    }
-
-    /// Sets the slopes at the amplitudes that the start and the loads suggest.
-    pub(crate) fn estimate_slopes(&mut self, d: &Description) {
-        if self.curved.is_empty() {
-            return;
-        }
-        let load = d.loads.iter().map(|load| {
-            let signal = &load.force;
-            let harmonics = signal.harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>();
-            let steps = signal.steps.iter().map(|step| step.height.abs()).sum::<f64>();
-            let sweeps = signal.sweeps.iter().map(|sweep| sweep.amplitude.abs()).sum::<f64>();
-            signal.constant.abs() + harmonics + steps + sweeps
-        });
-        let weight = self.weights.iter().map(|weight| weight.abs()).sum::<f64>();
-        let preload = self.springs.iter().map(|spring| spring.preload.abs()).sum::<f64>();
-        let force = load.sum::<f64>() + weight + preload;
-        let (mut places, mut speeds) = (0.0f64, 0.0f64);
-        for body in &d.bodies {
-            let (s, v) = match &body.kind {
-                BodyKind::Free(free) => (free.s, free.v),
-                BodyKind::Prescribed { motion, rate } => {
-                    let harmonics = motion.harmonics.iter().map(|h| h.amplitude.abs()).sum::<f64>();
-                    (motion.constant.abs() + harmonics, *rate)
-                }
-                BodyKind::Integrated(own) => (own.s, own.v),
-                BodyKind::Node(_) => (0.0, 0.0),
-            };
-            (places, speeds) = (places + s.abs(), speeds + v.abs());
-        }
-        let inertia = self.inertias.iter().sum::<f64>();
-        for curved in &mut self.curved {
-            let arm = curved.argument.terms().iter().map(|term| term.1.abs()).fold(0.0, f64::max);
-            let reached = if curved.is_of_rate { speeds } else { places } * arm;
-            // A body with this speed is stopped where the work of φ is its kinetic energy.
-            let stopping = curved.force.reaching(force + inertia * speeds * speeds / reached.max(1e-9));
-            let x = reached.max(if stopping.is_finite() { stopping } else { 0.0 });
-            curved.slope = curved.force.majorant().derivative(x);
-        }
-    }
-
-    /// A with the slopes of the curved forces added to the sizes of its entries.
-    pub(crate) fn with_slopes(&self, a: &SparseMatrix) -> SparseMatrix {
-        let mut with = SparseMatrix::default();
-        for i in 0..a.len() {
-            let mut row = a.row(i).to_vec();
-            for curved in &self.curved {
-                let by = row.iter().find(|term| term.0 == curved.place).map_or(0.0, |term| term.1);
-                for &(j, x) in curved.argument.terms().iter().filter(|_| by != 0.0) {
-                    let added = (by * curved.slope * x).abs();
-                    match row.iter_mut().find(|term| term.0 == j) {
-                        Some(term) => term.1 += added.copysign(term.1),
-                        None => row.push((j, added)),
-                    }
-                }
-            }
-            row.sort_by_key(|term| term.0);
-            with.push_row(row.into_iter());
-        }
-        with
     }
 }

@@ -50,7 +50,7 @@ fn state(system: &System, chance: &mut Chance) -> Vec<f64> {
 /// The terms of a series and the remainder's bound over a fraction of its span.
 fn bound(table: &FlowTable, series: &Series, (span, faster): (f64, f64), part: f64) -> (f64, f64) {
     let (norms, sizes): (Vec<f64>, Vec<f64>) =
-        (0..=LAST_CURVE_ORDER).map(|k| series.norms_faster(table, k, faster)).unzip();
+        (0..=LAST_CURVE_ORDER).map(|k| series.norms(table, k)).map(|(g, s)| joint(g, s, faster)).unzip();
     let pairs = table.curves.iter().zip(&series.curves);
     let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series, faster)).collect();
     let mut remainder =
