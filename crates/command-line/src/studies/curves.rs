@@ -12,7 +12,7 @@ use vibro_orbits::{Label, LocusEnd, LocusPoint};
 pub struct LocusCurve<S> {
     /// File and row of the special point, as FILE:ROW.
     pub from: String,
-    /// Number of that row.
+    /// Row of the special point in that file.
     pub row: usize,
     /// The special point.
     pub start: S,

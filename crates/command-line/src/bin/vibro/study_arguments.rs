@@ -102,9 +102,9 @@ pub struct DiagramOfPaper {
 /// Arguments of `lyapunov`.
 #[derive(Args, Debug)]
 pub struct Lyapunov {
-    /// Largest number of periods over which exponents are computed. With FILE: 8 to 1000000; 32
-    /// further periods come first and are not counted, while the perturbation aligns with the
-    /// direction of fastest growth [default: 1500; with FILE 400]
+    /// Largest number of periods over which exponents are computed. For a FILE: 8 to 1000000; 32
+    /// further periods come first, in which the perturbation aligns with the direction of fastest
+    /// growth [default: 1500; with FILE 400]
     #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
@@ -116,8 +116,7 @@ pub struct Lyapunov {
     #[arg(long, conflicts_with_all = ["range", "pair"], help_heading = WITH_FILE)]
     pub spectrum: bool,
     /// Threshold, per unit of tau: the computation of a spectrum ends when the standard deviation
-    /// of every running exponent over the last 200 periods is below it. With 0 all periods are
-    /// counted
+    /// of every running exponent over the last 200 periods is below it; 0 counts all periods
     #[arg(long, value_name = "X", default_value_t = 0.0)]
     #[arg(value_parser = real(0.0..=f64::MAX, "a finite number >= 0"), help_heading = WITHOUT_FILE)]
     pub threshold: f64,
