@@ -47,8 +47,7 @@ pub(super) fn pieces(
             x.iter_mut().zip(fallen).for_each(|(x, fallen)| *x += fallen);
         }
         z = Flight::state(&x, 1.0, length);
-        // Without impacts only the box moves, so its displacement is minus the oscillation of x2 -
-        // x1 that `wave` describes.
+        // Without impacts only the box moves: by minus the oscillation of x2 - x1 (`wave`).
         add_sine(&mut x[0], -amplitude, length, phase + angle);
         x.iter_mut().zip(rest).for_each(|(x, rest)| x[0] += rest);
         TaylorPiece { phase, length, x }

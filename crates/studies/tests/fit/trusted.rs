@@ -1,7 +1,7 @@
-//! Fits of simulated records of eight machines, with many noise draws each and initial guesses 25
-//! % off. The tests check the verdicts and the errors of the parameters, in standard errors. Run
-//! by name, since each machine takes some ten minutes: `cargo test -p vibro-studies --test fit
-//! trusted -- --ignored --nocapture`.
+//! Fits of simulated records of eight machines, with many noise draws each and initial guesses
+//! off by 25 %. The tests check the verdicts and the errors of the parameters, in standard errors.
+//! Run by name, since each machine takes some ten minutes:
+//! `cargo test -p vibro-studies --test fit trusted -- --ignored --nocapture`.
 
 use super::*;
 use std::time::Instant;
