@@ -34,9 +34,9 @@ fn resonant_box() -> Model {
     Model::new(&p).unwrap()
 }
 
-/// Random machine of springs, masses and dampers that are equal, or differ by orders of magnitude,
-/// or are zero, mostly driven at its fastest rate. If one element alone makes the fastest rate,
-/// the bounds are nearly reached.
+/// Random machine of springs, masses and dampers that are equal or differ by orders of magnitude;
+/// springs and dampers may be zero. Half of the machines are driven at the rate r. The bounds are
+/// nearly attained if a single element determines r.
 fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
     let mut one_of = |values: [f64; 4]| values[(4.0 * next()) as usize % 4];
     let mut p = Parameters::default();
@@ -56,7 +56,8 @@ fn any_machine(next: &mut impl FnMut() -> f64) -> Model {
     Model::new(&p).unwrap()
 }
 
-/// Random state and loads of size one or zero each, in the units of [`size`].
+/// Random state, drive and loads. Each coordinate, the drive and each coefficient of a load
+/// contributes 0 or 1 to the terms of [`size`].
 fn any_start(model: &Model, next: &mut impl FnMut() -> f64) -> (Model, Augmented, Forces) {
     let mut corner = || -> f64 { [-1.0, 0.0, 1.0, 1.0, -1.0][(5.0 * next()) as usize % 5] };
     // Each part of the size is present or absent, so that often there is only one.
@@ -108,8 +109,8 @@ fn largest(model: &Model, state: &Augmented) -> f64 {
     state[3..6].iter().fold(displacements, |most, v| most.max(v.abs() / model.rate))
 }
 
-/// Derivatives x^(k) = ±(1 + k/2) for even k: at resonance the drive accumulates from order to
-/// order, and r bounds only the bodies.
+/// Derivatives x^(k) = ±(1 + k/2) for even k: at resonance the contributions of the drive add up
+/// from order to order, since r bounds only the matrix of the bodies, without the drive.
 #[test]
 fn closed_form_coefficients_of_a_box_in_resonance() {
     let model = resonant_box();
@@ -128,9 +129,9 @@ fn closed_form_coefficients_of_a_box_in_resonance() {
     }
 }
 
-/// Remainder of series for a resonant box that only its drive moves: half of the bound, because
-/// the coefficients are (k-1)/2 or k/2 over k!. A bound without the drive's part would be smaller
-/// by a factor of n, and would be wrong.
+/// Remainder of series for a resonant box that only its drive moves: about 0.35 of the bound,
+/// because the coefficients of the displacement are √½ (k-1)/2 or √½ k/2, over k!. A bound without
+/// the drive's part would be smaller by a factor of n, and would be wrong.
 #[test]
 fn closed_form_remainders_of_a_box_in_resonance() {
     fn left_out<const N: usize>(model: &Model, reach: f64) -> f64 {
@@ -175,8 +176,8 @@ fn invariant_coefficients_stay_under_their_bound() {
             most[1] = most[1].max(rest.free[k].abs() / bound);
         }
     }
-    // Coefficients exceed half of their bound, so that it would be wrong without the drive's part,
-    // as (rT)ᵏ/k! S.
+    // The largest coefficient exceeds half of its bound. So it exceeds (rT)ᵏ/k! S, the bound
+    // without the accumulating drive.
     assert!(most[0] > 0.5, "{most:?}");
     assert!(most.iter().all(|part| *part <= 1.0 + ROUNDING), "{most:?}");
 }
@@ -202,8 +203,8 @@ fn closed_form_roundings_of_a_sample_add_up_to_less_than_is_said() {
     assert!(entries + 10.5 * TERMS < SAMPLE_ROUNDING, "{entries}");
 }
 
-/// The absolute values of a sample's terms add up to at most 20 S, of which 7 S are reached; its
-/// rounding is at most [`SAMPLE_ROUNDING`] ε S.
+/// The sum of the absolute values of a sample's terms is at most 20 S; more than 7 S occur. The
+/// rounding of the sample is at most [`SAMPLE_ROUNDING`] ε S.
 #[test]
 fn second_method_rounding_of_samples() {
     const TERMS: f64 = 20.0;
@@ -233,13 +234,13 @@ fn second_method_rounding_of_samples() {
     assert!(error <= ERROR, "{}", error / f64::EPSILON);
 }
 
-/// Rounding at an end within a sub-step. It is about ε S, and several times as much if a strong
-/// damper gives the series large terms of alternating sign, as for this machine and state, found
-/// by a search for large rounding.
+/// Rounding error of the state at a time within a sub-step. It is about ε S, and several times as
+/// much if a strong damper gives the series large terms of alternating sign, as for this machine
+/// and state, found by a search for large rounding.
 #[test]
 fn second_method_rounding_of_a_sub_step() {
-    /// Bounds of displacements and of rates over r: the values of docs/numerics.md, section 1,
-    /// plus half.
+    /// Limits on the errors of displacements and of rates/r, in ε S: one and a half times the
+    /// values of docs/numerics.md, section 1.
     const MOST: [f64; 2] = [10.5, 13.5];
     let p = Parameters {
         box_mass: 1.0,
@@ -267,7 +268,7 @@ fn second_method_rounding_of_a_sub_step() {
     let most = |first: usize| (first..first + 3).map(off).fold(0.0, f64::max);
     let (places, rates) = (most(BOX), most(BOX_RATE) / r);
     println!("rounding of a sub-step: {places} ε S, {rates} ε r S");
-    // More than a unit in the last place of S.
+    // The error of the rates exceeds one unit in the last place of r S.
     assert!(rates > 2.0 && places < MOST[0] && rates < MOST[1], "{places} {rates}");
 }
 
@@ -284,7 +285,8 @@ fn exact_states(model: &Model, z: &Augmented, h: f64) -> [[DoubleDouble; COORDIN
         let a2 = times(-model.k2, stretch);
         let a3 = times(model.k32, stretch).minus(times(model.k3, x3)).minus(times(model.c3, v3));
         let next = [v1, vw, v3, a1, a2.minus(a1), a3, times(-model.omega, sin), times(model.omega, cos)];
-        // Coefficients for u = 1 at the first interval's end: the ends are powers of i.
+        // Time is in intervals: at the end of interval i the term of order k is iᵏ times its
+        // coefficient.
         let unit = wide(h / INTERVALS as f64);
         order = next.map(|x| {
             let y = x.times(unit);
@@ -309,8 +311,8 @@ fn divided(x: DoubleDouble, n: f64) -> DoubleDouble {
     DoubleDouble::new(first).plus(rest / n)
 }
 
-/// The table's bound on |w''| holds throughout a sub-step, even between the interval centres,
-/// where it is extrapolated by the growth of a row.
+/// The table's bound on |w''| holds throughout a sub-step, even between the interval centres: it
+/// is the largest value at a centre times a bound on the growth over half an interval.
 #[test]
 fn invariant_the_bound_holds_between_the_samples() {
     /// Places in an interval on each side of its centre.
@@ -340,8 +342,9 @@ fn invariant_the_bound_holds_between_the_samples() {
 
 /// In a search for an event in flight, the absolute values of the coefficients add up to little
 /// more than twice the size of the motion at the centre of the series (docs/numerics.md, "Second
-/// stage"). The states are random fast blocks within `MAX_REACH`, at the centres of all intervals
-/// up to the first one past a stop.
+/// stage"). In the random states the path of the fast block in an interval is at most `MAX_REACH`
+/// gaps. They are tested at the start, and at the centres of the intervals up to the first one
+/// that ends beyond a stop.
 #[test]
 fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
     const MOST: f64 = 2.3;
@@ -360,8 +363,8 @@ fn invariant_searched_coefficients_add_up_to_little_more_than_two_sizes() {
             let sizes: f64 = series.states.iter().map(|state| state[RELATIVE].abs()).sum();
             (model.gap + sizes) / size(&model, z, &[[0.0; 4]; 3])
         };
-        // Largest speed with which an interval is searched as a whole, if the acceleration allows
-        // any.
+        // Bound on the block's path in an interval. The speed is drawn up to the largest at which
+        // this path is `MAX_REACH` gaps. States whose acceleration alone exceeds this are skipped.
         let path = |z: &Augmented| {
             let bound = table.curvature(z);
             z[RELATIVE_RATE].abs() * h + 0.5 * bound * h * h

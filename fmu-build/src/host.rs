@@ -57,8 +57,8 @@ struct Functions {
     get_version: unsafe extern "C" fn() -> *const c_char,
 }
 
-/// Loads a shared library with all its symbols. A missing symbol is an error here, and not a crash
-/// at its first call.
+/// Loads a shared library and resolves all its undefined symbols at once. A missing symbol is then
+/// an error here, and not a crash at its first call.
 ///
 /// # Safety
 /// As [`Library::new`].
@@ -158,7 +158,7 @@ impl Binary {
     }
 }
 
-/// Receives the log of an instance.
+/// Receives one message of an instance's log.
 unsafe extern "C" fn logger(
     log: Environment,
     _instance: *const c_char,

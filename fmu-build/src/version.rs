@@ -1,5 +1,6 @@
-//! The archives: one of FMI 2.0, one of FMI 3.0 and, on request, two of FMI 3.0 with arrays and a
-//! clock, which several importers cannot read. All hold the same library.
+//! The FMU archives: one for FMI 2.0, one for FMI 3.0 and, on request, two more for FMI 3.0, one
+//! with arrays, one with arrays and a clock. Several importers cannot read these two. All archives
+//! contain the same library.
 
 use crate::check;
 use crate::error::{Error, Result};
@@ -49,7 +50,7 @@ impl Version {
         }
     }
 
-    /// Description of the version.
+    /// Name of the version as shown to users.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fmi2 => "FMI 2.0",
@@ -70,12 +71,12 @@ impl Version {
         if self == Self::Fmi2 { fmi_doors::Version::Fmi2 } else { fmi_doors::Version::Fmi3 }
     }
 
-    /// Path inside the archive of a platform's binary.
+    /// Path of a platform's binary inside the archive.
     pub fn binary(self, place: PackedPlatform) -> String {
         binary_path(self.fmi(), MODEL_IDENTIFIER, place)
     }
 
-    /// Path inside the archive of this machine's own binary.
+    /// Path, inside the archive, of the binary for the computer that runs this program.
     pub fn own_binary(self) -> String {
         self.binary(PackedPlatform::OWN)
     }

@@ -3,8 +3,8 @@
 use super::{Parameters, Range, entry};
 use crate::error::Result;
 
-/// A physical parameter. The FMU's variables and the options of the command line are made from
-/// these entries.
+/// A physical parameter. The FMU's parameters, and the parameter names that the command line
+/// accepts, are made from these entries.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
     /// Structured name, e.g. `box.m`.
@@ -33,8 +33,8 @@ macro_rules! field {
 const RESTITUTION: Range =
     Range { min: 0.0, max: 1.0, open_min: false, allowed: "0 <= stop.restitution <= 1" };
 
-/// All physical parameters, in the order of the fields of [`Parameters`]. The FMU's value
-/// references follow this order.
+/// All physical parameters except the constant loads ([`LOADS`]), in the order of the fields of
+/// [`Parameters`]. The FMU's value references follow this order.
 #[rustfmt::skip]
 pub const FIELDS: [Field; 13] = [
     field!("box.m", box_mass, "kg", Range::POSITIVE, "Mass of the box (m1)"),

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub struct Example {
     /// The name of its file and of its page in the gallery.
     pub name: &'static str,
-    /// Its file.
+    /// Contents of its file.
     pub text: &'static str,
     /// Records and matrices that the file needs, with their names.
     beside: &'static [(&'static str, &'static str)],
@@ -49,7 +49,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "shaken_box" "shaken_box.csv",
 };
 
-/// Names of version 0.3 that this version still understands, with the names of the machines.
+/// Names of machines in version 0.3 that are still accepted, each with the present name.
 const OLD_NAMES: [(&str, &str); 16] = [
     ("damper", "damper_with_buffer"),
     ("gears", "gear_backlash"),

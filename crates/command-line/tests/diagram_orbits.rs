@@ -9,17 +9,18 @@ use std::collections::HashMap;
 
 type Row = HashMap<String, String>;
 
-/// Distance between a curve and its chord, units of L: points of a branch are up to a twentieth of
-/// a unit of its arc apart.
+/// Tolerance for the distance of a maximum from the chords of a curve, units of L. The points of a
+/// branch are up to 0.05 apart in phases (rad) and parameter.
 const CHORD: f64 = 3e-3;
-/// Located values are exact to rounding, and written with 15 digits.
+/// Tolerance for a period doubling in the table, units of f10. It is located to rounding and
+/// written with 15 digits.
 const LOCATION: f64 = 1e-11;
 
 fn number(row: &Row, column: &str) -> f64 {
     row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
 }
 
-/// Interpolated maxima of the stable curves of a period at a value.
+/// Maxima of X2 on the stable curves with the given period, interpolated at a value of f10.
 fn stable_maxima(curves: &[Row], period: &str, value: f64) -> Vec<f64> {
     let pieces = curves.windows(2).filter(|pair| pair[0]["curve"] == pair[1]["curve"]);
     let stable = pieces.filter(|pair| pair[0]["stable"] == "true" && pair[0]["period"] == period);
@@ -34,8 +35,8 @@ fn stable_maxima(curves: &[Row], period: &str, value: f64) -> Vec<f64> {
 #[test]
 fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
     let out = folder("diagram-orbits");
-    // Values are thousandths away from the period doublings, so that transients decay; the last
-    // values belong to another family.
+    // No value of f10 is closer than 0.006 to a period doubling, so that transients decay. The
+    // last values lie on another family of orbits.
     let range = ["--range", "f10=2.2:2.56", "--resolution", "19", "--discard", "400", "--keep", "100"];
     let said = drawn(&out, &[&["bifurcation", "--orbits"][..], &range].concat());
     assert!(
@@ -57,8 +58,8 @@ fn invariant_every_settled_periodic_row_lies_on_a_drawn_stable_branch() {
             assert!(apart < CHORD, "{value} {direction}: {maximum} is {apart} from every curve");
         }
     }
-    // The windows of the grid lie within the stable ranges of their rows, which do not extend
-    // beyond the next row.
+    // Each 2T window of the grid lies within a stable range that begins less than one grid step
+    // before the window.
     let step = 0.02;
     for window in table(&out, "bifurcation-orbits-windows.csv").iter().filter(|w| w["class"] == "2T") {
         let [from, to, first, last] =

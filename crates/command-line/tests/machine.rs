@@ -1,5 +1,5 @@
-//! Runs the real `vibro` with other parameters of the 3-DOF machine: set values, units, axes of
-//! any parameter, templates, refusals.
+//! Runs the real `vibro` for 3-DOF machines with parameters other than the defaults: set values,
+//! units, axes of any parameter, templates, refusals.
 
 #[path = "common/mod.rs"]
 mod command;
@@ -10,7 +10,7 @@ use std::path::Path;
 use vibro_impact::steady::{exact_orbit, multiple_scales};
 use vibro_studies::paper::ParameterSet;
 
-/// A machine by data sheets, completely in SI with units.
+/// A machine as data sheets describe it: all values in the table `[si]`, all but two with a unit.
 const MACHINE: &str = r#"[si]
 box.m = "12 kg"
 box.k = "48 kN/m"
@@ -66,8 +66,8 @@ fn a_response_draws_the_machine_that_was_given() {
     let detunings = members(&out, "response-force.csv", "sigma1");
     assert!(matches!(detunings[..], [s] if (s - sigma1).abs() < 1e-12), "{detunings:?} {sigma1}");
     let text = words(&out, "response-frequency");
-    // The caption has the machine in SI, without the parameters that vary between or along the
-    // curves.
+    // The caption lists the machine's physical parameters, except parameters that vary along a
+    // curve or from curve to curve.
     assert!(text.contains("k₁ = 48 kN/m") && text.contains("₁₀ = 3.125"), "{text}");
     assert!(!text.contains("F₁₀ =") && !text.contains("₁₀ = 2.5"), "{text}");
     // A listed value is added to the machine's own.
@@ -121,12 +121,13 @@ fn second_method_stability_marks_the_machine_that_was_given() {
         for stem in ["stability-5", "stability-6"] {
             assert!(words(&out, stem).contains("this set of parameters"), "{stem}");
         }
-        // The machine's own mass ratio, damping ratio c1/(2 sqrt(k1 m1)) and detuning, not the
-        // paper's.
+        // The title shows the machine's own mass ratio and damping ratio c1/(2 sqrt(k1 m1)), not
+        // the paper's.
         let zeta = vibro_studies::paper::short(p.box_damping / (2.0 * (p.box_stiffness * p.box_mass).sqrt()));
         assert!(words(&out, "stability-6").contains(&format!("ε = 0.1, ζ = {zeta}")), "{zeta}");
     }
-    // Without set values the parameters are the paper's, and no force is marked.
+    // `alpha23` changes neither the ratios nor the force: figure 6 has the paper's ε and ζ, and no
+    // force is marked.
     let out = folder("cli-stability-paper");
     drawn(&out, &["stability", "--set", "alpha23=0.5"]);
     let text = words(&out, "stability-6");
@@ -204,8 +205,8 @@ fn axes_are_of_any_parameter_with_units() {
     with(&["response", "--vary", "drive.frequency=9Hz:11.5Hz", "--values", "stop.gap=4mm,6mm"]);
     assert_eq!(members(&out, "response-drive.frequency.csv", "stop.gap"), [0.005, 0.004, 0.006]);
     assert!(out.join("response-drive.frequency.png").exists());
-    // Labels are in the units that were written: the ticks of 9 to 11.5 Hz, the members in mm,
-    // amplitudes in mm.
+    // Each label has the unit in which its parameter was given: the axis from 9 to 11.5 is in Hz,
+    // the gaps of the curves are in mm. Amplitudes are in the gap's unit.
     let text = words(&out, "response-drive.frequency");
     for expected in ["ω₁/2π (Hz)", "9.0 9.5 10.0 10.5 11.0 11.5", "L = 4 mm", "C·L (mm)", "A₃·L (mm)"]
     {
@@ -214,7 +215,7 @@ fn axes_are_of_any_parameter_with_units() {
     assert!(!text.contains("units of L"), "{text}");
 }
 
-/// Amplitudes of any coordinate, compared with the response's complete table.
+/// Amplitudes of any coordinate, compared with the exact orbit for the same force.
 #[test]
 fn closed_form_a_response_is_of_any_coordinate() {
     let (out, file) = machine("cli-of", MACHINE);

@@ -233,7 +233,7 @@ fn second_method_help_names_what_the_machine_of_its_first_example_has() {
         let words = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>();
         let help = drawn(&out, &words);
         // The rest of the help of all commands is about the paper's machine.
-        let help = help.split("and of the paper's machine").next().unwrap().replace("box.k=", "");
+        let help = help.split("Examples for the paper's machine").next().unwrap().replace("box.k=", "");
         for word in dotted(&help) {
             let is_known = match word.split('.').collect::<Vec<_>>()[..] {
                 ["body", _, "start", ..] => continue,

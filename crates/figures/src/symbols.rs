@@ -8,12 +8,13 @@ use crate::chart::{Colour, Dash, Layer, Mark, Shape};
 pub(super) const SMALL: f64 = 31.0;
 /// Height of a line of a legend.
 pub(super) const ENTRY: f64 = 54.0;
-/// Width of a legend's sample, and of the space between it and its name.
+/// Width of the sample in a legend entry.
 const SAMPLE: f64 = 90.0;
+/// Space between the sample and the text of a legend entry.
 const SPACE: f64 = 20.0;
 /// Largest distance of a simplified path from the original, in units of the drawing.
 const TOLERANCE: f64 = 0.6;
-/// Stroke width of crosses, rings and the samples of areas.
+/// Stroke width of crosses and of the outlines of empty marks.
 const FINE: f64 = 4.0;
 
 /// Simplifies a path by the method of Ramer, Douglas and Peucker: points within [`TOLERANCE`] of a

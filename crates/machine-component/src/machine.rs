@@ -29,8 +29,8 @@ pub struct Machine {
     life: Life,
     /// Values of all parameters.
     values: Vec<f64>,
-    /// Phase added for each parameter, rad, so that a change of its frequency during the motion
-    /// makes no jump.
+    /// Value added to each parameter. It is nonzero only for phases, rad, so that an oscillation
+    /// remains continuous when its frequency changes during the motion.
     phases: Vec<f64>,
     /// Whether parameters were set that the motion has not taken over.
     changed: bool,
@@ -43,8 +43,9 @@ pub struct Machine {
     /// Values that change only at events, shown to the host until it has handled the events of the
     /// last step.
     latched: Option<Shown>,
-    /// The last step, with its derivatives once they were requested.
+    /// The last step.
     last_step: Option<LastStep>,
+    /// Derivatives over the last step, once requested.
     matrices: Option<StepMatrices>,
 }
 
@@ -65,7 +66,7 @@ impl Machine {
         Self { plan, life, values, phases, changed, pending, moving, ahead, latched, last_step, matrices }
     }
 
-    /// Returns the machine's numbers with the parameters' present values.
+    /// Returns the present values of all parameters, with the added phases.
     fn numbers(&self) -> Vec<f64> {
         self.values.iter().zip(&self.phases).map(|(value, phase)| value + phase).collect()
     }
@@ -112,7 +113,7 @@ impl Machine {
     /// Returns the motion after it has taken over pending values.
     fn ahead_of(&self, moving: &Moving) -> Result<Moving, MachineProblem> {
         let mut ahead = moving.clone();
-        // A pending event precedes values set at it.
+        // A pending event is handled before values that were set at the same time.
         if ahead.is_on_course() {
             ahead.handle(&mut |_| ())?;
         }
@@ -125,7 +126,8 @@ impl Machine {
         if self.ahead.is_none() {
             match &self.moving {
                 None => self.ahead = Some(self.start()?),
-                // A pending event precedes values set at it: the host has to see both sides.
+                // While an event is pending, values that were set are not applied: the host sees
+                // the state before the event, and later the state after it.
                 Some(moving) if self.is_set() && !moving.is_event_due() => {
                     self.ahead = Some(self.ahead_of(moving)?);
                 }
@@ -136,7 +138,8 @@ impl Machine {
         Ok(self.ahead.as_ref().or(self.moving.as_ref()).ok_or_else(none)?)
     }
 
-    /// Returns the value of a quantity; a motion needs [`present`](Self::present) before.
+    /// Returns the value of a quantity. For quantities of the motion, call
+    /// [`present`](Self::present) first.
     fn value(&self, quantity: Quantity) -> f64 {
         let moving = self.ahead.as_ref().or(self.moving.as_ref());
         match quantity {

@@ -25,29 +25,30 @@ use vibro_studies::{Error, Result};
 
 /// Length of the first step from an orbit.
 const FIRST_STEP: f64 = 1e-2;
-/// Steps from a special point at which the branch that begins there is compared with known ones;
-/// the longer step may lead beyond the end of a short branch.
+/// Lengths of a first step from a special point. The orbit after each step is compared with the
+/// known branches. The shorter step is for branches that end within the longer one.
 const KNOWN_STEPS: [f64; 2] = [1e-2, 1e-3];
-/// Tolerance for a fold at a crossing: it is only the turn of the side branch.
+/// Distance from a branch point within which a fold is not labelled: it is only the extremum of
+/// the parameter on the side branch.
 const TURN: f64 = 1e-4;
 /// Number of branches followed in parallel. A constant, so that the result does not depend on the
 /// number of threads.
 const BATCH: usize = 4;
-/// Largest number of branches.
+/// Number of branches at which the growth ends; the last batch may exceed it.
 const MOST: usize = 400;
 
 /// Options of a tree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TreeOptions {
-    /// Start of the first motion.
+    /// Start of every motion that does not continue another one.
     pub start: Start,
-    /// Number of parameter values with settled motions: rising, falling and, for a positive depth,
-    /// from the start.
+    /// Number of parameter values at which motions are simulated until they settle: with the
+    /// parameter rising, with it falling and, if `depth` is positive, from `start`.
     pub seeds: usize,
     /// Number of returns discarded at each value; fewer if the motion settles before.
     pub discard: u32,
-    /// Number of switches at doublings, crossings and touches of rigid stops; with 0, only curves
-    /// of settled orbits are followed.
+    /// Largest number of branch switches in a row, at period doublings, branch points and touches
+    /// of rigid stops. With 0, only the branches of settled orbits are followed.
     pub depth: u32,
     /// Options for following a branch.
     pub path: PathOptions,
@@ -68,7 +69,8 @@ struct BranchStart {
 
 enum StartKind {
     Orbit(Box<Orbit>),
-    /// One departure, or two; the first of the two is followed backwards.
+    /// One departure, or two in opposite directions. The points of the first path then come in
+    /// reverse order, before the points of the second.
     Departures(Vec<Departure>),
 }
 
@@ -97,12 +99,13 @@ fn both_ways(orbit: &Orbit) -> std::result::Result<[Departure; 2], Obstacle> {
 /// in both directions.
 ///
 /// # Errors
-/// [`Error::Described`] if the present value lies outside the range; otherwise the orbit's own
-/// obstacle as an error.
+/// [`Error::Described`] if the present value lies outside the range or the orbit belongs to a
+/// continuous family; otherwise the obstacle to computing the orbit again or to following it.
 ///
 /// # Examples
-/// A table must rise with gT/2 (1 - ε)/(1 + ε) at each impact, so that a ball flies for a period
-/// T. The branch of this orbit turns at a fold where the table's largest speed is just that:
+/// For a ball to fly for a period T between impacts, the table must rise with the speed
+/// gT/2 (1 - ε)/(1 + ε) at each impact. The branch turns at a fold, where this speed is the
+/// largest of the table:
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -206,7 +209,7 @@ struct Grower<'a> {
     options: &'a TreeOptions,
     kept: &'a dyn KeptPaths,
     branches: Vec<Branch>,
-    /// The orbits of single-point branches.
+    /// The orbits of branches whose points all coincide.
     points: Vec<Orbit>,
     queue: Vec<BranchStart>,
 }
@@ -216,7 +219,7 @@ struct Grower<'a> {
 /// returns false.
 ///
 /// # Errors
-/// As [`Family::place`].
+/// None at present.
 pub fn tree(
     family: &Family,
     options: &TreeOptions,
@@ -254,7 +257,8 @@ impl Grower<'_> {
     fn plant(&mut self) -> Result<()> {
         let (from, to) = self.family.range;
         let count = self.options.seeds.max(1);
-        // Values inside the range: its ends are often symmetric choices of parameters.
+        // Only values inside the range. Its ends are often round numbers, at which a machine may
+        // be symmetric by chance.
         let value = |i: usize| from + (to - from) * (i as f64 + 0.5) / count as f64;
         let chain = |upward: bool| -> Vec<Orbit> {
             let (mut end, mut found): (Option<Start>, Vec<Orbit>) = (None, Vec::new());
@@ -267,8 +271,8 @@ impl Grower<'_> {
             found
         };
         let chains: Vec<Vec<Orbit>> = [true, false].into_par_iter().map(chain).collect();
-        // A motion from the start may settle on another orbit than both chains. The chains
-        // themselves begin at the start, at the first and at the last value.
+        // A motion from the start may settle on an orbit that neither chain reaches. At the first
+        // and at the last value a chain begins from the start.
         let fresh = if self.options.depth == 0 { 0..0 } else { 1..count.max(1) - 1 };
         let fresh = fresh.into_par_iter().filter_map(|k| self.settled(value(k), None)?.0);
         let fresh: Vec<Orbit> = fresh.collect();
@@ -308,12 +312,13 @@ impl Grower<'_> {
                 continue;
             }
             let is_departure = matches!(kind, StartKind::Departures(_));
-            // If the machine has the word on neither side of a special point, no branch begins.
+            // A path of one point: next to the special point no orbit has this word.
             if is_departure && branch.points.len() == 1 {
                 continue;
             }
             (branch.id, branch.depth, branch.parent) = (self.branches.len(), depth, parent);
-            // A single-point branch is where its neighbours meet: they begin there.
+            // If all points coincide, other branches meet in this orbit. They are queued with the
+            // parent of this branch, which is not kept.
             let point = branch.points.first().filter(|_| is_departure && branch.is_point());
             match point.map(|point| branch.orbit(point)) {
                 None => {
@@ -340,8 +345,8 @@ impl Grower<'_> {
         }
     }
 
-    /// Queues the starts at the special points of a branch; for a single-point branch, with its
-    /// parent as theirs.
+    /// Queues the starts at the special points of a branch. `parent` replaces the branch as their
+    /// parent; it is given if all points of the branch coincide.
     fn switch(&mut self, branch: &Branch, ends: &[PathEnd<Condition>; 2], parent: Option<(usize, usize)>) {
         let goes_on = branch.depth < self.options.depth;
         let mut add = |point: usize, depth: u32, kind: StartKind| {
@@ -376,8 +381,8 @@ impl Grower<'_> {
             let PathEnd::At(condition) = end else { continue };
             let at = &branch.points[point];
             let Some(special) = &at.special else { continue };
-            // At a touch of a rigid stop the curve branches; at another touch it continues with
-            // other events.
+            // At a touch of a rigid stop another branch begins. At any other condition the same
+            // curve continues with a different word.
             let Ok(place) = branch.of.place(&at.u) else { continue };
             let parts = condition.touches_rigid_stop(branch.word(), place.assembly.system());
             if parts && !goes_on {

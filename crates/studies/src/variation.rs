@@ -1,9 +1,9 @@
-//! Variations of a described machine's motion, carried exactly through flights and events
-//! (docs/assembly-law.md (A26)): one for the largest Lyapunov exponent, all for the multipliers of
-//! a period.
+//! Variations (linearised perturbations) of the motion of a machine from a file, carried exactly
+//! through flights and events (docs/assembly-law.md (A26)). [`Variation`] carries one, for the
+//! largest Lyapunov exponent; [`Frame`] one for each state, for Floquet multipliers.
 //!
-//! Directions that contacts constrain, and neutral directions, are removed from a variation; only
-//! the remainder can grow or shrink.
+//! Directions that contacts constrain are removed from every variation. [`Variation::grown`] also
+//! removes neutral directions.
 
 use super::flight::{ObservedFlight, Observer, Passage, dot};
 use nalgebra::DVector;
@@ -15,19 +15,20 @@ use vibro_machine::system::System;
 /// Number of stretches of a flight between two checks of a variation's length. The length changes
 /// by at most a factor of e¹⁰⁰ between two checks.
 const STRETCHES: f64 = 50.0;
-/// Range of lengths in which a variation is not rescaled. Its squares cannot overflow before the
-/// next check, [`STRETCHES`] later.
+/// Range of lengths in which a variation is not rescaled. The square of such a length cannot
+/// overflow before the next check, [`STRETCHES`] stretches later.
 const SCALED: std::ops::Range<f64> = 1e-100..1e100;
 /// Relative length below which the remainder of a variation is rounding, and is set to zero.
 const HELD: f64 = 1e-12;
 
-/// Units of the numbers of a state (q, q'). They define the length of a variation.
+/// Units of the state variables: coordinates, rates and inner states. They define the length of a
+/// variation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric(pub Vec<f64>);
 
 impl Metric {
-    /// Metric of n coordinates, their rates and stretches. It divides the units of positions by ω
-    /// (1/s) and leaves rates unchanged.
+    /// Metric of n coordinates, n rates and `inner` inner states. The unit is 1 for rates and 1/ω
+    /// (s) for the others, so that ω x compares with x'.
     pub fn by_frequency(n: usize, inner: usize, omega: f64) -> Self {
         let is_rate = |k: usize| (n..2 * n).contains(&k);
         Self((0..2 * n + inner).map(|k| if is_rate(k) { 1.0 } else { 1.0 / omega }).collect())
@@ -43,7 +44,7 @@ impl Metric {
         DVector::from_iterator(self.0.len(), v.iter().zip(&self.0).map(|(x, unit)| x / unit))
     }
 
-    /// An orthonormal basis, in these units, of some changes of the state.
+    /// Orthonormal basis, in these units, of the space that the given changes of the state span.
     pub fn basis(&self, directions: impl IntoIterator<Item = Vec<f64>>) -> Vec<DVector<f64>> {
         let mut basis: Vec<DVector<f64>> = Vec::new();
         for direction in directions {
@@ -82,7 +83,7 @@ pub(super) fn hold(system: &System, mode: &Mode, v: &mut [f64], metric: &Metric)
     }
 }
 
-/// Applies the derivative of an event to some variations.
+/// Applies the saltation matrix of an event to the variations.
 pub(super) fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<f64>], metric: &Metric) {
     let Passage { watch, flows, states, events, .. } = passage;
     let rates = [0, 1].map(|k| flows[k].derivative(states[k]));
@@ -102,10 +103,11 @@ pub(super) fn pass(system: &System, passage: Passage<'_>, variations: &mut [Vec<
     }
 }
 
-/// All variations of the state, carried over a period.
+/// Fundamental matrix: one variation for each state variable, carried along a motion.
 #[derive(Debug)]
 pub struct Frame {
-    /// For each number of the given state (q, q', inner states) the variation that began along it.
+    /// One variation for each state variable as in a start (q, q', inner states): it began as a
+    /// unit change of this variable.
     pub columns: Vec<Vec<f64>>,
     metric: Metric,
 }
@@ -149,7 +151,8 @@ pub struct Variation {
 }
 
 impl Variation {
-    /// A variation in general position, for a motion in a mode.
+    /// A variation with components along all states, less those that the mode's contacts
+    /// constrain.
     pub fn new(system: &System, mode: &Mode, metric: Metric, neutral: &Neutral) -> Self {
         let mut v = vec![0.0; system.signals.size];
         for (k, (x, unit)) in v.iter_mut().zip(&metric.0).enumerate() {
@@ -190,7 +193,8 @@ impl Observer for Variation {
         for _ in 0..parts as u64 {
             flow.carry_along(&mut state, &mut self.v, span / parts);
             hold(system, &flow.mode, &mut self.v[0], &self.metric);
-            // With a slow drive, dampers can shrink the variation to nothing within one return.
+            // Under a slow drive, dampers can make the variation underflow between two returns to
+            // the section, so it is also rescaled here.
             if !SCALED.contains(&self.metric.length(&self.v[0])) {
                 self.scale();
             }

@@ -34,7 +34,7 @@ pub(super) const MARKS: [(Label, &str, Mark); 11] = [
 pub(super) struct Texts {
     /// Name of the study.
     pub name: String,
-    /// The parameter as the first line names it.
+    /// Name of the parameter in the summary line of the study.
     pub over: String,
     pub title: String,
     /// A statement that holds for all orbits; it follows their number in a remark.

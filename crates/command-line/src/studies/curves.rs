@@ -1,4 +1,4 @@
-//! Curves of special points over two parameters in tables and pictures, of any machine.
+//! Tables and figures of curves of special points in two parameters, for any machine.
 
 use super::Study;
 use crate::Result;
@@ -12,11 +12,11 @@ use vibro_orbits::{Label, LocusEnd, LocusPoint};
 pub struct LocusCurve<S> {
     /// File and row of the special point, as FILE:ROW.
     pub from: String,
-    /// This row.
+    /// Row of the special point in that file.
     pub row: usize,
     /// The special point.
     pub start: S,
-    /// Its points.
+    /// Points of the curve.
     pub points: Vec<LocusPoint>,
     /// Other rows that contain the same special point, for example as a point of another branch.
     pub also: Vec<usize>,
@@ -24,11 +24,11 @@ pub struct LocusCurve<S> {
 
 /// The special point from which a curve was followed, for tables and pictures.
 pub trait CurveStart {
-    /// Names of its columns in the table, in three groups: after the word, after both parameters,
-    /// and before the row.
+    /// Names of the additional columns, in three groups: after the column `word`, after the two
+    /// parameter columns, and before the column `row`.
     const COLUMNS: [&'static [&'static str]; 3];
 
-    /// The cells of these columns at a point of the curve.
+    /// The cells of the additional columns at a point of the curve.
     fn cells(&self, point: &LocusPoint) -> [Vec<String>; 3];
 
     /// The type of all points of the curve.
@@ -46,9 +46,9 @@ pub trait CurveStart {
 
 /// Texts and axes of a study of curves.
 pub(super) struct Texts<'a> {
-    /// The parameters' columns.
+    /// Names of the two parameter columns.
     pub names: [&'a str; 2],
-    /// The parameters as the first line names them.
+    /// Names of the two parameters in the summary line of the study.
     pub over: [&'a str; 2],
     /// Kind of the points on the curves, in the plural, e.g. `bifurcations`.
     pub of: &'static str,

@@ -237,7 +237,8 @@ fn contacts(request: &FitRequest, fitted: &Fitted, values: &[f64]) -> Option<Lay
     (!ticks.is_empty()).then(|| Layer::lines("contacts of the fitted motion", GREY, Dash::Solid, ticks))
 }
 
-/// For each column, the record with the fitted motion, and the residual.
+/// Two panels for each of the first [`DRAWN`] columns: the record with the fitted motion, and the
+/// residual.
 fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
     let measured = &request.measured;
     let mut panels = Vec::new();

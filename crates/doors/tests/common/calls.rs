@@ -1,6 +1,6 @@
-//! Random calls with random arguments on a component, through both doors: no crash, no panic, and
-//! the instance still answers afterwards. A seed or the bytes of a fuzzer choose the calls. The
-//! component is the neighbouring module with this name.
+//! Random calls with random arguments on a component, through FMI 2.0 and FMI 3.0. Nothing may
+//! crash or panic, and the instance must still answer afterwards. A seed or the bytes of a fuzzer
+//! choose the calls. The component under test is the sibling module `component`.
 
 use super::component::*;
 use fmi_doors::fmi2::abi::FmiComponent;
@@ -19,7 +19,8 @@ pub struct Target {
     pub resources: Option<CString>,
     /// Value references are drawn below this.
     pub references: u64,
-    /// An input that is requested within steps of FMI 3.0, by a callback that reads as well.
+    /// Input that the FMU requests within steps of FMI 3.0. The host's callback sets it, and also
+    /// reads variables.
     pub input: Option<u32>,
 }
 
@@ -131,8 +132,8 @@ unsafe fn call_fmi2(
     }
 }
 
-/// Further functions, and null pointers. A fuzzer's bytes do not choose these, since stored fuzzer
-/// inputs would change their meaning.
+/// Further functions, and null pointers. Not chosen by a fuzzer's bytes: additional calls would
+/// change the meaning of stored fuzzer inputs.
 unsafe fn further_fmi2(c: FmiComponent, random: &mut Random<'_>, references: u64) -> c_int {
     let mut call = Call::new(random, references);
     let absent = random.below(8);
@@ -256,7 +257,8 @@ unsafe extern "C-unwind" fn update(
     early: *mut u8,
     end: *mut f64,
 ) {
-    // SAFETY: the host's own data, which live as long as the instance, and two valid variables.
+    // SAFETY: `host` points to the `Within` of this run, which outlives the instance; `early` and
+    // `end` are valid pointers.
     unsafe {
         let host = &*host.cast::<Within>();
         let (c, ends) = (host.instance.get(), may_return != 0 && time.to_bits().is_multiple_of(3));
@@ -286,8 +288,8 @@ fn assert_finite(target: &Target, mut get: impl FnMut(*const u32, *mut f64) -> c
 pub fn run_fmi2(target: &Target, random: &mut Random<'_>, kind: c_int, calls: usize) {
     let mut states = [null_mut(); 2];
     let resources = target.resources.as_ref().map_or(null(), |path| path.as_ptr());
-    // SAFETY: the instance is the one made here, and all buffers have eight elements; the door
-    // refuses larger counts.
+    // SAFETY: the instance is the one made here, and all buffers have eight elements. Larger
+    // counts, null pointers, unknown FMU states and strings are refused before they are read.
     unsafe {
         let c = fmi2Instantiate(c"any".as_ptr(), kind, target.token.as_ptr(), resources, null(), 0, 0);
         assert!(!c.is_null());
@@ -349,13 +351,14 @@ pub fn run_fmi3(target: &Target, random: &mut Random<'_>, exchange: bool, event_
                 call_fmi3(c, random, target.references, &mut states, time)
             };
             assert!((0..4).contains(&status), "status {status}");
-            // A reference without such a variable terminates, so this comes after an error.
+            // Reading a reference that is not a Float64 variable terminates the instance, so this
+            // is done only after a call has failed.
             if status == 3 && call % 32 < 4 {
                 assert_finite(target, |reference, x| fmi3GetFloat64(c, reference, 1, x, 1));
             }
             if status == 3 && random.below(4) > 0 {
                 assert_eq!(fmi3Reset(c), OK);
-                states = [null_mut(); 2]; // they stay with the instance
+                states = [null_mut(); 2]; // the instance frees the saved states
             }
         }
         assert_eq!(fmi3Reset(c), OK);

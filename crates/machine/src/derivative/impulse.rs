@@ -106,9 +106,9 @@ impl Impulse {
         all.iter().map(|impulse| impulse.tight(system, &touching)).collect()
     }
 
-    /// Returns the touching stops that satisfy u⁺ = -ε u without an impulse or together with other
-    /// impulses. Stops that no other impulse moves are left out. If a column moves a stop off this
-    /// equality, only one-sided derivatives exist.
+    /// Returns the stops at u⁺ = -ε u: the touching stops that satisfy it within rounding without
+    /// an impulse and, if several stops are hit, these stops. Stops that no other impulse moves
+    /// are left out. If a column moves a stop off this equality, only one-sided derivatives exist.
     fn tight(&self, system: &System, touching: &[usize]) -> Vec<usize> {
         let [before, after] = &self.states;
         // A body between two stops can have a small rate with the rounding error of large rates.
@@ -194,8 +194,10 @@ impl Impulse {
         (is + e * was + de * u).abs() > STILL * size || (is_still && was.abs() > STILL * size)
     }
 
-    /// Goes backwards over the impact: `state` is the derivative of a number by the state after
-    /// it, and becomes its derivative by the state before (docs/assembly-law.md (A41)).
+    /// Propagates an adjoint backwards through the impact (docs/assembly-law.md (A41)). On entry
+    /// `state` is the derivative of a quantity with respect to the state after the impact, on
+    /// return with respect to the state before it. `weights` receives the derivatives with respect
+    /// to the matrices.
     pub(super) fn undo(&self, system: &System, state: &mut DVector<f64>, weights: &mut Weights) {
         let (n, [before, after]) = (system.coordinates, &self.states);
         let rows = |k: usize| &system.stops[self.stops[k]].elongation;
@@ -229,8 +231,8 @@ impl Impulse {
         self.stops.iter().any(|&i| system.stops[i].restitution() == Some(0.0))
     }
 
-    /// Returns the stop that was hit with restitution 0 although this parameter varies its
-    /// restitution: the derivative is one-sided there.
+    /// Returns the first stop that was hit with restitution 0 and whose restitution depends on
+    /// this parameter. A restitution cannot be negative, so the derivative there is one-sided.
     pub(super) fn at_limit(&self, system: &System, tangent: &Tangent) -> Option<usize> {
         let at_zero = |stop: usize| system.stops[stop].restitution() == Some(0.0);
         self.stops.iter().copied().find(|&stop| at_zero(stop) && tangent.stops[stop].restitution != 0.0)

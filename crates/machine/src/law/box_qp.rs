@@ -5,8 +5,8 @@
 //! inertia M = L Lᵀ, so that G = AᵀA. Find λ within lo ≤ λ ≤ hi that minimizes ½ λᵀGλ - bᵀλ. The
 //! residual r = b - Gλ is the remaining relative acceleration (or velocity). It is zero if λ_i
 //! lies inside its bounds, not positive at the lower bound and not negative at the upper one. The
-//! minimum exists unless the value is unbounded below along a direction. r is unique, even if λ is
-//! not.
+//! minimum exists unless the objective is unbounded below along a direction. r is unique, even if
+//! λ is not.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,8 +15,8 @@ use nalgebra::{DMatrix, DVector};
 /// ratio of 1e10 leaves between two contacts.
 const DEPENDENT: f64 = 1e-11;
 
-/// Rounding of a force on a coordinate relative to the sizes of its terms: some tens of roundings
-/// of the solution.
+/// Rounding error of a force on a coordinate, relative to the sum of the absolute values of its
+/// terms: some tens of rounding errors of the solution.
 const ROUNDING: f64 = 1e-14;
 /// Number of neighbouring contacts over which rounding propagates.
 const NEIGHBOURS: usize = 2;
@@ -49,7 +49,8 @@ pub struct Solution {
     pub free: Vec<usize>,
 }
 
-/// The value is unbounded below along a direction: nothing can yield.
+/// The objective is unbounded below along a direction, so there is no solution: mechanically,
+/// nothing can give way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jam {
     /// Indices of the contacts involved.
@@ -77,7 +78,8 @@ impl Basis {
         basis
     }
 
-    /// Changes to the basis of `places`; keeps the common beginning of both.
+    /// Turns this into the factorization of the columns `places`, keeping the leading columns that
+    /// both have in common.
     fn become_of(&mut self, columns: &DMatrix<f64>, places: &[usize]) {
         let stays = self.places.iter().zip(places).take_while(|(a, b)| a == b).count();
         self.places.truncate(stays);
@@ -157,8 +159,8 @@ impl ColumnSizes {
     }
 }
 
-/// Returns the group number of each column. Columns that have entries in the same row, directly or
-/// through others, are in one group.
+/// Returns the group number of each column. Two columns with nonzero entries in the same row are
+/// in one group, and so are columns connected through a chain of such columns.
 pub fn groups_by_columns(columns: &DMatrix<f64>) -> Vec<usize> {
     let mut group_of: Vec<usize> = (0..columns.ncols()).collect();
     let mut first: Vec<Option<usize>> = vec![None; columns.nrows()];
@@ -179,7 +181,7 @@ pub fn independent(columns: &DMatrix<f64>, places: &[usize]) -> Vec<usize> {
 }
 
 /// Returns the upper triangle R with RᵀR = AᵀA. Orthogonalizing the columns does not square their
-/// condition number, and leaves exact zeros between contacts that share no coordinate.
+/// condition number, and leaves exact zeros between different groups ([`groups_by_columns`]).
 pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let (count, mut basis) = (columns.ncols(), Basis::new());
     for place in 0..count {
@@ -193,16 +195,16 @@ pub fn triangle(columns: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 impl BoxProblem {
-    /// Returns the size up to which a contact's λ counts as zero: it changes the residual by no
-    /// more than the residual's tolerance.
+    /// Returns the largest |λ| of a contact that counts as zero: such a λ changes the contact's
+    /// own residual by no more than its tolerance.
     pub fn zero_force(&self, contact: usize, solution: &Solution) -> f64 {
         let compliance = self.columns.column(contact).norm_squared();
         if compliance > 0.0 { solution.zero[contact] / compliance } else { 0.0 }
     }
 
-    /// Returns the residual's tolerance of each contact for given λ. The given `zero` and the
-    /// rounding of λ are errors of forces on the coordinates, which propagate to contacts that
-    /// share a coordinate.
+    /// Returns the tolerance of each contact's residual for a given λ. The tolerance `self.zero`,
+    /// converted to an error of λ, and the rounding of λ cause errors in the forces on the
+    /// coordinates. These propagate to contacts that share a coordinate.
     fn zero(&self, lambda: &DVector<f64>, ColumnSizes { sizes, norms }: &ColumnSizes) -> DVector<f64> {
         let errors = |i: usize, residual: f64| residual / norms[i];
         let own = DVector::from_fn(lambda.len(), |i, _| errors(i, self.zero[i]) + ROUNDING * lambda[i].abs());
@@ -256,8 +258,9 @@ impl BoxProblem {
         reached
     }
 
-    /// Returns the contact whose residual most violates its condition, relative to the size of its
-    /// column, or the `first` such contact, so that the search cannot cycle (Bland's rule).
+    /// Returns the contact with the largest violation relative to the norm of its column. If
+    /// `first`, returns the violating contact with the lowest index instead, so that the search
+    /// cannot cycle (Bland's rule).
     fn violated(
         &self,
         lambda: &DVector<f64>,
@@ -287,7 +290,7 @@ impl BoxProblem {
     /// Solves the problem, one group of contacts that share coordinates at a time.
     ///
     /// # Errors
-    /// [`Jam`] if the value is unbounded below.
+    /// [`Jam`] if the objective is unbounded below.
     pub fn solve(&self) -> Result<Solution, Jam> {
         let (groups, m) = (self.groups(), self.b.len());
         if groups.len() == 1 {
@@ -334,8 +337,8 @@ impl BoxProblem {
 
     /// Solves the problem of one group by an active-set method: free contacts have zero residual,
     /// the others are at a bound. In each turn the most violated contact becomes free, and
-    /// contacts that reach a bound on the way stop being free. Each turn lowers the value, so that
-    /// no set recurs. Bland's rule takes over if rounding could let one recur.
+    /// contacts that reach a bound on the way stop being free. No turn raises the objective. After
+    /// 10 (m + 1) turns Bland's rule is used, in case rounding makes a set recur.
     fn solve_coupled(&self) -> Result<Solution, Jam> {
         let m = self.b.len();
         // `clamp` would panic for NaN bounds, which overflowing friction levels cause.

@@ -12,8 +12,8 @@ use crate::system::{Elongation, System};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// A sum counts as zero below this fraction of the sum of its terms' largest sizes so far: some
-/// hundreds of roundings.
+/// Relative zero tolerance, some hundreds of roundings: a sum counts as zero below this fraction
+/// of the sum of the largest magnitudes that its terms have had so far.
 pub const ZERO: f64 = 1e-13;
 
 /// Largest absolute value so far of each component of the augmented state, which defines the zero
@@ -27,7 +27,7 @@ impl Sizes {
         row.as_slice().iter().zip(self.0.as_slice()).map(|(r, s)| r.abs() * s).sum()
     }
 
-    /// The sums of the largest sizes of the terms of a matrix's rows.
+    /// [`Self::of`] for every row of a matrix.
     pub(crate) fn of_rows(&self, rows: &DMatrix<f64>) -> Vec<f64> {
         let mut sums = vec![0.0; rows.nrows()];
         // Whole columns are added, since each is contiguous.
@@ -37,7 +37,7 @@ impl Sizes {
         sums
     }
 
-    /// The size up to which a row's value counts as zero, from its nonzero entries.
+    /// [`Self::zero`] for a sparse row.
     pub(crate) fn zero_of(&self, row: &impl AsRef<Sparse>) -> f64 {
         ZERO * row.as_ref().size(self.0.as_slice())
     }
@@ -59,9 +59,9 @@ impl Sizes {
         self.0.as_mut_slice()[first..].iter_mut().zip(z).for_each(|(s, x)| *s = s.max(x.abs()));
     }
 
-    /// Updates the largest sizes by a contact. Projection onto the contact gives each coordinate a
-    /// share of the rounding of all terms. A coordinate held to larger coordinates therefore
-    /// counts as its share of their sizes.
+    /// Raises the largest sizes of the coordinates that a contact constrains. Projection onto the
+    /// contact gives each coordinate a share of the rounding of all terms. The largest size of a
+    /// coordinate is therefore at least this share of the sizes of the other terms.
     pub(crate) fn include_contact(&mut self, system: &System, contact: Contact) {
         let (e, n) = (system.elongation_of(contact), system.coordinates);
         if let Contact::Stop(i) = contact
@@ -72,13 +72,14 @@ impl Sizes {
         self.include_held(e, n, &e.rate);
     }
 
-    /// Updates the coordinates (or rates) that begin at `first` for a row that a contact keeps at
-    /// zero.
+    /// Raises the largest sizes of the coordinates (`first` = 0) or rates (`first` = n) for a row
+    /// that a contact keeps at zero.
     fn include_held(&mut self, e: &Elongation, first: usize, row: &Functional) {
         let all = row.size(self.0.as_slice());
         let compliance = e.w.along(&e.mobility);
         for &k in &e.reach {
-            // A coordinate's own term is at most as large as the coordinate.
+            // A coordinate's share of its own term is at most its own size, so this term is left
+            // out.
             let others = all - e.w[k].abs() * self.0[first + k];
             self.0[first + k] = self.0[first + k].max(e.mobility[k].abs() / compliance * others);
         }
@@ -92,9 +93,9 @@ mod tests {
 
     #[test]
     fn closed_form_what_is_held_has_the_rounding_of_what_holds_it() {
-        // 0.01 kg is held to 1 kg, whose largest sizes are 3 m and 2 m/s. The light body takes
-        // 100/(100 + 1) of a correction of e = s' - s. The heavy body takes the rest of the light
-        // one's 0.5 m/s, which is less than its own 2 m/s.
+        // A body of 0.01 kg sticks to a body of 1 kg with largest sizes of 3 m and 2 m/s. The
+        // light body takes 100/101 of a correction of e. The heavy body's share of the light
+        // body's 0.5 m/s is 0.5/101 m/s, below 2 m/s, so the heavy body's size does not change.
         let text = "name = \"A\"\n[body.heavy]\nmass = 1.0\n[body.light]\nmass = 0.01\n\
                     [friction.f]\nbetween = [\"heavy\", \"light\"]\nforce = 1.0\n\
                     [stop.s]\nbetween = [\"heavy\", \"light\"]\ngap = 0.5\nrestitution = 0.0\n";
@@ -108,7 +109,8 @@ mod tests {
         let mut stuck = begin();
         stuck.include_contact(&system, Contact::Friction(0));
         assert_eq!(size(&stuck), [3.0, 0.0, 2.0, share * 2.0]);
-        // A closed stop holds coordinates as well: 3 m and the gap of 0.5 m.
+        // A closed stop also constrains the coordinates. The other terms of its row are 3 m (heavy
+        // body) and the gap of 0.5 m.
         let mut closed = begin();
         closed.include_contact(&system, Contact::Stop(0));
         let found = size(&closed);

@@ -1,5 +1,5 @@
 //! The powers of a machine's loads and losses, as products of two linear functions of the state,
-//! with the contact states that each requires (docs/assembly-law.md (A20)).
+//! with the contact states that each requires (docs/assembly-law.md, section 9).
 
 use super::System;
 use crate::description::{SeriesLaw, StopLaw};
@@ -19,9 +19,9 @@ pub enum Account {
     Dashpot(usize),
     /// Loss in a compliant stop.
     Stop(usize),
-    /// Loss in a friction.
+    /// Loss in a friction element.
     Friction(usize),
-    /// Loss in the partner of a spring in series.
+    /// Loss in the dashpot or slider in series with a spring.
     Branch(usize),
 }
 
@@ -42,13 +42,13 @@ enum When {
     Always,
     Stop(usize, StopState),
     Friction(usize, FrictionState),
-    /// A friction in a state while the stop that it follows is in a given state.
+    /// State of a friction element, and state of the stop whose force sets its level.
     Following((usize, FrictionState), (usize, StopState)),
     Slider(usize, SliderState),
 }
 
-/// Works of loads and losses in all modes of a machine. The loss of a compliant stop is the work
-/// of its force in excess of the stored energy ½ k max(0, e - gap)².
+/// Powers of the loads and losses of a machine, for all modes. A compliant stop loses the work
+/// done on it minus the increase of its stored energy ½ k max(0, e - gap)².
 #[derive(Clone, Debug)]
 pub struct Losses {
     /// The linear functions of all powers.

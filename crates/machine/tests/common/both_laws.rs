@@ -9,13 +9,13 @@ use vibro_machine::description::Description;
 use vibro_machine::mode::Mode;
 use vibro_machine::motion::{Event, Reached};
 
-/// Length of motions, and tolerance between both ways.
+/// Limits on the length of motions, and tolerance between the results of both ways.
 pub struct BothLaws {
     /// Largest number of events.
     pub events: usize,
     /// End time, s.
     pub end: f64,
-    /// Difference of the two states, relative to the largest coordinate.
+    /// Largest permitted difference of the two states, relative to the largest coordinate.
     pub rounding: f64,
 }
 
@@ -93,8 +93,9 @@ impl Balance {
     }
 }
 
-/// Runs a test on a number of machines, the same ones in each run: at a zero threshold the two
-/// ways may differ, once in tens of thousands of machines.
+/// Runs a test on a number of random machines, the same ones in each run. In one of tens of
+/// thousands of machines a value lies at the threshold below which it counts as zero, and the two
+/// ways decide differently.
 pub fn on_machines(
     machines: &impl Strategy<Value = Description>,
     cases: u32,

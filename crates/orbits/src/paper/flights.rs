@@ -6,9 +6,9 @@ use vibro_impact::steady::exact_orbit::{Clearance, Flight, Vector6};
 use vibro_numerics::bernstein::{Polynomial, add_sine, evaluate};
 use vibro_numerics::roots::brent;
 
-/// Number of parts of a piece in the search for extrema. Over a piece the fastest mode turns by
-/// 0.75 rad, so the slope changes sign at most once in a part, except near an inflection, which is
-/// therefore examined too.
+/// Number of parts of a piece in the search for extrema. Over a piece the fastest mode turns by at
+/// most 0.75 rad, so the slope changes sign at most once in a part, except near an inflection,
+/// which is therefore examined too.
 const PARTS: usize = 8;
 
 /// Accuracy of an extremum's position in a piece; its value is then exact to round-off.
@@ -47,15 +47,15 @@ pub(super) fn pieces(
             x.iter_mut().zip(fallen).for_each(|(x, fallen)| *x += fallen);
         }
         z = Flight::state(&x, 1.0, length);
-        // In the motion without impacts the box moves opposite to the gap.
+        // Without impacts only the box moves: by minus the oscillation of x2 - x1 (`wave`).
         add_sine(&mut x[0], -amplitude, length, phase + angle);
         x.iter_mut().zip(rest).for_each(|(x, rest)| x[0] += rest);
         TaylorPiece { phase, length, x }
     })
 }
 
-/// Whether it is proved that the block stays within the stops during a flight, except for
-/// `contact`, the contact error at its ends, and the rounding that [`Clearance`] allows.
+/// Whether it is proved that the block stays within the stops during a flight, up to the contact
+/// error `contact` at the ends of the flight and the rounding that [`Clearance`] allows.
 pub(super) fn is_clear(system: &System, z: &Vector6, phase: f64, span: f64, contact: f64) -> bool {
     let mut clearance = Clearance::new(contact, system.flight.least_pieces(span), system.amplitude());
     pieces(system, z, phase, span).all(|piece| clearance.holds(&piece.sum([-1.0, 1.0, 0.0]), piece.x[0][0]))

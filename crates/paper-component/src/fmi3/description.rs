@@ -1,5 +1,6 @@
 //! The parts of `modelDescription.xml` that do not come from the table (FMI 3.0.2, 2.4, 3.4 and
-//! 4.4): capabilities, log categories, references, and the further descriptions of the library.
+//! 4.4): capabilities, log categories, value references, and the additional model descriptions
+//! that the library accepts.
 
 use crate::component::identity;
 use crate::component::identity::EVENTS;
@@ -15,7 +16,7 @@ use crate::description::Table;
 use fmi_doors::description::{self, CoSimulation, Description, ModelExchange};
 use fmi_doors::messages::{Category, log_categories};
 
-/// The description of the archive that every importer can read.
+/// The model description in the archive. Every importer can read it.
 pub const MAIN: Edition = Edition::Extended;
 /// A further description with arrays. It is separate, since several importers read every local
 /// variable as a scalar.
@@ -43,7 +44,8 @@ pub struct Capabilities {
     pub can_handle_variable_communication_step_size: bool,
     /// Co-Simulation: highest order of `fmi3GetOutputDerivatives`.
     pub max_output_derivative_order: u32,
-    /// Co-Simulation: inputs that are set within a step are joined by cubics.
+    /// Co-Simulation: order up to which derivatives of intermediate inputs should be continuous.
+    /// The FMU interpolates inputs within a step by cubics.
     pub recommended_intermediate_input_smoothness: i32,
     /// Co-Simulation: the callback for intermediate updates is called.
     pub provides_intermediate_update: bool,
@@ -76,22 +78,22 @@ pub const CAPABILITIES: Capabilities = Capabilities {
 /// The log categories.
 pub const LOG_CATEGORIES: [Category; 6] = log_categories(EVENTS, "Why a value was not taken");
 
-/// Start values of the settings: as in every description, except that a step ends at an event if
-/// the importer allows it, since FMI 3.0 has a protocol for this.
+/// Start values of the settings: the defaults, except that a step ends at an impact if the
+/// importer allows early return. FMI 3.0 has a protocol for this.
 pub fn start_settings() -> Settings {
     Settings { stop_at_impact: true, ..Settings::default() }
 }
 
-/// The value references of a description, counted from 1 in its order, since some importers take
-/// value references for indices (OMSimulator in the model's structure and in `derivative`). They
-/// therefore differ from the table's own references, and belong to the one description named by
-/// the token.
+/// The value references of a description, numbered from 1 in the order of its variables:
+/// OMSimulator mistakes value references for indices in ModelStructure and in `derivative`. So
+/// these references differ from the table's own references, and are valid only for this
+/// description.
 pub const fn numbering(edition: Edition) -> Numbering {
     Numbering::counted(edition)
 }
 
-/// Value reference, in a description, of the variable with a name; `None` if the description
-/// leaves it out.
+/// Value reference of the named variable in a description; `None` if the description does not
+/// contain the variable.
 pub fn value_reference(edition: Edition, name: &str) -> Option<u32> {
     variables(edition).find(|(_, variable)| variable.name == name).map(|(reference, _)| reference)
 }
@@ -101,8 +103,9 @@ pub fn variables(edition: Edition) -> impl Iterator<Item = (u32, &'static Variab
     numbering(edition).variables()
 }
 
-/// Name of the state whose derivative this is. A state never has this attribute, although
-/// velocities are derivatives: importers would take it for both a state and a derivative.
+/// Name of the state whose derivative the variable is (attribute `derivative`). A state has no
+/// such attribute, although velocities are derivatives of positions: importers would treat it as
+/// both a state and a derivative.
 pub fn derivative(variable: &Variable) -> Option<&'static str> {
     match variable.kind {
         Kind::Real { derivative_of, .. } if !STATES.contains(&variable.name) => derivative_of,
@@ -115,16 +118,17 @@ pub fn is_clocked(variable: &Variable) -> bool {
     matches!(variable.access, Access::Tick(_)) && variable.kind != Kind::Clock
 }
 
-/// The symbol of docs/theory.md as an alias (FMI 3.0.2, 2.4.7.3), for variables that are set and
-/// for time. Other variables have none: some validators take the alias of a calculated output for
-/// an output that is missing from the model's structure.
+/// The symbol of docs/theory.md as an alias (FMI 3.0.2, 2.4.7.3), for variables that are set.
+/// Other variables have none: some validators take the alias of a calculated output for an output
+/// that is missing from the model's structure.
 pub fn alias(variable: &Variable) -> Option<&'static str> {
     let set = variable.causality == Causality::Input || variable.initial == Some(Initial::Exact);
     variable.symbol.filter(|_| set)
 }
 
-/// `instantiationToken` of a description: a hash of its whole content (FMI 3.0.2, 2.3.1). Computed
-/// again on each call, so that the library keeps nothing between loads.
+/// `instantiationToken` of a description (FMI 3.0.2, 2.3.1): a hash of the version, variables,
+/// units, types, capabilities, log categories and start settings. Computed again on each call, so
+/// that the library keeps nothing between loads.
 pub fn instantiation_token(edition: Edition) -> String {
     let own = format!("3.0 {edition:?} {CAPABILITIES:?} {LOG_CATEGORIES:?} {:?}\n", start_settings());
     identity::identifier(&(own + &identity::text()))
@@ -150,8 +154,8 @@ pub fn model_name(edition: Edition) -> String {
 }
 
 /// The complete model description. Variables of a clock are not among the unknowns of
-/// initialization (FMI 3.0.2, 2.4.8). The clock itself is, although it cannot have the attribute
-/// `initial`, since validators require it.
+/// initialization (FMI 3.0.2, 2.4.8). The clock itself is listed there because validators require
+/// this, although a clock cannot have the attribute `initial`.
 pub fn description(edition: Edition) -> Description {
     let can = CAPABILITIES;
     let table = Table { edition, numbering: numbering(edition), start: start_settings(), derivative };

@@ -11,8 +11,9 @@ const WINDOWS: usize = 20;
 const PHASES: usize = 12;
 /// Length of the window after a contact, relative to the mean interval between contacts.
 const AFTER: f64 = 0.2;
-/// Ratio of the share of squared residuals to the share of samples that counts as a concentration.
-/// White residuals with a hundred samples per window reach 1.5.
+/// Residuals count as concentrated in a window if its share of the squared residuals exceeds its
+/// share of the samples by this factor. White residuals with a hundred samples per window reach
+/// 1.5.
 const CONCENTRATED: f64 = 2.0;
 /// Smallest number of samples in a window.
 const SAMPLES: usize = 5;
@@ -22,7 +23,8 @@ const SAMPLES: usize = 5;
 pub enum Place {
     /// From a time of the record to another, s.
     Time(f64, f64),
-    /// From one phase to another, in periods of the given length, s, counted from time 0.
+    /// From one phase to another, as fractions of the period, and the period, s. Phase 0 is at
+    /// time 0 of the motion.
     Phase(f64, f64, f64),
     /// Within a time, s, after contacts of the named stop.
     After(String, f64),

@@ -2,12 +2,13 @@
 //! drive's phase is left out.
 //!
 //! Between two events the variations follow a linear system (docs/theory.md, section 11). One
-//! variation is carried from event to event in a single step, and over each event by the jump
-//! (84). Only the motion's events are needed, so the motion may be one of a batch.
+//! variation is carried from event to event in a single step (in several if the flight is very
+//! long), and over each event by the jump (84). This needs only the events of the motion and the
+//! states after them, so the motion may be one of a batch.
 //!
-//! The counted time is not fixed: it ends when the class is decided. Growth is summed over blocks
-//! of drive periods, whose scatter gives the standard error of their mean. docs/theory.md, "The
-//! largest exponent of many motions", states the rule.
+//! The averaging time ends when the sign of the exponent is decided, or after a given number of
+//! periods. Growth is summed over blocks of drive periods, whose scatter gives the standard error
+//! of their mean. docs/theory.md, "The largest exponent of many motions", states the rule.
 
 use super::variation::SingleVariation;
 use crate::exponent::{CONFIDENCE, ExponentSign, LEAST_GROWTH, LargestExponent, ZERO_EXPONENT};
@@ -15,8 +16,9 @@ use vibro_impact::Parameters;
 use vibro_impact::model::{Augmented, COORDINATES, Model, SmoothMode};
 use vibro_impact::simulator::Event;
 
-/// Threshold of a machine's exponents, 1/s. With a drive hundreds of times slower than the box,
-/// chaos has exponents under 1e-3 ω10.
+/// Threshold for the sign of a machine's exponent, 1/s. It is relative to the slower of box and
+/// drive: with a drive hundreds of times slower than the box, even chaotic motions have exponents
+/// below 1e-3 ω10.
 pub(crate) fn zero_exponent(p: &Parameters) -> f64 {
     ZERO_EXPONENT * p.box_frequency().min(p.drive_frequency)
 }
@@ -67,7 +69,7 @@ impl Growth {
         self.own = 0.0;
     }
 
-    /// The exponent from the completed blocks, each of this many seconds.
+    /// The exponent from the completed blocks, each `block` seconds long.
     pub(crate) fn exponent(&self, block: f64) -> LargestExponent {
         let counted = self.blocks.saturating_sub(ALIGN);
         let (count, periods) = (f64::from(counted.max(1)), counted * BLOCK);
@@ -93,7 +95,7 @@ impl Growth {
 #[derive(Debug)]
 pub(crate) struct Tangent {
     parameters: Parameters,
-    /// Created at the first event, and renewed at the first event with new parameters.
+    /// Created when first carried, and renewed when first carried with new parameters.
     variation: Option<SingleVariation>,
     ready: bool,
     v: Augmented,
@@ -123,8 +125,8 @@ impl Default for Tangent {
 }
 
 impl Tangent {
-    /// Begins at `time`, s, with a motion in a mode. The first block begins at `from`, s, which
-    /// may be earlier.
+    /// Starts at `time`, s, when the motion is in `mode`. The first block begins at `from`, s,
+    /// which may be earlier.
     pub(crate) fn begin(&mut self, parameters: &Parameters, mode: SmoothMode, (from, time): (f64, f64)) {
         // A variation in general position, as in `generic_frame`.
         const START: Augmented = [0.31, 0.47, -0.23, 0.41, 0.37, -0.29, 0.0, 0.0];
@@ -148,8 +150,8 @@ impl Tangent {
                 self.carry(time, None);
                 self.mode = SmoothMode::Flight;
             }
-            // The event acts together with the impact before it: the rest of the chatter takes no
-            // time.
+            // The contact closes at the time of the impact before it, since the remaining bounces
+            // of the chatter take no time.
             Event::Rest { .. } => {
                 if let Some(variation) = &self.variation {
                     variation.merge(&mut self.v);
@@ -184,7 +186,8 @@ impl Tangent {
         };
         let span = (time - self.time).max(0.0);
         self.time = time;
-        // There is more than one part only if the drive is far slower than the dampers.
+        // There is more than one part if no event occurs for longer than 100/rate, for example
+        // without impacts under a slow drive.
         let parts = (span * variation.rate() / LOOKED).ceil().max(1.0);
         for part in 1..=parts as u64 {
             let Some(variation) = &mut self.variation else { return };

@@ -20,7 +20,8 @@ use vibro_machine::{Assembly, Motion, Start};
 use vibro_studies::fit::{FitRequest, Fitted, Free, Loss, Measured, Segments, Verdict, fit};
 use vibro_studies::{Machine, QuantityName};
 
-/// Distance of an estimate, in standard errors; about one in ten thousand is beyond it.
+/// Largest distance of an estimate from the true value, in standard errors. About one estimate in
+/// ten thousand lies farther away by chance.
 const FAR: f64 = 4.0;
 
 /// Normal samples of standard deviation 1, from a linear congruential generator.
@@ -113,7 +114,8 @@ fn invariant_a_free_shift_moves_a_record_before_the_start_inside_it() {
     let mut measured = record(&m, &[("mass.s", 2e-6)], 0.25, 100, &mut Noise(9));
     measured.times.iter_mut().for_each(|time| *time -= 2e-3);
     let found = fitted(&request(m.clone(), measured, &["friction.floor.force", "record.shift"]));
-    // The motion begins at rest, where a shift has little effect: earlier samples are at rest too.
+    // The tolerance is wide: the motion begins at rest, so a shift hardly changes the first
+    // samples.
     assert!((found.values[1].1 - 2e-3).abs() < 2e-4, "{:?} {}", found.values, found.verdict);
 }
 
@@ -130,7 +132,8 @@ fn invariant_a_record_of_one_time_has_no_error() {
 
 #[test]
 fn invariant_numbers_of_a_start_at_rest_begin_there() {
-    // The block hangs 5 mm below the position of the unstressed spring, and starts from there.
+    // In equilibrium the block hangs 5 mm below the position of the unstressed spring. The record
+    // starts at 6 mm; the fit's initial guess is the equilibrium.
     let text = "name = \"Hung\"\ngravity = 10.0\nstart = \"rest\"\nbody.a = { mass = 1.0, gravity = 1.0 }\n\
                 spring.k = { between = [\"ground\", \"a\"], stiffness = 2000.0 }\n";
     let m = Machine::parse(text, "hung.toml", &no_records).unwrap();

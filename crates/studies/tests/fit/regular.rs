@@ -1,11 +1,13 @@
-//! Regular motions: all ten starts that are 20 % off lead to the same point, near the truth.
+//! Regular motions: fits from initial guesses that are 5 to 20 % off converge to parameters close
+//! to the true ones.
 
 use super::*;
 
-/// Relative tolerance between fits of one record from different starts.
+/// Relative tolerance between fits of one record from different initial guesses.
 const SAME: f64 = 1e-6;
 
-/// Checks that fits from ten starts, 20 % off, lead to the same point, near the truth.
+/// Checks that fits from ten initial guesses, 10 or 20 % off, converge to the same parameters,
+/// close to the true ones.
 fn check_ten_starts(machine: &Machine, measured: &Measured, free: &[&str]) {
     let mut first: Option<Fitted> = None;
     let mut wrong = Vec::new();
@@ -85,7 +87,7 @@ fn made_contact_times_alone_of_gears_from_ten_starts() {
     check_ten_starts(&m, &measured, &["spring.clutch.stiffness", "friction.bearing.force"]);
 }
 
-/// A mass on a spring with a stop, driven by a record that is held between its times.
+/// A mass on a spring with a stop, driven by a force table that is held between its points.
 pub fn driven_by_a_record() -> Machine {
     let mut noise = Noise(14);
     let rows: Vec<String> =
@@ -130,7 +132,7 @@ fn made_record_of_the_papers_machine_from_5_and_20_percent_off() {
     let m =
         Machine::parse(&(text + "\n[parameters]\ngap = 1.0\nr = 0.75\n"), "paper.toml", &no_records).unwrap();
     let measured = record(&m, &[("box.s", 1e-4), ("block.s", 1e-4)], 40.0, 400, &mut Noise(42));
-    // Its start, 0.9, is outside a gap of 0.8.
+    // The block starts at 0.9, outside a gap of 0.8: no guess has a gap 20 % below the true one.
     for factors in [[1.05, 1.05], [1.05, 0.95], [0.95, 1.05], [0.95, 0.95], [1.2, 1.2], [1.2, 0.8]] {
         let begin = off(&m, &["gap", "r"], |i| factors[i]);
         let found = fitted(&request(begin, measured.clone(), &["gap", "r"]));

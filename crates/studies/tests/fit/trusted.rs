@@ -1,6 +1,7 @@
-//! Many noise draws of records of eight machines, each fitted from 25 % off: verdicts, and
-//! distances from the truth in standard errors. Run by name, since each machine takes some ten
-//! minutes: `cargo test -p vibro-studies --test fit trusted -- --ignored --nocapture`.
+//! Fits of simulated records of eight machines, with many noise draws each and initial guesses
+//! off by 25 %. The tests check the verdicts and the errors of the parameters, in standard errors.
+//! Run by name, since each machine takes some ten minutes:
+//! `cargo test -p vibro-studies --test fit trusted -- --ignored --nocapture`.
 
 use super::*;
 use std::time::Instant;
@@ -11,9 +12,11 @@ const DRAWS: u32 = 200;
 const OFF: f64 = 0.25;
 /// Noise, relative to a column's standard deviation.
 const NOISE: f64 = 0.01;
-/// Smallest share of right verdicts: by chance, residuals of some records exceed noise.
+/// Smallest fraction of fits with the verdict `fits`. It is below 1 because by chance the
+/// residuals of a few records exceed the noise level.
 const RIGHT: f64 = 0.98;
-/// Share of true values within two errors: 95.4 % for normal errors, with the spread of 200 draws.
+/// Range for the fraction of accepted fits with the true value within two standard errors: 95.4 %
+/// for a normal distribution, with the scatter of 200 draws.
 const WITHIN_TWO: (f64, f64) = (0.90, 0.98);
 /// Largest distance of a parameter from the truth in an accepted fit, in standard errors.
 const MOST_OFF: f64 = 5.0;
@@ -38,7 +41,8 @@ impl Tried {
         self.free.iter().map(|name| self.machine.description.get(name).unwrap()).collect()
     }
 
-    /// A draw: the signs of the initial values' distances, and the request of the fit.
+    /// One noise draw: for each free parameter, whether its initial value is above (+1) or below
+    /// (-1) the true value; and the fit request.
     fn drawn(&self, exact: &Measured, draw: u32) -> (Vec<f64>, FitRequest) {
         let size = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -109,7 +113,8 @@ fn check_draws(own: &Tried) {
     assert!(within.iter().all(|n| (WITHIN_TWO.0..=WITHIN_TWO.1).contains(&share(*n, right))), "{within:?}");
 }
 
-/// A box of 10 kg with a block between a steel stop and a buffer, driven by a measured force.
+/// A box of 10 kg with a block between a steel stop and a buffer, driven by a force table: a sine
+/// with filtered noise.
 #[test]
 #[ignore = "minutes"]
 fn trusted_made_records_of_a_shaken_box() {
@@ -227,8 +232,8 @@ fn trusted_made_records_of_a_machine_that_a_record_drives() {
     check_draws(&driven_by_a_record());
 }
 
-/// Valleys of the cost lie side by side, a standard error wide and some errors apart: a fit must
-/// not end in one that is worse than the truth.
+/// The cost has several local minima, each about a standard error wide and some standard errors
+/// apart. The fit must not end in a minimum with a higher cost than the true parameters.
 #[test]
 fn made_records_with_narrow_valleys_end_in_the_valley_of_least_cost() {
     let own = driven_by_a_record();

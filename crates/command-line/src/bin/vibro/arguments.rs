@@ -1,7 +1,7 @@
 //! The command line: commands, options and their help.
 //!
-//! A command is a variant of [`Command`], and its options are a struct of clap's. Some commands
-//! take either the machine of a FILE or the paper's machine:
+//! Each command is a variant of [`Command`]; its options are a struct that derives clap's `Args`.
+//! Some commands take either the machine of a FILE or the paper's machine:
 //!
 //! * An option for both machines is in the command's struct. If its default depends on the
 //!   machine, the default for a FILE is a `default_value_if` on `file`, and the help text states
@@ -36,8 +36,8 @@ use vibro::{Error, Result};
 use vibro_studies::paper::start::StartRule;
 
 const ABOUT: &str = "\
-Vibro-impact machines, exactly from event to event: motions, bifurcations, exponents, designs
-A machine is described by a FILE; `new` writes one as a starting point. `paper` has the commands for the machine of one paper, which has closed forms.";
+Vibro-impact machines, simulated exactly from event to event: motions, bifurcations, Lyapunov exponents, designs
+A machine is described by a FILE; `new` writes one as a starting point. `paper` contains the commands for the machine of one paper; closed-form solutions exist for this machine.";
 
 const PARAMETERS: &str = "\
 EXAMPLES
@@ -59,7 +59,7 @@ EXAMPLES
   vibro fmu machine.toml
   vibro basin machine.toml --start block.s=-4mm:4mm --start block.v=-1:1 --shard 1/2 --out one    (another computer: --shard 2/2)
   vibro merge one two
-  and of the paper's machine (`vibro paper --help`):
+  Examples for the paper's machine (see `vibro paper --help`):
   vibro paper steady --set kappa=0.6 --set f10=2
   vibro paper bifurcation --vary f10=2:3:101 --orbits
   vibro paper template > parameters.toml";
@@ -204,18 +204,18 @@ pub enum Command {
     /// it. In the repository, `cargo run --bin fmu-build` builds it.
     Fmu(Fmu),
     /// Simulate a motion exactly from event to event: tables of states, events and contacts, a
-    /// picture, an account of energies
+    /// picture, an energy balance
     Run(RunArguments),
-    /// Measure many designs: amplitudes, forces, impacts, losses and more, over a grid, a list or
+    /// Evaluate many designs: amplitudes, forces, impacts, losses and more, over a grid, a list or
     /// a Sobol sequence
     ///
-    /// The table has a row for each design, in SI, as CSV and Parquet. A design may be measured in
-    /// several motions: over a band of drive frequencies, for example (--over), and from several
-    /// starts. The row then has the smallest, mean and largest values. A design that cannot be
-    /// simulated has a row with the reason.
+    /// The table has a row for each design, in SI, as CSV and Parquet. A design can be evaluated
+    /// for several motions, for example over a band of drive frequencies (--over), and from
+    /// several starts. The row then has the smallest, mean and largest values. A design that
+    /// cannot be simulated has a row with the reason.
     Sweep(Box<Sweep>),
-    /// Find the design of a machine file with the best output: smallest or largest, over a band,
-    /// with limits and tolerances
+    /// Optimise parameters of a machine file: minimise or maximise an output, also over a band of
+    /// a parameter, with limits and tolerances
     ///
     /// The search is global (Sobol sequence, then differential evolution) and local (exact
     /// derivatives of periodic orbits). It reports the best parameters, the error of the output,
@@ -238,19 +238,19 @@ pub enum Command {
     /// The motion of a FILE is sampled once per common period of its drives; --period and
     /// --section change this.
     Bifurcation(Bifurcation),
-    /// Draw a bifurcation diagram with Lyapunov exponents (figure 14, table 2); of a FILE without
-    /// --vary, compute the largest exponent of the machine as it is
+    /// Draw a bifurcation diagram with Lyapunov exponents (figure 14, table 2); for a FILE without
+    /// --vary, compute the largest exponent of the machine as given
     ///
-    /// The diagram shows all exponents of the paper's machine, or the largest one of a FILE, whose
-    /// variation is carried exactly through flights and events (saltation matrices). --spectrum
-    /// computes all exponents of a FILE's machine as it is.
+    /// The diagram shows all exponents of the paper's machine, or the largest exponent for a FILE.
+    /// For a FILE one variation is carried exactly through flights and events (saltation
+    /// matrices); --spectrum computes all exponents of the machine as given.
     Lyapunov(Lyapunov),
     /// Compute all steady-state values of one parameter set, by three theories (figure 8)
     Steady,
     /// Draw response curves with stable and unstable parts, folds and ends: of a FILE over any
     /// parameter; of the paper's machine by theory (figures 10, 11)
     ///
-    /// With FILE motions are simulated until they settle, with the parameter rising and falling.
+    /// For a FILE, motions are simulated until they settle, while the parameter rises and falls.
     /// Each orbit on which a motion settles is followed over the whole range, stable or not.
     Response(Response),
     /// Draw the slow invariant manifold and its fixed points (figures 2, 7, 9)
@@ -264,7 +264,7 @@ pub enum Command {
     Compare(Compare),
     /// Draw basins of attraction over two initial values
     ///
-    /// With FILE attractors are distinguished by class, period and states at the section, and
+    /// For a FILE, attractors are distinguished by class, period and states at the section, and
     /// named by the events of their orbits. All motions of one class without a period count as one
     /// attractor.
     Basin(Basin),
@@ -278,10 +278,10 @@ pub enum Command {
     ///
     /// Without --tree, one branch is followed, from the settled motion or from the orbit of a
     /// given word (--word). `special-points.csv` lists the special points of the branches: LP
-    /// fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch, CH chatter, EP end
-    /// of the range, MX not followed further. `vibro locus` follows the first six over two
-    /// parameters. With --tree, `orbits-search.csv` lists the parameter values of the search and
-    /// the number of starts at each.
+    /// fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch (grazing), CH
+    /// chatter, EP end of the range, MX not followed further. `vibro locus` follows the first six
+    /// over two parameters. With --tree, `orbits-search.csv` lists the parameter values of the
+    /// search and the number of starts at each.
     Orbits(Box<Orbits>),
     /// Compute one periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),

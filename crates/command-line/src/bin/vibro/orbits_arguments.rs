@@ -67,7 +67,7 @@ pub struct OneOrbit {
     /// FILE the number of drive periods, with --word [default without FILE: 1]
     #[arg(long, value_name = "PERIOD", allow_hyphen_values = true)]
     pub period: Option<String>,
-    /// Of a machine's file.
+    /// Options for a machine file.
     #[command(flatten, next_help_heading = WITH_FILE)]
     pub settling: Settling,
     /// Number of random starts for the search with --word or --period, if the motion from the start
@@ -128,10 +128,10 @@ pub struct Orbits {
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
     #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a length from 1e-5 to 0.2"))]
     pub step: f64,
-    /// Of a machine's file.
+    /// Options for a machine file.
     #[command(flatten, next_help_heading = WITH_FILE)]
     pub of_file: OrbitsOfFile,
-    /// Of the paper's machine.
+    /// Options for the paper's machine.
     #[command(flatten, next_help_heading = WITHOUT_FILE)]
     pub of_paper: OrbitsOfPaper,
 }

@@ -24,10 +24,10 @@ const WORDS: [[&str; 3]; 23] = [
     ],
     ["; with FILE fewer if the motion settles earlier", ", fewer if the motion settles earlier", ""],
     [
-        "; with FILE 8 to 1000000, after 32 periods in which the variation aligns with the direction \
-         of fastest growth",
-        ", 8 to 1000000, after 32 periods in which the variation aligns with the direction of fastest \
-         growth",
+        ". For a FILE: 8 to 1000000; 32 further periods come first, in which the perturbation aligns \
+         with the direction of fastest growth",
+        ": 8 to 1000000; 32 further periods come first, in which the perturbation aligns with the \
+         direction of fastest growth",
         "",
     ],
     [
@@ -49,18 +49,17 @@ const WORDS: [[&str; 3]; 23] = [
     ],
     [" (figure 14)", "", " (figure 14)"],
     [
-        " (figure 14, table 2); of a FILE without --vary, compute the largest exponent of the \
-         machine as it is",
-        "; without --vary, compute the largest exponent of the machine as it is",
+        " (figure 14, table 2); for a FILE without --vary, compute the largest exponent of the \
+         machine as given",
+        "; without --vary, compute the largest exponent of the machine as given",
         " (figure 14, table 2)",
     ],
     [
-        "The diagram shows all exponents of the paper's machine, or the largest one of a FILE, \
-         whose variation is carried exactly through flights and events (saltation matrices). \
-         --spectrum computes all exponents of a FILE's machine as it is.",
-        "The diagram shows the largest exponent, whose variation is carried exactly through \
-         flights and events (saltation matrices). --spectrum computes all exponents of the machine \
-         as it is.",
+        "The diagram shows all exponents of the paper's machine, or the largest exponent for a \
+         FILE. For a FILE one variation is carried exactly through flights and events (saltation \
+         matrices); --spectrum computes all exponents of the machine as given.",
+        "The diagram shows the largest exponent. One variation is carried exactly through flights \
+         and events (saltation matrices); --spectrum computes all exponents of the machine as given.",
         "The diagram shows all exponents.",
     ],
     [
@@ -75,14 +74,14 @@ const WORDS: [[&str; 3]; 23] = [
         ", by theory (figures 10, 11)",
     ],
     [
-        "With FILE motions are simulated until they settle, with the parameter rising and falling. \
+        "For a FILE, motions are simulated until they settle, while the parameter rises and falls. \
          Each orbit on which a motion settles is followed over the whole range, stable or not.",
-        "Motions are simulated until they settle, with the parameter rising and falling. Each \
-         orbit on which a motion settles is followed over the whole range, stable or not.",
+        "Motions are simulated until they settle, while the parameter rises and falls. Each orbit \
+         on which a motion settles is followed over the whole range, stable or not.",
         "",
     ],
     [
-        "With FILE attractors are distinguished by class, period and states at the section, and \
+        "For a FILE, attractors are distinguished by class, period and states at the section, and \
          named by the events of their orbits. All motions of one class without a period count as \
          one attractor.",
         "Attractors are distinguished by class, period and states at the section, and named by the \

@@ -34,10 +34,10 @@ pub struct Basin {
     /// For many machines.
     #[command(flatten)]
     pub share: Share,
-    /// Of a machine's file.
+    /// Options for a machine file.
     #[command(flatten, next_help_heading = WITH_FILE)]
     pub section: SectionArguments,
-    /// Of the paper's machine.
+    /// Options for the paper's machine.
     #[command(flatten, next_help_heading = WITHOUT_FILE)]
     pub of_paper: BasinOfPaper,
 }

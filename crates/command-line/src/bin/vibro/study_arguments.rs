@@ -78,9 +78,9 @@ pub struct DiagramOfFile {
     /// May be repeated
     #[arg(long, value_name = "NAME,NAME", conflicts_with_all = ["of", "at_section", "keep"])]
     pub pair: Vec<String>,
-    /// Start the motion at each value from the file or --start, not from the last state at the
-    /// previous value, e.g. for a machine with steps or records. The diagram then has one
-    /// direction
+    /// Start every motion as the file or --start says, instead of from the last state at the
+    /// previous value. Needed for step signals and records that do not repeat. The diagram then
+    /// has one direction
     #[arg(long, conflicts_with = "pair")]
     pub anew: bool,
 }
@@ -102,9 +102,9 @@ pub struct DiagramOfPaper {
 /// Arguments of `lyapunov`.
 #[derive(Args, Debug)]
 pub struct Lyapunov {
-    /// Largest number of periods over which exponents are computed; with FILE 8 to 1000000, after
-    /// 32 periods in which the variation aligns with the direction of fastest growth [default:
-    /// 1500; with FILE 400]
+    /// Largest number of periods over which exponents are computed. For a FILE: 8 to 1000000; 32
+    /// further periods come first, in which the perturbation aligns with the direction of fastest
+    /// growth [default: 1500; with FILE 400]
     #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub periods: u32,
@@ -115,8 +115,8 @@ pub struct Lyapunov {
     /// is carried through flights and events
     #[arg(long, conflicts_with_all = ["range", "pair"], help_heading = WITH_FILE)]
     pub spectrum: bool,
-    /// End a spectrum as soon as the standard deviation of the running exponents over 200 periods
-    /// is below this value, per unit of tau
+    /// Threshold, per unit of tau: the computation of a spectrum ends when the standard deviation
+    /// of every running exponent over the last 200 periods is below it; 0 counts all periods
     #[arg(long, value_name = "X", default_value_t = 0.0)]
     #[arg(value_parser = real(0.0..=f64::MAX, "a finite number >= 0"), help_heading = WITHOUT_FILE)]
     pub threshold: f64,
@@ -228,10 +228,10 @@ pub struct Response {
     /// first free body; without FILE the paper's C and A3]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
-    /// Of a machine's file.
+    /// Options for a machine file.
     #[command(flatten, next_help_heading = WITH_FILE)]
     pub of_file: ResponseOfFile,
-    /// Of the paper's machine.
+    /// Options for the paper's machine.
     #[command(flatten, next_help_heading = WITHOUT_FILE)]
     pub of_paper: ResponseOfPaper,
 }

@@ -1,5 +1,6 @@
-//! Block without a spring (docs/theory.md (111) to (113)) against closed forms of the symmetric
-//! motion and of a block that bounces under gravity, the balance of impulses, and the simulator.
+//! Orbits of a block without a spring (docs/theory.md (111) to (113)). They are compared with two
+//! closed forms (the symmetric motion; a block that bounces under gravity), with the balance of
+//! impulses (113), and with the simulator.
 
 use crate::paper::{
     Branch, Family, Label, Orbit, OrbitWord, PathOptions, Span, System, TreeOptions, branch, orbit_of,
@@ -12,7 +13,7 @@ use vibro_impact::steady::exact_orbit;
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::{Name, ParameterSet, find_group};
 
-/// Difference of phases found in two ways: rounding of a flight times the sensitivity of the
+/// Tolerance between the results of two methods: rounding in a flight times the sensitivity of the
 /// orbit.
 const CLOSED_FORM: f64 = 1e-12;
 
@@ -29,7 +30,8 @@ fn word(text: &str, closing: i8, half_periods: u32) -> OrbitWord {
     OrbitWord::new(text, closing, half_periods).unwrap()
 }
 
-/// The machine of the tutorial, docs/design-a-damper.md.
+/// The box and force of the tutorial docs/design-a-damper.md, with a block of 1.1 kg and a gap of
+/// 18 mm.
 fn damper() -> ParameterSet {
     let mut set = ParameterSet::basic();
     set.apply(&[
@@ -50,7 +52,8 @@ fn damper() -> ParameterSet {
     set
 }
 
-/// Distance in gaps of a motion from an orbit's start after a few thousand periods.
+/// Largest distance of a displacement from the orbit's start, in gaps, after a simulation of
+/// `periods` drive periods (rounded down to whole periods of the orbit).
 fn drift(orbit: &Orbit, periods: u32) -> f64 {
     let (p, start) = (orbit.system().parameters(), orbit.start_state());
     let mut simulator = Simulator::new(p, &start, 0.0).unwrap();
@@ -87,9 +90,10 @@ fn closed_form_of_the_symmetric_orbit_of_a_free_block() {
     }
 }
 
-/// Drive phases at the impact of a block that hits the lower stop once per period under a constant
-/// load, and its impulse. The speeds follow from the parabola, the impulse from the balance with
-/// the load; the box is a linear oscillator under drive and impulses.
+/// The two possible drive phases at the impact, and the approach speed (in gaps times the drive
+/// frequency), for a block that hits the lower stop once per period under a constant load. The
+/// impulse balances the load over a period, and the law of restitution gives the approach speed.
+/// The block flies freely under its load. The box is a linear oscillator under drive and impulses.
 fn bouncing(p: &Parameters, pull: f64) -> ([f64; 2], f64) {
     let (period, omega) = (p.period(), p.drive_frequency);
     let reduced = p.box_mass * p.block_mass / (p.box_mass + p.block_mass);
@@ -97,7 +101,8 @@ fn bouncing(p: &Parameters, pull: f64) -> ([f64; 2], f64) {
     let approach = impulse / ((1.0 + p.stop_restitution) * reduced);
     let block = 0.5 * pull / p.block_mass * period;
     let box_speed = block + approach;
-    // Velocity of the box just before the kick -impulse/m1 that it receives every period.
+    // Part of the box's velocity just before an impact that previous impacts caused, each a kick
+    // of -impulse/m1.
     let (decay, stiffness) = (0.5 * p.box_damping / p.box_mass, p.box_stiffness / p.box_mass);
     let root = Complex::new(-decay, (stiffness - decay * decay).sqrt());
     let kicked = root * (root * period).exp() / (1.0 - (root * period).exp());
@@ -124,7 +129,7 @@ fn closed_form_of_a_block_that_bounces_under_gravity() {
             certified += usize::from(orbit.is_certified());
         }
     }
-    // One of the eight passes a stop.
+    // One of the eight closed-form orbits goes beyond a stop: it is not a motion of the machine.
     assert_eq!(certified, 7);
 }
 
@@ -169,7 +174,7 @@ fn words_that_cannot_balance_the_load_are_refused_with_the_reason() {
 
 #[test]
 fn second_method_multipliers_of_a_free_block_by_differences_of_the_simulator() {
-    /// Error of central differences of 1e-5 of a map with second derivatives of order ten.
+    /// Tolerance for central differences with steps of 1e-5.
     const TOLERANCE: f64 = 1e-7;
     for (pull, text, f10) in [(0.0, "UL", 2.2), (-0.003, "UL", 2.2)] {
         let system = pulled(&free(f10), pull);
@@ -187,7 +192,7 @@ fn second_method_multipliers_of_a_free_block_by_differences_of_the_simulator() {
 
 #[test]
 fn second_method_the_settled_motion_of_the_tutorials_damper_is_an_orbit() {
-    /// Remaining difference after thousands of periods of a motion with decaying deviations.
+    /// Tolerance, in gaps, after 3000 periods on a stable orbit, where deviations decay.
     const RETURN: f64 = 1e-10;
     for force in [0.0, -1.0] {
         let system = pulled(damper().parameters(), force);
@@ -228,8 +233,8 @@ fn specials(branch: &Branch) -> Vec<(&'static str, f64)> {
     found
 }
 
-/// A family from a missing spring to one that holds: equations suited to the first machine may be
-/// singular for the second, so each machine has its own.
+/// A stiffness varies from zero to a finite value. The equations for a missing spring may be
+/// singular once the spring holds the body, so each machine uses equations for its own stiffness.
 #[test]
 fn closed_form_the_branch_from_a_missing_spring_on_runs_through_the_range() {
     let mut set = ParameterSet::basic();
@@ -259,10 +264,10 @@ fn closed_form_the_branch_from_a_missing_spring_on_runs_through_the_range() {
 
 #[test]
 fn invariant_special_points_do_not_depend_on_which_equations_are_solved_for_the_state() {
-    /// Difference of a point located with two eliminations.
+    /// Tolerance between two locations of a special point, relative to the default coupling.
     const LOCATION: f64 = 1e-10;
-    // Along the coupling from a free block: by (112) up to a tenth of the stiffness, then by
-    // (103). At this force the symmetry breaks near the default coupling.
+    // The coupling varies from zero (free block). Equation (112) is used up to 0.18 of the default
+    // stiffness, (103) beyond. At this force the symmetry breaks near the default coupling.
     let set = ParameterSet::basic().with(find_group("f10").unwrap(), 2.0396).unwrap();
     let along = Name::find("coupling.k").unwrap();
     let own = along.value(&set);
