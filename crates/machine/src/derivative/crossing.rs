@@ -196,7 +196,7 @@ impl Crossing<'_> {
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
     }
 
-    /// Refuses a column that moves stops off an equality at which impacts are undecided.
+    /// Refuses a column that moves a stop off u⁺ = -ε u if the stop lies exactly on this equality.
     fn check_tight(
         &self,
         p: usize,

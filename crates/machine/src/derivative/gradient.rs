@@ -120,7 +120,7 @@ impl Gradient {
         let (machine, motion) = begun.into_parts();
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, false);
-        // Curved forces are differentiated by columns.
+        // Curved forces and blocks, for example, are differentiated by columns.
         let is_doubtful = !machine.system.curved.is_empty()
             || !motion.mode().is_independent()
             || throughout(&mode, &motion).next().is_some()

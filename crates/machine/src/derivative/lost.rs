@@ -31,7 +31,7 @@ use std::fmt;
 pub struct Lost {
     /// Time, s.
     pub time: f64,
-    /// The element, such as `stop.NAME`, or the parameter of a step.
+    /// The element, such as `stop.NAME`, or a description such as `the step at 1 s`.
     pub element: String,
     /// The reason.
     pub cause: Cause,

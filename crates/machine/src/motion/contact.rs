@@ -307,8 +307,8 @@ impl Motion {
                 engaged: &engaged,
             };
             let mut stay_closed = |z: &DVector<f64>, stops: &[usize], closing: &[usize], before_it: usize| {
-                // In the first impact, stops that were not open before stay closed; in later
-                // impacts, stops that forces keep closed.
+                // Stops that forces keep closed stay closed; in the first impact, so do all stops
+                // that were not open before.
                 let was_open = |i: usize| self.hybrid.mode.stops.get(i) == Some(&StopState::Open);
                 if before_it == 0 && !stops.iter().any(|&i| was_open(i)) {
                     return Ok(vec![true; stops.len()]);

@@ -28,7 +28,7 @@ use vibro_numerics::double_double::DoubleDouble;
 /// rounding of the roots that solvers find. It is so small that an impact at this depth is as
 /// exact as a solver's tolerance.
 pub(super) const OVERSHOOT: f64 = 1e-11;
-/// Largest number of successive modes at one instant, per indicator.
+/// Largest number of successive modes at one instant, per indicator and one more.
 const CHAIN: usize = 10;
 
 /// The last event and the last accepted point of a host's solver.

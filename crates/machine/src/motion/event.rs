@@ -72,7 +72,7 @@ impl Event {
     }
 }
 
-/// Kind of an event, with the indices of stops and frictions.
+/// Kind of an event, with the indices of its elements.
 ///
 ///
 /// A block that slides with 3 m/s against a friction of 2 N sticks after 1.5 s:

@@ -8,7 +8,7 @@ use crate::signals::Input;
 use crate::system::Elongation;
 use nalgebra::DVector;
 
-/// Relative rounding error of e - gap at a start.
+/// Tolerance for e > gap at a start, relative to the sizes of the terms of e - gap.
 const START: f64 = 1e-13;
 
 /// Values before signals jump. A jump is the difference from these values.

@@ -65,8 +65,8 @@ impl Crossing<'_> {
         add_outer(deltas, -1.0, self.after.rates, &later);
     }
 
-    /// Applies the change of the signals and of bodies that links tie to them, before impacts.
-    /// Returns the δt for everything after it.
+    /// Applies the change of the signals, and of bodies that links tie to prescribed bodies,
+    /// before impacts. Returns the δt for everything after it.
     pub(super) fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
         let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
         if self.is_sample() {

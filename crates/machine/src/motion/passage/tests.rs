@@ -4,7 +4,7 @@ use super::*;
 
 /// A polynomial is evaluated at this number of places of an interval.
 const PLACES: usize = 64;
-/// Some rounding errors of a polynomial's terms, which are of order one.
+/// Tolerance relative to the terms of a polynomial: some thousands of roundings.
 const ROUNDING: f64 = 1e-12;
 
 /// Random numbers in [-1, 1), from a seed.
