@@ -185,7 +185,7 @@ impl Assembly {
     }
 
     /// Name of the state with index `place` in the augmented state: `body.NAME.s`, `body.NAME.v`,
-    /// `spring.NAME.slider`.
+    /// `spring.NAME.slider`, `block.NAME.x[0]`.
     pub(crate) fn name_of_state(&self, place: usize) -> String {
         let (n, own) = (self.system.coordinates, |k: usize| self.system.bodies_of[k]);
         let body = |k: usize| &self.description.bodies[own(k)].name;

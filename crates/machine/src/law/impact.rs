@@ -53,8 +53,8 @@ pub struct Instant<'a> {
     pub touching: &'a [usize],
     /// Restitution coefficient of each stop; 0 if its chatter ends.
     pub restitution: &'a [f64],
-    /// Indices of the freewheels that count as having e' = 0 before the impacts, whatever its
-    /// rounded value.
+    /// Indices of the freewheels that count as having e' = 0 before the impacts, whatever the
+    /// rounded value of e'.
     pub engaged: &'a [usize],
 }
 

@@ -16,7 +16,8 @@ impl StopRows {
         self.level.is_some_and(|own| own.stop.is_none())
     }
 
-    /// The energy stored in an augmented state while the stop acts, ½ k max(0, e - gap)².
+    /// The energy stored in an augmented state while the stop acts: ½ k max(0, e - gap)², or ½ k
+    /// e² for a level of a spring.
     pub(crate) fn stored(&self, z: &DVector<f64>) -> f64 {
         let excess = self.excess.dot(z);
         let excess = if self.is_gapless() { excess } else { excess.max(0.0) };

@@ -81,7 +81,7 @@ pub(super) struct ReadOutput<'s> {
 type RowsTangent<'a> = (&'a DMatrix<f64>, &'a DMatrix<f64>, &'a Vec<CombinationTangent>, &'a [f64]);
 
 /// Distance from the middle between two multiples within which rounding may choose either, in
-/// quanta and relative to a large input: some roundings of the input.
+/// quanta, and relative to the input if that is larger: some thousands of roundings.
 const MIDDLE: f64 = 1e-12;
 
 /// Returns the value of a rounded input: the nearest multiple, halves away from zero.
