@@ -32,7 +32,7 @@ pub(super) const BESIDE: f64 = 4.0;
 pub(super) enum Matrices {
     /// The assembly's matrices already have these coordinates.
     Known(Arc<Assembly>),
-    /// Matrices of another layout; by coordinate: its index in the assembly's augmented state.
+    /// Matrices of another layout, and each coordinate's index in the assembly's augmented state.
     Own(Box<System>, Vec<Option<usize>>),
 }
 

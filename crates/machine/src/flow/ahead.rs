@@ -25,7 +25,7 @@ const BEHIND: f64 = 1.15;
 const SHORTEST: f64 = 0.02;
 
 /// Rate times length of the longest series. Measured on chains: one series then covers a contact
-/// from begin to end.
+/// from beginning to end.
 const REACH: f64 = 4.0;
 
 /// Power series of the states within a span, in the elapsed fraction of the span. Its memory is

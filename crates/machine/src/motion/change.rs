@@ -57,9 +57,10 @@ impl Motion {
     /// pending event is applied first, with the old parameters. The energy accounts continue, so
     /// that the balance jumps by the energy that the change has added.
     ///
-    /// # Errors [`Error::Violated`] if a rigid stop's gap is now less than its e;
-    /// [`Error::Jammed`]; [`Error::OutOfRange`] for a machine with another number of stops or
-    /// states, or with other bodies as coordinates.
+    /// # Errors
+    /// [`Error::Violated`] if a rigid stop's gap is now less than its e; [`Error::Jammed`];
+    /// [`Error::OutOfRange`] for a machine with another number of stops or states, or with other
+    /// bodies as coordinates.
     ///
     /// # Examples
     /// An oscillator with ω = 2 rad/s passes its middle with 2 m/s after π/4 s. A spring four

@@ -163,7 +163,7 @@ impl Motion {
     }
 
     /// Refuses a start in which a rigid stop has e > gap. The tolerance is the rounding of the
-    /// terms of e - gap and of the coordinates' `ways`.
+    /// terms of e - gap, where `ways` adds to the coordinates' sizes.
     pub(super) fn check_stops(&self, ways: &[f64]) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.keeps_gap()) {

@@ -61,7 +61,7 @@ pub(super) struct StepPoint {
 }
 
 impl StepPoint {
-    /// The end of a span from the sub-step's start.
+    /// The instant at the end of a span that begins with the sub-step.
     pub(super) fn end(span: f64, table: &FlowTable) -> Self {
         let step = table.interval();
         if span == table.length {
@@ -380,8 +380,8 @@ impl PassageSearch<'_> {
     /// Whether an event function exceeds zero within a span by no more than the zero tolerance,
     /// judged by its value at the start and its coefficients. Such a touch is not an event: a stop
     /// touched without speed is not hit, a level that is zero for an instant stays, a contact held
-    /// up to its limit stays held. As an event, a rounding δ of the coordinate would give a speed
-    /// of order √δ.
+    /// up to its limit stays held. If it were one, a rounding error δ of the coordinate would give
+    /// a speed of order √δ.
     ///
     /// A stop or a level that passes zero slowly has its event as soon as it exceeds the zero
     /// tolerance. Forces of contacts, and edges, only touch if they turn round. All others have an
@@ -566,8 +566,8 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
         return 0;
     }
     let margin = bend * step * step * 0.125;
-    // From zero it falls throughout the first interval if the slope outweighs the second
-    // derivative.
+    // An event function that starts at zero falls throughout the first interval if the slope
+    // outweighs the second derivative.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
     let mut ends = 0u64;
     for (k, sample) in samples().into_iter().enumerate() {

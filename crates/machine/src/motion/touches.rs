@@ -1,6 +1,6 @@
 //! Touches: event functions that reach their limit and turn round without passing it. Touches are
-//! not events (docs/assembly-law.md, section 6). But a motion has no derivative afterwards by a
-//! parameter that moves them (section 14).
+//! not events (docs/assembly-law.md, section 6). But afterwards a motion has no derivative with
+//! respect to a parameter that moves the touch (section 14).
 
 use super::Motion;
 use super::passage::{PassageSearch, StepPoint, shortened};

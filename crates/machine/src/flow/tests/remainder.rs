@@ -53,7 +53,7 @@ impl Draw {
 /// arms of any length, some bodies linked.
 fn machine(draw: &mut Draw) -> Arc<Assembly> {
     let count = 1 + draw.below(16);
-    // Either with similar frequencies in spite of different inertias, or without any relation.
+    // Frequencies are similar in spite of different inertias, or unrelated.
     let (spread, is_alike) = (draw.of(&[0.0, 1.0, 3.0]), draw.part() < 0.5);
     let masses: Vec<f64> = (0..count).map(|_| 10f64.powf(draw.between(-spread, spread))).collect();
     let mut text = "name = \"R\"\ngravity = 9.81\n".to_owned();

@@ -139,7 +139,7 @@ fn second_method_roots_of_series_from_below() {
                 roots += 1;
             }
             (None, None) => none += 1,
-            // Within rounding of the end or of a touch.
+            // The root is within rounding of the end or of a touch.
             (one, other) => {
                 let at = one.or(other).unwrap();
                 assert!(value(at.min(hi)).abs() < ROUNDING * terms, "{case}: {one:?} {other:?}");
