@@ -110,7 +110,7 @@ impl Assembly {
     }
 
     /// The machine with derivatives that ignore the rounding of blocks' inputs to a quantum, for
-    /// searches: exact derivatives are 0 there and do not show the next multiple.
+    /// searches. The exact derivative of a rounded input is 0 and does not show the next multiple.
     #[must_use]
     pub fn varying_rounded(mut self) -> Self {
         let samplers = self.system.blocks.iter_mut().filter_map(|block| block.sampler.as_mut());

@@ -181,8 +181,8 @@ impl Arms {
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e'
 /// resists e: it acts on a body by -arm · f. [`curve`](Self::curve) adds higher powers of e. With
 /// [`points`](Self::points), straight lines through them replace preload + stiffness · e. With a
-/// partner in [`series`](Self::series), f = stiffness · (e - x) + damping · e', where x is the
-/// inner displacement.
+/// dashpot or slider in [`series`](Self::series), f = stiffness · (e - x) + damping · e', where x
+/// is the inner displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the elements.
@@ -205,7 +205,7 @@ pub struct Spring {
     /// Points of the force without its dashpot: none, or two or more with increasing e. The first
     /// and the last line extend beyond the points. With points, stiffness and preload are 0.
     pub points: Vec<ForcePoint>,
-    /// Partner in series; `None` for an ordinary spring.
+    /// Dashpot or slider in series; `None` for an ordinary spring.
     pub series: Option<Series>,
 }
 
@@ -323,7 +323,7 @@ pub struct Friction {
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// Sliding level, N or N m; without friction while it is not positive.
+    /// Sliding level, N or N m; there is no friction while it is not positive.
     pub force: Signal,
     /// Static level, if it differs from `force`; at least `force`.
     pub static_force: Option<Signal>,

@@ -196,7 +196,7 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// The partner of a spring in series.
+    /// The dashpot or slider in series with a spring.
     pub fn series(self) -> Option<&'a Series> {
         if let Self::Spring(spring) = self { spring.series.as_ref() } else { None }
     }

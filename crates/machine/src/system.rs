@@ -105,7 +105,7 @@ pub struct System {
     pub(crate) stored_at_zero: f64,
     /// Frictions.
     pub frictions: Vec<FrictionRows>,
-    /// Springs in series with a partner.
+    /// Springs in series with a dashpot or slider.
     pub branches: Vec<BranchRows>,
     /// Gyroscopic forces of bodies with matrices.
     pub gyroscopic: Vec<Gyroscopic>,

@@ -6,7 +6,7 @@ use crate::mode::Contact;
 use crate::system::System;
 use nalgebra::DVector;
 
-/// Largest number of impacts at one instant; then the velocities are projected (see `project`).
+/// Largest number of impacts at one instant; after them the velocities are projected (`project`).
 const MAX_IMPACTS: usize = 1000;
 
 /// One impact: the stops with an impulse, and its energies.

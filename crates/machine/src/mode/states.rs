@@ -99,7 +99,7 @@ impl FrictionState {
     }
 }
 
-/// The state of a branch: a spring in series with its partner.
+/// The state of a branch: a spring in series with a dashpot or slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum SliderState {
     /// The slider is at rest. A branch with a dashpot is always in this state.

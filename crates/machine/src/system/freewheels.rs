@@ -1,7 +1,7 @@
 //! Freewheels: rigid stops that act on e' instead of e (docs/assembly-law.md, section 18).
 //!
 //! In the law, a freewheel is a rigid stop with e' instead of e - gap. It is closed while a force
-//! that is not negative keeps e' = 0, and open while e' < 0. Differences are found by
+//! that is not negative keeps e' = 0, and open while e' < 0. Where it differs, the code uses
 //! [`System::keeps_place`] and [`System::freewheels`]: a freewheel holds no place, and its impacts
 //! follow (A53).
 

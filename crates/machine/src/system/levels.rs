@@ -24,7 +24,7 @@ impl StopRows {
         0.5 * self.stiffness() * excess * excess
     }
 
-    /// The state while a machine's elements are apart, with the stiffness at its first level.
+    /// The state while nothing touches, with the stiffness at its first level.
     pub fn state_apart(&self) -> StopState {
         match (self.level, self.restitution()) {
             (_, Some(_)) => StopState::Open,

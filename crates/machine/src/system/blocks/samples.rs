@@ -20,7 +20,7 @@ pub struct SampleAction {
 pub enum SampleKind {
     /// The first outputs under way begin to act.
     Acts,
-    /// The block reads its inputs. Its outputs act at once or, with a turn, after so many others.
+    /// The block reads its inputs. Its outputs act at once, or after this number of other outputs.
     Reads(Option<usize>),
 }
 
@@ -95,8 +95,8 @@ fn dot(row: &StateRow, z: &[f64]) -> f64 {
 
 impl System {
     /// Applies the actions of blocks at an instant. First, outputs under way act. Then blocks
-    /// compute outputs from what they read, in the order of their d. Finally, their states follow.
-    /// Variations are carried along.
+    /// compute outputs from what they read, in the order of their d. Finally, blocks that have
+    /// read update their states. Variations are carried along.
     pub(crate) fn sample(
         &self,
         actions: &[SampleAction],
