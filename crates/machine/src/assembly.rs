@@ -110,7 +110,7 @@ impl Assembly {
     }
 
     /// The machine with derivatives that ignore the rounding of blocks' inputs to a quantum, for
-    /// searches: exact derivatives are 0 there and do not show the next multiple.
+    /// searches. The exact derivative of a rounded input is 0 and does not show the next multiple.
     #[must_use]
     pub fn varying_rounded(mut self) -> Self {
         let samplers = self.system.blocks.iter_mut().filter_map(|block| block.sampler.as_mut());
@@ -185,7 +185,7 @@ impl Assembly {
     }
 
     /// Name of the state with index `place` in the augmented state: `body.NAME.s`, `body.NAME.v`,
-    /// `spring.NAME.slider`.
+    /// `spring.NAME.slider`, `block.NAME.x[0]`.
     pub(crate) fn name_of_state(&self, place: usize) -> String {
         let (n, own) = (self.system.coordinates, |k: usize| self.system.bodies_of[k]);
         let body = |k: usize| &self.description.bodies[own(k)].name;

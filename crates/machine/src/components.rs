@@ -1,4 +1,4 @@
-//! Connected components: parts of a machine that nothing couples, so that their costs add up.
+//! Connected components: parts of a machine that nothing couples, each computed on its own.
 
 /// The components of a graph of `count` nodes with edges between pairs, ordered by their first
 /// nodes. The nodes of a component are in ascending order.

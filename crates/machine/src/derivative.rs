@@ -1,5 +1,5 @@
-//! Derivatives of a motion by the numbers of its machine, through impacts, contacts and sticking
-//! (docs/assembly-law.md, section 14).
+//! Derivatives of a motion with respect to the numbers of its machine, through impacts, contacts
+//! and sticking (docs/assembly-law.md, section 14).
 //!
 //! A machine's numbers enter through rows and matrices, which are differentiated in closed form:
 //! `tangent` contains the changes of the machine by a parameter, `mode` the changes of z' = A z.

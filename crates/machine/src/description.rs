@@ -1,5 +1,5 @@
 //! The description of a machine as plain data in SI units: bodies, springs, dampers, stops,
-//! friction, freewheels, links and loads.
+//! friction, freewheels, links, loads, signals and blocks.
 //!
 //! A [`Description`] is read from a file ([`crate::file`]) or built by a program;
 //! [`crate::Assembly`] is a checked description. Elements refer to bodies by their index in
@@ -181,11 +181,11 @@ impl Arms {
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e'
 /// resists e: it acts on a body by -arm · f. [`curve`](Self::curve) adds higher powers of e. With
 /// [`points`](Self::points), straight lines through them replace preload + stiffness · e. With a
-/// partner in [`series`](Self::series), f = stiffness · (e - x) + damping · e', where x is the
-/// inner displacement.
+/// dashpot or slider in [`series`](Self::series), f = stiffness · (e - x) + damping · e', where x
+/// is the inner displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
-    /// Its name, unique among the springs.
+    /// Its name, unique among the elements.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
@@ -205,7 +205,7 @@ pub struct Spring {
     /// Points of the force without its dashpot: none, or two or more with increasing e. The first
     /// and the last line extend beyond the points. With points, stiffness and preload are 0.
     pub points: Vec<ForcePoint>,
-    /// Partner in series; `None` for an ordinary spring.
+    /// Dashpot or slider in series; `None` for an ordinary spring.
     pub series: Option<Series>,
 }
 
@@ -245,7 +245,7 @@ pub struct Damper {
 /// A one-sided contact that closes when e reaches the gap and then resists e.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stop {
-    /// Its name, unique among the stops.
+    /// Its name, unique among the elements.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
@@ -319,11 +319,11 @@ pub struct Freewheel {
 /// most `static_force` (or `force`) while it sticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
-    /// Its name, unique among the frictions.
+    /// Its name, unique among the elements.
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// Sliding level, N or N m; without friction while it is not positive.
+    /// Sliding level, N or N m; there is no friction while it is not positive.
     pub force: Signal,
     /// Static level, if it differs from `force`; at least `force`.
     pub static_force: Option<Signal>,
@@ -345,16 +345,16 @@ pub struct Follows {
 /// A rigid link: e = 0 at all times, which determines one coordinate from the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
-    /// Its name, unique among the links.
+    /// Its name, unique among the elements.
     pub name: String,
     /// The elongation that is kept at zero.
     pub arms: Arms,
 }
 
-/// A force or torque on a body in its coordinate's direction.
+/// A force or torque on a body in the direction of the body's coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// Its name, unique among the loads.
+    /// Its name, unique among the elements.
     pub name: String,
     /// Index of the body.
     pub body: usize,

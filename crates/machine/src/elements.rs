@@ -196,12 +196,13 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// The partner of a spring in series.
+    /// The dashpot or slider in series with a spring.
     pub fn series(self) -> Option<&'a Series> {
         if let Self::Spring(spring) = self { spring.series.as_ref() } else { None }
     }
 
-    /// Signals, each with the key after the element's dotted name; empty for loads and sources.
+    /// Signals, each with the key after the element's dotted name; this key is empty for loads and
+    /// sources.
     pub fn signals(self) -> Vec<(&'static str, &'a Signal)> {
         match self {
             Self::Friction(Friction { follows: Some(_), .. }) => Vec::new(),

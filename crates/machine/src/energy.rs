@@ -47,9 +47,9 @@ pub struct Accounts {
     pub dashpots: Vec<DoubleDouble>,
     /// Loss in each compliant stop.
     pub stops: Vec<DoubleDouble>,
-    /// Loss in each friction.
+    /// Loss in each friction element.
     pub frictions: Vec<DoubleDouble>,
-    /// Loss in the partner of each spring in series.
+    /// Loss in each dashpot or slider that is in series with a spring.
     pub branches: Vec<DoubleDouble>,
     /// Loss at impacts.
     pub impacts: DoubleDouble,
@@ -143,8 +143,9 @@ impl Accounts {
 }
 
 /// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
-/// ½ k max(0, e - gap)² over compliant stops and corners of springs, ½ b²/k over springs in
-/// series, and the potential energy of weight. For corners it counts from e = 0.
+/// the integrals of curved forces, ½ k max(0, e - gap)² over compliant stops and corners of
+/// springs, ½ b²/k over springs in series, and the potential energy of weight. Springs by points
+/// count from e = 0.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (mut kinetic, mut stored) = (0.0, 0.0);
     for ((body, &inertia), &weight) in system.bodies.iter().zip(&system.inertias).zip(&system.weights) {

@@ -48,7 +48,7 @@ pub const EIGHT: [(f64, f64); 8] = [
 ];
 
 /// Largest rate times span x for which [`EIGHT`] nodes suffice. With G nodes, the relative error
-/// of a product of two functions is (G!)⁴ (2x)²ᴳ/((2G + 1) ((2G)!)³): below 2e-17 for eight nodes
+/// of a product of two functions is (G!)⁴ (2x)²ᴳ/((2G + 1) ((2G)!)³): below 3e-17 for eight nodes
 /// up to x = 1.2, below 6e-17 for twelve nodes up to x = 4.
 pub const SHORT: f64 = 1.2;
 

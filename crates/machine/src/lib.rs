@@ -1,5 +1,6 @@
-//! Exact motions of piecewise linear machines described by a text file: bodies with one coordinate
-//! each, springs and dashpots, rigid links, rigid and compliant stops, Coulomb friction and loads.
+//! Exact motions of machines described by a text file, piecewise linear except for curved forces:
+//! rigid and flexible bodies, springs and dashpots, rigid links, rigid and compliant stops,
+//! freewheels, Coulomb friction, loads and blocks.
 //!
 //! ```text
 //! file → description → system → law (impacts, selection) → linear → flow → motion → energy

@@ -3,7 +3,7 @@
 
 use crate::kernel::SparseMatrix;
 
-/// Lower bound of rates, 1/s, which keeps sub-steps finite. Slower motion takes minutes.
+/// Lower bound of rates, 1/s, which keeps sub-steps finite: at most 50 minutes.
 pub(crate) const LEAST_RATE: f64 = 1e-3;
 /// Number of iterations to balance rows and columns. Each comes nearer to the least norm; any
 /// number gives a bound.

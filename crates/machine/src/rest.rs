@@ -37,7 +37,7 @@ const BALANCED: f64 = 1e-13;
 const REPEATS: usize = 200;
 /// Tolerance below which a proximal step counts as zero, relative to the coordinate.
 const STANDS: f64 = 1e-15;
-/// Relative rounding of a difference of coordinates known to 32 digits.
+/// Tolerance for a difference of coordinates known to 32 digits, relative to their sizes.
 const FINE: f64 = 1e-28;
 
 /// Forces on a machine at rest: contacts, springs and constant forces.

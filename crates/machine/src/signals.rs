@@ -1,5 +1,5 @@
 //! Signals of time as coordinates of the augmented state, so that every mode is an autonomous
-//! linear system (docs/assembly-law.md (A2)): the number 1, cosine and sine of each frequency, and
+//! linear system (docs/assembly-law.md (A4)): the number 1, cosine and sine of each frequency, and
 //! value and derivatives of each piecewise polynomial.
 
 mod builder;

@@ -19,8 +19,8 @@ use std::sync::Arc;
 
 /// Start of a motion. Numbers that are not given are taken from the machine's own start.
 ///
-/// Its numbers have names: `time`, `box.s` and `box.v` for a body `box` with mass or inertia, and
-/// `mount.slider` for a spring `mount` in series.
+/// Its numbers have names: `time`, `box.s` and `box.v` for a body `box` with mass or inertia,
+/// `mount.slider` for a spring `mount` in series, and `pid.x[0]` for a state of a block `pid`.
 /// Stops and friction have no values of their own: the law finds which are closed and which stick.
 ///
 /// ```
@@ -206,7 +206,7 @@ impl Start {
     }
 
     /// Names of the numbers of a machine's [`state`](Self::state): `box.s`, …, `box.v`, …,
-    /// `mount.slider`, ….
+    /// `mount.slider`, …, `pid.x[0]`, ….
     pub fn names(assembly: &Assembly) -> Vec<String> {
         let bodies = || assembly.system.bodies_of.iter().map(|&i| &assembly.description.bodies[i].name);
         let sliders = in_series(&assembly.description).map(|(spring, _)| format!("{}.slider", spring.name));

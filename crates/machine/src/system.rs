@@ -59,7 +59,7 @@ use std::sync::OnceLock;
 
 /// Largest size of the augmented state for which a mode stores dense matrices of its sub-step;
 /// above, a power series of the actual state replaces them. Measured on chains: the series takes
-/// less time if modes are new. If few modes recur, it takes up to half as much again, and above a
+/// less time if modes are new. If the same modes recur, it takes up to half as much again, above a
 /// size of 30 hardly more.
 pub(crate) const DENSE: usize = 20;
 
@@ -105,7 +105,7 @@ pub struct System {
     pub(crate) stored_at_zero: f64,
     /// Frictions.
     pub frictions: Vec<FrictionRows>,
-    /// Springs in series with a partner.
+    /// Springs in series with a dashpot or slider.
     pub branches: Vec<BranchRows>,
     /// Gyroscopic forces of bodies with matrices.
     pub gyroscopic: Vec<Gyroscopic>,
@@ -117,7 +117,7 @@ pub struct System {
     pub blocks: Vec<BlockRows>,
     /// Outputs of sampled blocks, each after the outputs that it depends on at the same instant.
     pub(crate) output_order: Vec<(usize, usize)>,
-    /// Force of each load; for a load that follows an output with limits, within these limits.
+    /// Force of each load. If it follows an output with limits: the row that applies within them.
     pub loads: Vec<Functional>,
     /// For each load: the limits of the output that it follows, with factors.
     pub(crate) load_limits: Vec<Vec<(usize, f64)>>,
@@ -238,7 +238,7 @@ impl System {
         self.signals.size <= DENSE && self.curved.is_empty()
     }
 
-    /// Works of loads and losses in all modes.
+    /// Powers of loads and losses, for all modes.
     pub fn losses(&self) -> &Losses {
         self.losses.get_or_init(|| Losses::new(self))
     }
@@ -386,8 +386,8 @@ impl System {
         }
     }
 
-    /// Weight, loads, springs except `left_out`, springs in series with dashpots, and inertia
-    /// forces of prescribed bodies through links.
+    /// Weight, loads, springs except `left_out`, gyroscopic forces, springs in series with
+    /// dashpots, and inertia forces of prescribed bodies through links.
     fn forces_without(&self, left_out: &[usize]) -> RowMatrix {
         let mut forces = RowSums::zeros(self.coordinates, self.signals.size);
         for ((body, &inertia), &weight) in self.bodies.iter().zip(&self.inertias).zip(&self.weights) {

@@ -33,7 +33,7 @@ pub enum What {
 }
 
 impl What {
-    /// All kinds of columns.
+    /// All kinds whose [`word`](Self::word) has one part, unlike `slider.rate`.
     pub const ALL: [Self; 7] = [Self::S, Self::V, Self::A, Self::E, Self::Rate, Self::F, Self::Slider];
 
     /// The kinds that bodies have.

@@ -32,7 +32,7 @@ const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// steps.
 const NEWTON_STEPS: usize = 80;
 
-/// Accuracy of the argument at a turning point. Half of the digits suffice, because the value
+/// Tolerance for the argument at a turning point. Half of the digits suffice, because the value
 /// depends on the argument only to second order.
 const TURNING_POINT: f64 = 1e-9;
 

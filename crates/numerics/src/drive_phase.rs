@@ -66,7 +66,7 @@ impl DrivePhase {
 mod tests {
     use super::*;
 
-    /// A few units in the last place of an angle of order 1, with the rounding of its 2π.
+    /// Tolerance: a few units in the last place of an angle of order 1, and of its 2π.
     const ROUNDING: f64 = 1e-15;
 
     #[test]

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 /// Relative tolerance of a link at the start, for start values written with ten digits.
 const WRITTEN: f64 = 1e-9;
 
-/// Relative rounding error between two sums with equal numbers in the file.
+/// Tolerance for e > gap, relative to both sizes: sums equal in the file differ by rounding.
 const ZERO: f64 = 1e-13;
 
 /// Problems of the start; requires a machine without other problems. A start at rest is checked by

@@ -89,7 +89,7 @@ fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Pro
     check_levels(name, signal, problems);
 }
 
-/// Each level is at least 0, up to rounding. A step at the start of a period has none before it.
+/// Each level must be at least 0, up to rounding, but for one before a step at a period's start.
 fn check_levels(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     let all = given(signal);
     let is_unused = signal.repeat.is_some() && signal.steps.first().is_some_and(|step| step.time == 0.0);

@@ -80,7 +80,8 @@ impl<'a> Adjoint<'a> {
         Finished { machine, state, weights, signals }
     }
 
-    /// Goes backwards over a flight: μ⁻ = exp(Aᵀ t) μ, and adds ∫ μ zᵀ dt, the derivative by A.
+    /// Propagates μ backwards over a flight, μ⁻ = exp(Aᵀ t) μ, and adds ∫ μ zᵀ dt, the derivative
+    /// by A.
     fn fly(&mut self, mode: &Arc<VariedMode>, z: &DVector<f64>, time: f64) {
         let parts = (time / mode.length).ceil().max(1.0) as usize;
         let step = time / parts as f64;
@@ -105,7 +106,7 @@ impl<'a> Adjoint<'a> {
         self.series = series;
     }
 
-    /// Goes backwards over an isolated event, or a knot without a jump of velocities.
+    /// Propagates μ backwards over an isolated event, or a knot without a jump of velocities.
     fn cross(&mut self, passed: &Passed, factor: f64) {
         let [_, after] = &passed.modes;
         self.project(after, &passed.states[1]);
@@ -129,7 +130,7 @@ impl<'a> Adjoint<'a> {
         weights.add_watched(&machine.system, (mode, own), (*watch, row), (varied, z));
     }
 
-    /// Goes backwards over a knot, after which the derivatives of the signals are known.
+    /// Propagates μ backwards over a knot, after which the derivatives of the signals are known.
     fn knot(&mut self, passed: &Passed, factor: f64) {
         let Self { machine, state, signals, .. } = self;
         let one = machine.system.signals.one;
@@ -327,8 +328,8 @@ impl Series {
         z
     }
 
-    /// Goes backwards over a part: expands μ in powers of the time before the part's end, and
-    /// integrates ∫ μ zᵀ dt by Gauss quadrature.
+    /// Propagates μ backwards over a part: expands μ in powers of the time before the part's end,
+    /// and integrates ∫ μ zᵀ dt by Gauss quadrature.
     fn back(
         &mut self,
         mode: &VariedMode,
@@ -373,7 +374,7 @@ struct Integral<'a> {
     own: &'a [f64],
     nodes: &'a [(f64, f64)],
     step: f64,
-    /// Buffer for both values at some nodes.
+    /// Buffer for the values of both series at some nodes.
     values: &'a mut [f64],
     size: usize,
     /// A padded vector for each coordinate of z.

@@ -99,7 +99,7 @@ impl Tangent {
         for (j, input) in own.inputs.iter().enumerate() {
             let (factor, by) = (inputs[0][j], inputs[1][j]);
             let value = &rows.inputs[j];
-            // As in the rows themselves, inputs with the factor 0 do not contribute limits.
+            // The limits of all inputs; `put_output` drops those of inputs that it does not read.
             let tangent = self.input_by(system, (d, along), input);
             sum.row += by * &value.row + factor * &tangent.row;
             let beyond = value.beyond.iter().zip(&tangent.beyond);
@@ -201,7 +201,8 @@ impl Tangent {
         self.blocks.rates.iter().map(of).collect()
     }
 
-    /// Returns the derivative of a block's source signal or output, by the index of the element.
+    /// Returns the derivative of the row of a source or of a block's output, by the index of the
+    /// element.
     pub(super) fn block_row(
         &self,
         system: &System,

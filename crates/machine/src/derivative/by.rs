@@ -44,8 +44,8 @@ impl fmt::Display for By {
     }
 }
 
-/// Whether motions have derivatives by a parameter: not by the period of a signal, nor by the
-/// sample times of blocks.
+/// Whether motions have derivatives with respect to a parameter. They have none for the period of
+/// a signal, nor for the sample times and delays of blocks.
 ///
 ///
 /// ```
@@ -96,7 +96,7 @@ impl By {
         }
     }
 
-    /// Returns the same column with its parameter's canonical name, which its numbers have.
+    /// Returns the same column with the canonical name of its parameter.
     pub(super) fn by_usual_name(self, d: &Description) -> Result<Self, Error> {
         match self {
             Self::Parameter(name) => Ok(Self::Parameter(d.parameter(&name)?.name)),

@@ -2,7 +2,8 @@
 
 use nalgebra::DVector;
 
-/// The width of a coordinate is a multiple of this, so that vectors of every size divide it.
+/// The width of a coordinate is a multiple of this: a whole number of vectors of any instruction
+/// set.
 const LANES: usize = 8;
 
 /// A state and the columns of its derivative, stored by coordinate, so that a matrix entry

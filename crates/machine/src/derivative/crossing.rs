@@ -69,7 +69,7 @@ impl Crossing<'_> {
     fn jumps(&self) -> bool {
         let all = [(self.before.rates, self.after.rates), (self.before.z, self.after.z)];
         let differ = |(was, is): (&DVector<f64>, &DVector<f64>)| {
-            // A stretch that begins to grow exerts no force at once.
+            // When a stretch begins to grow, its force does not jump.
             let inner = self.machine.system.places_of_first_order();
             let all = was.iter().zip(is.iter()).enumerate().filter(|(i, _)| !inner.contains(i));
             all.into_iter().any(|(_, (a, b))| (a - b).abs() > STILL * (a.abs() + b.abs()))
@@ -196,7 +196,7 @@ impl Crossing<'_> {
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
     }
 
-    /// Refuses a column that moves stops off an equality at which impacts are undecided.
+    /// Refuses a column that moves a stop off u⁺ = -ε u if the stop lies exactly on this equality.
     fn check_tight(
         &self,
         p: usize,
@@ -229,8 +229,8 @@ impl Crossing<'_> {
         !is_touch && !others && self.earlier.is_empty() && self.hit().next().is_none()
     }
 
-    /// Whether an event function that is zero after the event does not vary, whatever the column.
-    /// It is the place or rate of a contact that was held before, or that has come to its limit.
+    /// Whether an event function that is zero after the event does not vary, whatever the column:
+    /// the place or rate of a contact that was held before, or that has come to its limit.
     pub(super) fn stays_still(&self, watch: Watch) -> bool {
         let contact = watch.contact();
         let is_due = self.due.is_some_and(|due| due.0.contact() == contact);
@@ -367,8 +367,8 @@ impl Crossing<'_> {
     }
 
     /// Returns the derivative of a reported event's time; for a closing stop it uses `delta`, the
-    /// derivative of the state before. A stop closes when its bounces accumulate, at the time 2 ε
-    /// u/(a (1 - ε)) after the last impact that is simulated.
+    /// derivative of the state before the event. A stop closes when its bounces accumulate, at the
+    /// time 2 ε u/(a (1 - ε)) after the last impact that is simulated.
     pub fn time_of(
         &self,
         p: usize,

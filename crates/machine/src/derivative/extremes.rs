@@ -232,11 +232,11 @@ impl Extremes {
     }
 }
 
-/// A time, the state there with its derivatives, and by column why it has none.
+/// A time, the state then with its derivatives, and for each lost column the reason.
 pub(super) type Moment<'a> = (f64, &'a Columns, &'a [Option<Lost>]);
 
 impl Extreme {
-    /// Compares the derivatives with the derivatives at another time where the value is reached.
+    /// Compares the derivatives with the derivatives at another time with the same value.
     fn meet(
         &mut self,
         time: f64,

@@ -16,9 +16,10 @@ use nalgebra::DVector;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// The gradient of a sum Σ cₖ yₖ of a motion's values at any times, and of its events' times, by
-/// many numbers of the machine and of its start. It takes one forward and one backward pass,
-/// however many these numbers are, and so suits sums of squares, with cₖ = 2 × residual.
+/// The gradient of a sum Σ cₖ yₖ of a motion's values at any times, and of its events' times, with
+/// respect to many numbers of the machine and of its start. However many these numbers are, it
+/// takes one forward and one backward pass. It therefore suits sums of squares, with cₖ = 2 ×
+/// residual.
 ///
 /// If the order of events at one instant is in doubt, the sum is differentiated by columns
 /// ([`Differentiated`]). The result is equally exact, but takes longer.
@@ -120,7 +121,7 @@ impl Gradient {
         let (machine, motion) = begun.into_parts();
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, false);
-        // Curved forces are differentiated by columns.
+        // Curved forces and blocks, for example, are differentiated by columns.
         let is_doubtful = !machine.system.curved.is_empty()
             || !motion.mode().is_independent()
             || throughout(&mode, &motion).next().is_some()

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// The instant at which a motion loses its derivative by a parameter, and the reason.
+/// The instant at which a motion loses its derivative with respect to a parameter, and the reason.
 ///
 ///
 /// From 1 s on, a pull just cancels the force that presses a body on a stop. If that force
@@ -31,7 +31,7 @@ use std::fmt;
 pub struct Lost {
     /// Time, s.
     pub time: f64,
-    /// The element, such as `stop.NAME`, or the parameter of a step.
+    /// The element, such as `stop.NAME`, or a description such as `the step at 1 s`.
     pub element: String,
     /// The reason.
     pub cause: Cause,

@@ -32,7 +32,7 @@ pub(super) const BESIDE: f64 = 4.0;
 pub(super) enum Matrices {
     /// The assembly's matrices already have these coordinates.
     Known(Arc<Assembly>),
-    /// Matrices of another layout; by coordinate: its index in the assembly's augmented state.
+    /// Matrices of another layout, and each coordinate's index in the assembly's augmented state.
     Own(Box<System>, Vec<Option<usize>>),
 }
 
@@ -249,7 +249,8 @@ impl Machine {
     }
 
     /// Returns the event functions that are zero and stay zero to first order, or whose crossing
-    /// changes forces at once. If `begins`, functions that leave zero count as well.
+    /// changes forces at once. With `begins`, returns all that are zero, unless forces are
+    /// continuous there.
     pub fn still<'m>(&self, at: &Instant<'m, '_>, begins: bool) -> Vec<&'m (Watch, Functional)> {
         let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);
         let counts = |watch: Watch, row: &StateRow| match begins {
@@ -380,8 +381,8 @@ impl Machine {
         }
     }
 
-    /// Refuses a column that varies an event function which touches zero at this instant, or its
-    /// rate. If only the time of the touch varies, the next order decides whether zero is passed.
+    /// Refuses a column that varies the value or the rate of an event function that touches zero
+    /// now. If only the time of the touch varies, the next order decides whether zero is passed.
     pub fn check_touch(&self, column: Varied, at: &Instant, place: usize) -> Result<(), Lost> {
         let (watch, row) = &at.mode.watched[place];
         let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);

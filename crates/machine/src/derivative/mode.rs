@@ -143,7 +143,8 @@ impl VariedMode {
         2 * self.a.entries() + rows(&self.lambda) + watched + columns + self.sources.0.numbers() + rungs
     }
 
-    /// Whether a flight over a time separates the events at its ends into two instants.
+    /// Whether a flight of length `span` up to `time` separates the events at its ends into two
+    /// instants.
     pub fn parts_instants(&self, time: f64, span: f64) -> bool {
         span > INSTANT * (time.abs() + self.length)
     }

@@ -8,7 +8,8 @@ use crate::mode::Contact;
 use crate::system::BranchRows;
 use nalgebra::{DMatrix, DVector};
 
-/// Singular values below this fraction of the largest entry: nothing acts in this direction.
+/// Singular values below this fraction of the largest entry count as zero: no force in this
+/// direction.
 const LOOSE: f64 = 1e-12;
 
 /// Computes the derivative of the coordinates q in equilibrium by parameter `p`. With the
@@ -165,8 +166,9 @@ fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVec
 }
 
 /// Returns the contacts that keep their place at rest, with their index in the basis: closed
-/// stops, which must press, and, if needed, sticking friction and engaged freewheels. The latter
-/// keep w·q = 0 of the machine without displacements, and must stay inside their limits.
+/// stops, which must press, and, if one of them bears a force, sticking friction and engaged
+/// freewheels. Friction and freewheels keep w·q = 0 as without displacements, and must stay inside
+/// their limits.
 fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact)>, Lost> {
     let (mode, n) = (&at.mode.mode, machine.system.coordinates);
     let force = |k: usize| {

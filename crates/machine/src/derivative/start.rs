@@ -205,8 +205,8 @@ impl Start<'_> {
         Ok(())
     }
 
-    /// Whether the start varies with the place of a rigid stop that touches there: if it is held
-    /// and the machine starts at rest or is under way, and if it separates.
+    /// Whether the start varies with the place of a rigid stop that touches: if the stop
+    /// separates, or if it is held and the motion is under way or begins at rest, for a parameter.
     fn follows(&self, i: usize, p: usize) -> bool {
         let is_held = self.at.mode.mode.stops[i] == StopState::Closed && !self.is_hit(i);
         let varies = || match self.given {

@@ -49,7 +49,7 @@ pub(super) struct Tangent {
 /// A description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
 fn direction(d: &Description, name: &str) -> Description {
     let mut along = d.clone();
-    // Not parameters: signs of elements between two bodies, and starts of a machine at rest.
+    // Numbers that are not parameters have the derivative 0, such as arms between two bodies.
     let springs = along.springs.iter_mut().map(|s| &mut s.arms);
     let dampers = along.dampers.iter_mut().map(|s| &mut s.arms);
     let stops = along.stops.iter_mut().map(|s| &mut s.arms);

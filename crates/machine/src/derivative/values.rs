@@ -1,4 +1,4 @@
-//! Derivatives of quantities: y = ℓ z has ℓ δ + dℓ z (docs/assembly-law.md (A31)).
+//! Derivatives of quantities: y = ℓ z has the derivative ℓ δ + dℓ z (docs/assembly-law.md (A31)).
 
 use super::mode::VariedMode;
 use super::rows::ElongationTangent;

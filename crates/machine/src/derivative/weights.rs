@@ -1,5 +1,5 @@
-//! The derivative of a number by all rows and matrices of a machine; the derivative by any column
-//! follows from it (docs/assembly-law.md (A40)).
+//! The derivative of a quantity with respect to all rows and matrices of a machine; its derivative
+//! by any column follows from them (docs/assembly-law.md (A40)).
 
 use super::columns::padded;
 use super::mode::VariedMode;

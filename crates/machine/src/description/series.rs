@@ -1,16 +1,16 @@
-//! Partners of springs in series.
+//! Dashpots and sliders in series with springs.
 
-/// A spring's partner in series. Spring and partner meet at an inner displacement x, in the unit
-/// of e. The spring's force is stiffness · (e - x); the partner determines how x moves.
+/// A dashpot or slider in series with a spring. Both meet at an inner displacement x, in the unit
+/// of e. The spring's force is stiffness · (e - x); the other element determines how x moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Series {
-    /// The partner.
+    /// The dashpot or slider.
     pub law: SeriesLaw,
     /// x at time 0, m or rad; 0 in a machine that starts at rest.
     pub slider: f64,
 }
 
-/// The law of a spring's partner in series.
+/// The law of a dashpot or slider in series with a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SeriesLaw {
     /// A dashpot (Maxwell's element): damping · x' = stiffness · (e - x).

@@ -1,4 +1,4 @@
-//! Works over many sub-steps at once for modes without tables: from the states at the nodes of
+//! Work over many sub-steps at once for modes without tables: from the states at the nodes of
 //! Gauss's rule in all sub-steps (docs/assembly-law.md (A29)).
 //!
 //! A mode of a large machine seldom occurs twice. Matrices for each power and length would serve
@@ -7,8 +7,8 @@
 use crate::flow::{FlowTable, INTERVALS, Rung, Series};
 use crate::kernel::{NODES, Sparse};
 
-/// Largest remainder of a coordinate in the dropped columns, relative to its root mean square.
-/// Works lose the square of it.
+/// Largest remainder of a coordinate in the dropped columns, relative to its root mean square. The
+/// work loses the square of it.
 const DROPPED: f64 = 1e-13;
 
 /// States at the nodes, each times the root of its weight, as columns that may have been rotated.

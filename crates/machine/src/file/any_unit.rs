@@ -5,7 +5,7 @@ use crate::kinds;
 use crate::parameters::read;
 use vibro_numerics::quantities::{UNITS, split};
 
-/// Preferred SI units of ambiguous units: angular velocities before frequencies.
+/// SI units that are tried first: Hz only for units that end in Hz, then rad/s.
 const FIRST: [&str; 2] = ["Hz", "rad/s"];
 
 /// Returns the value of a text in SI, and the SI unit of its dimension.

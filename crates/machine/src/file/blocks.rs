@@ -364,7 +364,7 @@ fn nested<'t>(reading: &mut Reading, table: &FileTable<'t>, inputs: &[String]) -
     all
 }
 
-/// Sets the outputs that loads follow (`from = "pid.u"`), after the blocks have been read.
+/// Reads the output that a load follows (`from = "pid.u"`), after the blocks have been read.
 pub(super) fn follow(
     reading: &mut Reading,
     from: &Entry,

@@ -1,18 +1,18 @@
-//! Reading of a spring's partner in series.
+//! Reading of the dashpot or slider in series with a spring.
 
 use super::reading::{FileTable, Reading};
 use crate::description::{Dimension, Series, SeriesLaw};
 use crate::kinds;
 
-/// The keys of a spring with a partner in series.
+/// Keys of the dashpot or slider in series with a spring.
 pub(super) const KEYS: [&str; 3] = ["slip", "series_damping", "slider"];
 
-/// Whether a table has a partner in series.
+/// Whether a spring's table has a dashpot or slider in series.
 pub(super) fn is_given(table: &FileTable) -> bool {
     table.has("series_damping") || table.has("slip")
 }
 
-/// Reads the partner; `Some(None)` if there is none, `None` if it is refused.
+/// Reads the dashpot or slider; `Some(None)` if there is none, `None` if it is refused.
 pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<Option<Series>> {
     if !is_given(table) {
         let slider = reading.optional(table, "slider");

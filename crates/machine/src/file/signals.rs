@@ -1,5 +1,5 @@
-//! Reading of signals: a number, or a table of constant, harmonics, steps, record and input. The
-//! signal is their sum.
+//! Reading of signals: a number, or a table of constant, harmonics, sweeps, steps, record and
+//! input. The signal is their sum.
 
 use super::reading::{Entry, FileTable, Reading};
 use super::records::{self, RecordValues};

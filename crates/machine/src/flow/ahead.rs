@@ -12,10 +12,12 @@ use crate::curved::CurveSeries;
 pub use crate::curved::TERMS;
 use crate::kernel::{AtNodes, Sparse, largest_product, multiply_add_rows};
 
-/// Bound of the omitted terms of a series, relative to its largest term in the norm of (A6).
+/// Bound of the omitted terms of a series, relative to the largest of its first three terms, in
+/// the norm of (A6).
 const REMAINDER: f64 = 1e-18;
 
-/// Length of a series relative to the predicted time of the event: parabolas are early or late.
+/// Length of a series relative to the predicted time of the event: parabolas predict it too early
+/// or too late.
 const BEHIND: f64 = 1.15;
 
 /// Shortest series, as a fraction of the longest: predictions for functionals that leave zero
@@ -23,7 +25,7 @@ const BEHIND: f64 = 1.15;
 const SHORTEST: f64 = 0.02;
 
 /// Rate times length of the longest series. Measured on chains: one series then covers a contact
-/// from begin to end.
+/// from beginning to end.
 const REACH: f64 = 4.0;
 
 /// Power series of the states within a span, in the elapsed fraction of the span. Its memory is
@@ -68,7 +70,8 @@ impl Series {
         let (size, own) = (self.size, table.coordinates);
         let (before, after) = self.terms.split_at_mut(k * size);
         let before = &before[(k - 1) * size..];
-        // The rates of the coordinates are the velocities, which follow them.
+        // The rates of the coordinates are the velocities, which follow the coordinates in the
+        // state.
         let (lengths, others) = after[..size].split_at_mut(own);
         lengths.iter_mut().zip(&before[own..]).for_each(|(q, v)| *q = factor * v);
         table.rows_times_to(own, before, factor, others);

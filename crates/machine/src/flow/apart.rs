@@ -2,7 +2,7 @@
 //!
 //! Such a force acts on two bodies with opposite signs. The entries of exp(A h) that express it
 //! are rounded independently. If coordinates are far greater than the elongation, the result is a
-//! spurious force, equal in thousands of sub-steps. A force that is computed first and then
+//! spurious force, the same in thousands of sub-steps. A force that is computed first and then
 //! applied to both bodies has opposite signs to the last bit.
 
 use crate::functional::Functional;

@@ -1,5 +1,5 @@
 //! Flows in double-double arithmetic. If stiff springs and soft forces contribute to an entry of
-//! A, it is rounded to the last digit of the stiff part. Repeated doubling multiplies this
+//! A, the entry is rounded to the last digit of the stiff part. Repeated doubling multiplies this
 //! rounding error by 2^k, which disturbs slow motions on soft springs.
 
 use super::apart::Apart;

@@ -13,9 +13,9 @@ use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Some hundreds of rounding errors of both methods, relative to the largest coordinate.
+/// Tolerance relative to the largest coordinate: some thousands of rounding errors.
 const ROUNDING: f64 = 1e-12;
-/// Rounding error of a stiff mode's flow: rate times time is up to some hundreds.
+/// Tolerance for a stiff mode's flow, whose rate times time is up to 62.
 const STIFF_ROUNDING: f64 = 1e-10;
 /// Number of points at which a bound is compared with the bounded value.
 const PLACES: usize = 24;
@@ -66,7 +66,7 @@ fn dense(a: &SparseMatrix) -> DMatrix<f64> {
     DMatrix::from_fn(a.len(), a.len(), |i, j| a.entry(i, j))
 }
 
-/// States without proportional coordinates, some of them with one large coordinate.
+/// States whose coordinates are in no simple ratio, most of them with one large coordinate.
 fn states(size: usize, one: usize) -> Vec<DVector<f64>> {
     let of = |k: usize| {
         let mut z = DVector::from_fn(size, |i, _| ((3 * i + 7 * k) as f64 * 0.77 + 0.3).sin());
@@ -77,7 +77,7 @@ fn states(size: usize, one: usize) -> Vec<DVector<f64>> {
     (0..6).map(of).collect()
 }
 
-/// Largest difference of two states, relative to the largest coordinate.
+/// Largest difference of two states, relative to the largest coordinate or to 1.
 fn apart(a: &[f64], b: &DVector<f64>) -> f64 {
     a.iter().zip(b.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / b.amax().max(1.0)
 }
@@ -171,8 +171,8 @@ fn second_method_states_functionals_and_nodes_along_a_series() {
 
 #[test]
 fn invariant_bends_stay_within_their_bounds() {
-    // Single coordinates, where no other term hides a bound that is too low, and all together. A
-    // bound is at most the result of |A| on the sizes, which is at most e³ times the sizes.
+    // Single coordinates, where no other term hides a bound that is too low, and all together.
+    // Each bound is itself at most |row| exp(|A| h) |A|² |z|.
     for (table, one) in tables().into_iter().filter(|(table, _)| table.is_dense()) {
         let (a, size) = (dense(&table.a), table.a.len());
         let single = (0..size).map(|j| DVector::from_fn(size, |i, _| if i == j { 1.0 } else { 0.0 }));

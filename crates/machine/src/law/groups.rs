@@ -69,7 +69,8 @@ impl Triangle {
 impl System {
     /// Returns the groups of contacts, in the order of their first contacts.
     pub(crate) fn groups(&self, contacts: &[Contact]) -> Vec<Group> {
-        // First contact of each coordinate; for each contact, one joined contact.
+        // For each coordinate, its first contact; for each contact, an earlier contact of its
+        // group, or itself.
         let mut first: Vec<Option<usize>> = vec![None; self.coordinates];
         let mut joined: Vec<usize> = (0..contacts.len()).collect();
         let root = |joined: &[usize], mut place: usize| {

@@ -6,7 +6,7 @@ use crate::mode::Contact;
 use crate::system::System;
 use nalgebra::DVector;
 
-/// Largest number of impacts at one instant; then the velocities are projected (see `project`).
+/// Largest number of impacts at one instant; after them the velocities are projected (`project`).
 const MAX_IMPACTS: usize = 1000;
 
 /// One impact: the stops with an impulse, and its energies.
@@ -53,8 +53,8 @@ pub struct Instant<'a> {
     pub touching: &'a [usize],
     /// Restitution coefficient of each stop; 0 if its chatter ends.
     pub restitution: &'a [f64],
-    /// Indices of the freewheels that count as having e' = 0 before the impacts, whatever its
-    /// rounded value.
+    /// Indices of the freewheels that count as having e' = 0 before the impacts, whatever the
+    /// rounded value of e'.
     pub engaged: &'a [usize],
 }
 

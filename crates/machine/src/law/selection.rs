@@ -33,7 +33,7 @@ use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
 /// Number of orders beyond twice the length of z after which an undecided contact of a machine
-/// with curved forces counts as zero throughout: no theorem bounds the order, as (A5) does for
+/// with curved forces counts as zero throughout: no theorem bounds the order, as (A11) does for
 /// straight laws.
 const FURTHER: usize = 8;
 

@@ -6,9 +6,9 @@ use std::ops::{Mul, Neg};
 /// The state of a stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum StopState {
-    /// A rigid stop with e < gap, or with e = gap and separating.
+    /// A rigid stop with e < gap, or with e = gap and separating; a freewheel with e' < 0.
     Open,
-    /// A rigid stop held at e = gap.
+    /// A rigid stop held at e = gap; a freewheel held at e' = 0.
     Closed,
     /// A compliant stop with e < gap.
     Below,
@@ -99,7 +99,7 @@ impl FrictionState {
     }
 }
 
-/// The state of a branch: a spring in series with its partner.
+/// The state of a branch: a spring in series with a dashpot or slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum SliderState {
     /// The slider is at rest. A branch with a dashpot is always in this state.

@@ -12,7 +12,7 @@ use nalgebra::DVector;
 use std::sync::Arc;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Returns the inner places among the kept places of contacts.
+/// Returns the entries of sliders in the list of kept places.
 fn inner_places(standing: &[(Contact, f64)]) -> Vec<(Contact, f64)> {
     standing.iter().filter(|held| matches!(held.0, Contact::Slider(_))).copied().collect()
 }
@@ -59,7 +59,8 @@ impl Motion {
     ///
     /// # Errors
     /// [`Error::Violated`] if a rigid stop's gap is now less than its e; [`Error::Jammed`];
-    /// [`Error::OutOfRange`] for a machine with other stops or other bodies as coordinates.
+    /// [`Error::OutOfRange`] for a machine with another number of stops or states, or with other
+    /// bodies as coordinates.
     ///
     /// # Examples
     /// An oscillator with ω = 2 rad/s passes its middle with 2 m/s after π/4 s. A spring four

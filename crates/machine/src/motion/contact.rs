@@ -73,8 +73,8 @@ fn order_of(departure: Option<(usize, f64)>) -> usize {
     match departure {
         None => ORDERS,
         Some((0, _)) => 0,
-        // A positive derivative follows a zero of the previous order: the passage is imminent
-        // and must not be divided out.
+        // If the derivative is positive, a passage is imminent. The order is then one less, so
+        // that this passage is not divided out.
         Some((order, value)) => order - usize::from(value > 0.0),
     }
 }
@@ -235,12 +235,12 @@ impl Motion {
                 Watch::Turns(i) => flags.limits[i] = true,
                 Watch::Changes(i) => {
                     let (stop, z) = (&system.stops[i], &hybrid.z);
-                    // A cap is reached only on the way in, even close to the edge. Counted as an
-                    // edge, the stop would be entered again.
+                    // A cap is reached only on the way in, even close to the edge. A stop that
+                    // counted as being at its edge would be entered again.
                     let cap = hybrid.mode.stops[i] == StopState::Capped
                         || (stop.is_elastogap() && stop.force.dot(z) > stop.spring.dot(z));
-                    // A pressed stop whose e still grows is past its edge. Counted at its edge, it
-                    // would be entered again.
+                    // A pressed stop whose e still grows is past its edge. If it counted as being
+                    // at its edge, it would be entered again.
                     let rate = &stop.elongation.rate;
                     let enters = hybrid.mode.stops[i] == StopState::Pressed
                         && rate.at(z.as_slice()) > hybrid.sizes.zero_of(rate);
@@ -307,8 +307,8 @@ impl Motion {
                 engaged: &engaged,
             };
             let mut stay_closed = |z: &DVector<f64>, stops: &[usize], closing: &[usize], before_it: usize| {
-                // In the first impact, stops that were not open before stay closed; in later
-                // impacts, stops that forces keep closed.
+                // Stops that forces keep closed stay closed; in the first impact, so do all stops
+                // that were not open before.
                 let was_open = |i: usize| self.hybrid.mode.stops.get(i) == Some(&StopState::Open);
                 if before_it == 0 && !stops.iter().any(|&i| was_open(i)) {
                     return Ok(vec![true; stops.len()]);

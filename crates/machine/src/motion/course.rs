@@ -28,7 +28,7 @@ use vibro_numerics::double_double::DoubleDouble;
 /// rounding of the roots that solvers find. It is so small that an impact at this depth is as
 /// exact as a solver's tolerance.
 pub(super) const OVERSHOOT: f64 = 1e-11;
-/// Largest number of successive modes at one instant, per indicator.
+/// Largest number of successive modes at one instant, as a multiple of the indicators plus one.
 const CHAIN: usize = 10;
 
 /// The last event and the last accepted point of a host's solver.
@@ -262,7 +262,7 @@ impl Motion {
         passed.zip(&self.table().watched).filter(|(passed, _)| *passed).map(|(_, w)| w.watch).collect()
     }
 
-    /// The next knot of a signal or sample of a block, s.
+    /// Time of the next knot of a signal or sample of a block, s.
     pub fn next_knot_on(&self, course: &Course) -> Option<f64> {
         let knot = self.assembly.system.signals.next_knot(course.event);
         [knot, self.next_sample()].into_iter().flatten().reduce(f64::min)

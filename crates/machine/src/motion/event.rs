@@ -52,7 +52,7 @@ impl Event {
         !matches!(self.kind, EventKind::Sample { .. })
     }
 
-    /// The stop, friction or slider that has the event; `None` for a knot.
+    /// The stop, friction element or slider that has the event; `None` for a knot.
     pub fn contact(&self) -> Option<Contact> {
         match self.kind {
             EventKind::Impact { stop, .. }
@@ -72,7 +72,7 @@ impl Event {
     }
 }
 
-/// Kind of an event, with the indices of stops and frictions.
+/// Kind of an event, with the indices of its elements.
 ///
 ///
 /// A block that slides with 3 m/s against a friction of 2 N sticks after 1.5 s:
@@ -142,30 +142,30 @@ pub enum EventKind {
     },
     /// A corner of a spring's force is passed.
     Corner {
-        /// Its index among stops and corners.
+        /// Index of the corner among stops and corners.
         corner: usize,
         /// e', m/s or rad/s.
         rate: f64,
     },
-    /// A friction begins to stick.
+    /// A friction element begins to stick.
     Stick {
-        /// Index of the friction.
+        /// Index of the friction element.
         friction: usize,
     },
-    /// A friction begins to slip, or reverses.
+    /// A friction element begins to slip, or reverses.
     Slip {
-        /// Index of the friction.
+        /// Index of the friction element.
         friction: usize,
         /// Sign of e'.
         direction: f64,
-        /// Its force at that time, N or N m.
+        /// Friction force at that time, N or N m.
         force: f64,
     },
-    /// The level of a friction passes zero.
+    /// The level of a friction element passes zero.
     Level {
-        /// Index of the friction.
+        /// Index of the friction element.
         friction: usize,
-        /// Whether the friction now acts.
+        /// Whether friction now acts.
         acts: bool,
     },
     /// The slider of a branch begins to slip.

@@ -5,8 +5,9 @@ use super::{Event, EventKind};
 use crate::system::System;
 use nalgebra::{DMatrix, DVector};
 
-/// Below this relative singular value the compliance matrix of stops hit together counts as
-/// singular: the box problem of (A7) leaves out contacts whose columns depend on other columns.
+/// Singular values of the compliance matrix of stops hit together count as zero below this
+/// multiple of its largest entry: the box problem of (A7) leaves out contacts whose columns depend
+/// on other columns.
 const SINGULAR: f64 = 1e-12;
 
 /// One impact: the stops with an impulse P, for which G P = (1 + ε) u.
@@ -18,7 +19,7 @@ pub(crate) struct Impulse {
     pub closes: Vec<bool>,
     /// Impulse P of each stop.
     pub impulses: DVector<f64>,
-    /// The inverse of G.
+    /// The inverse of G; the pseudo-inverse if several stops are hit.
     pub inverse: DMatrix<f64>,
     /// States before and after the impact.
     pub states: [DVector<f64>; 2],

@@ -8,7 +8,7 @@ use crate::signals::Input;
 use crate::system::Elongation;
 use nalgebra::DVector;
 
-/// Relative rounding error of e - gap at a start.
+/// Tolerance for e > gap at a start, relative to the sizes of the terms of e - gap.
 const START: f64 = 1e-13;
 
 /// Values before signals jump. A jump is the difference from these values.
@@ -163,7 +163,7 @@ impl Motion {
     }
 
     /// Refuses a start in which a rigid stop has e > gap. The tolerance is the rounding of the
-    /// terms of e - gap and of the coordinates' `ways`.
+    /// terms of e - gap, where `ways` adds to the coordinates' sizes.
     pub(super) fn check_stops(&self, ways: &[f64]) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.keeps_gap()) {

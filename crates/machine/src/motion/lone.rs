@@ -107,8 +107,8 @@ impl Motion {
                     _ => FrictionState::Up,
                 };
                 let turned = ElementState::Friction(i, turned);
-                // A friction sticks if its force may fall from its level to the one that keeps e'
-                // at zero.
+                // The friction probably sticks if its force can fall from its level to the force
+                // that keeps e' at zero, which is at most twice the level away.
                 let Elongation { w, mobility, .. } = &friction.elongation;
                 let level = friction.at(&hybrid.mode.stops).map_or(0.0, |own| own.level.dot(&hybrid.z));
                 let room = 2.0 * level * w.dot(mobility);

@@ -15,9 +15,9 @@ const LEAST_BOUNCE: f64 = 1e-12;
 /// Lowest height of a bounce under a host's solver, in multiples of the overshoot.
 const OVERSHOOT_BOUNCES: f64 = 100.0;
 
-/// Largest addition for a restitution ε, in multiples of the overshoot. It applies for ε near 1,
-/// and for ε = 1, where bounces decay by other losses. If these losses are smaller than the losses
-/// behind this limit, a bounce becomes so low only after about 80,000 bounces.
+/// Cap on the addition for a restitution ε, in multiples of the overshoot. It takes effect for ε >
+/// 0.9999, and for ε = 1, where bounces decay by other losses. If these are smaller than the
+/// losses at ε = 0.9999, a bounce becomes so low only after more than 80,000 bounces.
 const MOST_OVERSHOOT_BOUNCES: f64 = 1e4;
 
 impl Motion {

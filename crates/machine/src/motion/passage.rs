@@ -47,8 +47,8 @@ pub(super) const LEAVES_ZERO: f64 = 16.0;
 const PASSES: f64 = LEAVES_ZERO + 1.0;
 /// After a passage, this fraction of a span is searched for the end of a mere touch.
 const WINDOW: f64 = 0.125;
-/// Lowest high order: an event function that leaves zero with it is below 0.375⁶/6! < 4e-6 of its
-/// size at the end of the first interval.
+/// Orders of departure from this one on are high: the event function is then below 0.375⁶/6! <
+/// 4e-6 of its size at the end of the first interval.
 const HIGH_ORDER: usize = 6;
 
 /// An instant within a sub-step, given by its interval.
@@ -56,12 +56,12 @@ const HIGH_ORDER: usize = 6;
 pub(super) struct StepPoint {
     /// The interval.
     pub(super) interval: usize,
-    /// Time from its start, s.
+    /// Time from the interval's start, s.
     pub(super) dt: f64,
 }
 
 impl StepPoint {
-    /// The end of a span from the sub-step's start.
+    /// The instant at the end of a span that begins with the sub-step.
     pub(super) fn end(span: f64, table: &FlowTable) -> Self {
         let step = table.interval();
         if span == table.length {
@@ -144,7 +144,7 @@ impl PassageSearch<'_> {
     }
 
     /// Returns the longest of `span`, `span`/2, … in which the travel of all watched stops is
-    /// within [`REACH`].
+    /// within [`REACH`], but at least `span`/64.
     #[inline(always)]
     pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
@@ -165,7 +165,8 @@ impl PassageSearch<'_> {
         span
     }
 
-    /// Returns the first passage of an event function within a span; `None` is proved.
+    /// Returns the first passage of an event function within a span. `None` is a proof that there
+    /// is none.
     #[inline(always)]
     pub(super) fn first_passage(&self, span: f64, scratch: &mut Scratch) -> Option<Passage> {
         let (table, z) = (self.table, self.hybrid.z.as_slice());
@@ -206,7 +207,7 @@ impl PassageSearch<'_> {
         high
     }
 
-    /// Returns the part of a span in which the watched stops' e stay within reach: 1, 1/2, …
+    /// Returns the part of a span in which the watched stops' e stay within reach: 1, 1/2, … 1/64.
     #[inline(always)]
     pub(super) fn part_within_reach(&self, ahead: &Ahead) -> f64 {
         let (mut part, least) = (1.0, 0.5f64.powi(HALVINGS));
@@ -228,7 +229,8 @@ impl PassageSearch<'_> {
     }
 
     /// Returns the first passage of an event function from below zero to above within a part of a
-    /// span, as the fraction of the span and the event function's index. `None` is proved.
+    /// span, as the fraction of the span and the event function's index. `None` is a proof that
+    /// there is none.
     #[inline(always)]
     pub(super) fn passage_ahead(&self, part: f64, ahead: &Ahead) -> Option<(f64, usize)> {
         let mut first: Option<(f64, usize)> = None;
@@ -287,9 +289,9 @@ impl PassageSearch<'_> {
         table.watched.iter().all(|w| w.row.dot(&there) <= hybrid.sizes.zero_of(&w.row))
     }
 
-    /// Whether a passage is simultaneous, but for rounding, with the knot at the end of its span.
-    /// Then no event function there is beyond its limit by more than the zero tolerance, or the
-    /// clock shows the knot's time.
+    /// Whether a passage counts as simultaneous with the knot at the end of its span: the clock
+    /// shows the knot's time, or the passage is within [`AT_KNOT`] of the knot and no event
+    /// function exceeds zero there by more than the zero tolerance.
     #[inline(never)]
     pub(super) fn is_at_knot(
         &self,
@@ -378,11 +380,12 @@ impl PassageSearch<'_> {
     /// Whether an event function exceeds zero within a span by no more than the zero tolerance,
     /// judged by its value at the start and its coefficients. Such a touch is not an event: a stop
     /// touched without speed is not hit, a level that is zero for an instant stays, a contact held
-    /// up to its limit stays held. As an event, a rounding δ of the coordinate would give a speed
-    /// of order √δ.
+    /// up to its limit stays held. If it were one, a rounding error δ of the coordinate would give
+    /// a speed of order √δ.
     ///
     /// A stop or a level that passes zero slowly has its event as soon as it exceeds the zero
-    /// tolerance. Other event functions, for example forces, only touch if they turn round.
+    /// tolerance. Forces of contacts, and edges, only touch if they turn round. All others have an
+    /// event at every passage.
     #[inline(never)]
     fn only_touches<const N: usize>(&self, place: usize, begin: f64, c: &[f64; N]) -> bool {
         let w = &self.table.watched[place];
@@ -456,7 +459,7 @@ fn passage_from_below<const N: usize>(c: &[f64; N], hi: f64) -> Option<Option<f6
         slope_sum += slopes[k - 1].abs();
     }
     (2..N).for_each(|k| bends[k - 2] = (k - 1) as f64 * slopes[k - 1].abs());
-    // If the series rises throughout, Newton's method takes two steps.
+    // If the series rises throughout, Newton's method of the caller takes two steps.
     if c[0] >= 0.0 || 2.0 * c[1] > slope_sum {
         return None;
     }
@@ -533,8 +536,8 @@ fn first_of<const N: usize>(c: &[f64; TERMS]) -> &[f64; N] {
     c.first_chunk().expect("N is at most TERMS")
 }
 
-/// Whether an event function beyond zero at the end of a span is returning to zero, or reaches its
-/// vertex before it is further beyond by `zero`.
+/// Whether an event function is not above zero at the end of a span, falls there, or will rise by
+/// at most `zero` more up to its vertex.
 fn turns_round<const N: usize>(begin: f64, c: &[f64; N], zero: f64) -> bool {
     let (mut slope, mut bend) = (0.0, 0.0);
     for (k, x) in c.iter().enumerate().skip(1) {
@@ -563,8 +566,8 @@ fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -
         return 0;
     }
     let margin = bend * step * step * 0.125;
-    // From zero it falls throughout the first interval if the slope outweighs the second
-    // derivative.
+    // An event function that starts at zero falls throughout the first interval if the slope
+    // outweighs the second derivative.
     let leaves = order == 1 && slope + 0.5 * bend * step < 0.0;
     let mut ends = 0u64;
     for (k, sample) in samples().into_iter().enumerate() {

@@ -11,7 +11,7 @@ use crate::system::{Elongation, System};
 /// have one such rounding.
 const DRIFT: f64 = 2.0;
 
-/// Square of the sine of an angle between directions, up to which the angle counts as rounding.
+/// Two directions count as parallel up to this square of the sine of their angle.
 const PARALLEL: f64 = 1e-12;
 
 /// The distance of e from `from`; 0 within [`DRIFT`] roundings.

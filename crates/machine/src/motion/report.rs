@@ -112,7 +112,8 @@ impl Motion {
         let time = self.time();
         let level = |acts| EventKind::Level { friction: i, acts };
         match (was, now) {
-            // A level that follows a stop begins and ends with its force.
+            // A level that follows a stop begins and ends with the stop's force, which has an
+            // event.
             _ if !self.assembly.system.frictions[i].passes => {}
             (_, FrictionState::Off) => report(observer, time, level(false)),
             (FrictionState::Off, _) => report(observer, time, level(true)),

@@ -92,7 +92,7 @@ impl Motion {
         Some(knot.filter(|knot| *knot <= end_of_instant(next)).unwrap_or(next))
     }
 
-    /// The next knot of a signal or sample of a block, s.
+    /// Time of the next knot of a signal, sample of a block or action of its outputs, s.
     ///
     ///
     /// ```

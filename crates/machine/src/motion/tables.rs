@@ -7,8 +7,8 @@ use crate::system::System;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-/// Default size of the cache, bytes. Beyond it all entries are dropped, and entries in use are
-/// made again. Modes without stored matrices take some microseconds per body and seldom recur.
+/// Default limit of the cache's size, bytes. Beyond it all entries are dropped, and entries in use
+/// are made again. Modes without stored matrices take some microseconds per body and seldom recur.
 const KEPT: usize = 128 << 20;
 const KEPT_WITHOUT_MATRICES: usize = 16 << 20;
 
@@ -41,7 +41,7 @@ impl Met {
 pub(super) struct Tables {
     met: Vec<Met>,
     places: HashMap<Mode, usize>,
-    /// Largest size, bytes.
+    /// Limit of the size, bytes.
     pub(super) most: usize,
     /// Bytes are counted again at this number of modes, as counting takes time.
     recount: usize,

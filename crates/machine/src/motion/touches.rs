@@ -1,6 +1,6 @@
 //! Touches: event functions that reach their limit and turn round without passing it. Touches are
-//! not events (docs/assembly-law.md, section 6). But a motion has no derivative afterwards by a
-//! parameter that moves them (section 14).
+//! not events (docs/assembly-law.md, section 6). But afterwards a motion has no derivative with
+//! respect to a parameter that moves the touch (section 14).
 
 use super::Motion;
 use super::passage::{PassageSearch, StepPoint, shortened};
@@ -14,8 +14,8 @@ const BESIDE: f64 = 4.0;
 /// turning point is missed between two intervals.
 const BEYOND: f64 = 1.0 / 64.0;
 
-/// Fraction of an event function's value that is certainly below the zero tolerance, unless the
-/// value itself is zero.
+/// A series that stays below zero by more than this fraction of its first value is not examined
+/// for touches: a quick test before the zero tolerance is computed.
 const BELOW: f64 = 1e-9;
 
 /// A touch: its time, s, and the event function's index in its mode.

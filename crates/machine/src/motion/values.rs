@@ -73,7 +73,7 @@ impl Motion {
         stops[self.assembly.system.present(i, stops)]
     }
 
-    /// The force of a part.
+    /// The force of a stop, or of a corner of a spring.
     fn part_force(&self, i: usize) -> f64 {
         let [_, _, force] = self.stop_varied(i);
         // The force of most stops is never a pull, by (A14); if it vanishes, rounding has either
@@ -96,7 +96,7 @@ impl Motion {
         [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force]
     }
 
-    /// A friction's elongation, its rate and its force.
+    /// A friction element's elongation, its rate and its force.
     pub fn friction(&self, i: usize) -> [f64; 3] {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         let friction = &system.frictions[i];

@@ -1,5 +1,5 @@
-//! Variational equations of a motion: the derivative of its later state by its present state and
-//! inputs.
+//! Variational equations of a motion: the derivative of its later state with respect to its
+//! present state and inputs.
 //!
 //! Between events a variation δ of the augmented state follows z' = A z as the state does. At an
 //! event with h·z = 0, the varied motion is later by δt = -h·δ / h·f⁻, with f = A z on either
@@ -99,9 +99,10 @@ impl Motion {
         self.table()
     }
 
-    /// Returns unit variations of the augmented state for [`advance_with`](Self::advance_with): by
-    /// each given state (coordinates, rates, inner places, states of blocks), then by value and
-    /// derivatives 1 to 3 of each input. Each is projected onto the contacts' constraints.
+    /// Returns unit variations of the augmented state for [`advance_with`](Self::advance_with):
+    /// one for each given state (coordinates, rates, inner places, states of blocks), then one
+    /// each for the value and derivatives 1 to 3 of each input. All are projected onto the
+    /// contacts' constraints.
     pub fn unit_variations(&self) -> Vec<Vec<f64>> {
         let system = &self.assembly.system;
         let signals = &system.signals;

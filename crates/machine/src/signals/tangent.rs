@@ -114,7 +114,7 @@ impl Signals {
     }
 }
 
-/// Derivative of the integral of a [`harmonic`]: of its amplitudes, its constant part and its
+/// Derivative of a [`harmonic`] or of its integral: of its amplitudes, its constant part and its
 /// growing part.
 fn harmonic_by(h: &Harmonic, by: &Harmonic, order: usize) -> [f64; 4] {
     let (sine, cosine) = h.phase.sin_cos();

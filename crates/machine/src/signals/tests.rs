@@ -4,9 +4,9 @@ use super::*;
 use crate::description::Interpolation;
 use crate::description::{Harmonic, Record, Step};
 
-/// Roundings of values of order one, and of some hundreds of turns.
+/// Tolerance for values of order one, with phases of some tens of turns.
 const ROUNDING: f64 = 1e-12;
-/// Distance from a knot, s; and the change over it with slopes and curvatures of some hundreds.
+/// Distance from a knot, s; and tolerance for the change over it, with slopes of some hundreds.
 const BESIDE: f64 = 1e-9;
 const ACROSS: f64 = 1e-6;
 

@@ -13,14 +13,14 @@ use crate::kernel::SparseMatrix;
 use crate::mode::{SliderState, StopState};
 use std::ops::Range;
 
-/// Rows of a spring in series with a partner.
+/// Rows of a spring in series with a dashpot or slider.
 #[derive(Clone, Debug)]
 pub struct BranchRows {
-    /// Elongation e of the spring and its partner together.
+    /// Elongation e of both together.
     pub elongation: Elongation,
     /// Stiffness, N/m or N m/rad; positive.
     pub stiffness: f64,
-    /// The partner.
+    /// The dashpot or slider.
     pub law: SeriesLaw,
     /// Index of the stretch y = e - x in the augmented state.
     pub place: usize,
@@ -31,7 +31,7 @@ pub struct BranchRows {
 }
 
 impl BranchRows {
-    /// Whether the partner is a slider.
+    /// Whether a slider is in series with the spring.
     pub(crate) fn is_slider(&self) -> bool {
         matches!(self.law, SeriesLaw::Slider { .. })
     }
@@ -42,7 +42,7 @@ impl BranchRows {
     }
 }
 
-/// The springs with a partner, in the order of their states.
+/// The springs in series with a dashpot or slider, in the order of their states.
 pub(crate) fn in_series(d: &Description) -> impl Iterator<Item = (&Spring, Series)> + Clone {
     d.springs.iter().filter_map(|spring| Some((spring, spring.series?)))
 }
@@ -89,7 +89,7 @@ impl System {
         states
     }
 
-    /// Adds a spring with its partner.
+    /// Adds a spring in series with a dashpot or slider.
     pub(super) fn add_branch(&mut self, arms: &Arms, stiffness: f64, law: SeriesLaw) -> Part {
         let (elongation, place) = (self.elongation(arms), 2 * self.coordinates + self.first_order.len());
         let stretch = |factor: f64| Functional::unit(elongation.e.len(), place, factor);

@@ -1,9 +1,9 @@
 //! Freewheels: rigid stops that act on e' instead of e (docs/assembly-law.md, section 18).
 //!
 //! In the law, a freewheel is a rigid stop with e' instead of e - gap. It is closed while a force
-//! that is not negative keeps e' = 0, and open while e' < 0. Differences are found by
-//! [`System::keeps_place`] and [`System::freewheels`]: it holds no place, and its impacts follow
-//! (A53).
+//! that is not negative keeps e' = 0, and open while e' < 0. Where it differs, the code uses
+//! [`System::keeps_place`] and [`System::freewheels`]: a freewheel holds no place, and its impacts
+//! follow (A53).
 
 use super::{Part, StopRows, System};
 use crate::description::{Description, StopLaw};
@@ -12,7 +12,7 @@ use crate::mode::Contact;
 use std::ops::Range;
 
 impl System {
-    /// Adds the freewheels after all stops and corners.
+    /// Adds the freewheels after all other stops.
     pub(super) fn add_freewheels(&mut self, d: &Description) {
         self.first_freewheel = self.stops.len();
         for (i, element) in d.elements().enumerate() {

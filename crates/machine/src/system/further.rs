@@ -1,5 +1,4 @@
-//! Parts whose force depends on other parts: corners of piecewise linear springs, friction that
-//! follows a stop.
+//! Corners and levels of springs among the stops, and friction that follows a stop.
 
 use super::{FrictionRows, LevelRows, Part, System};
 use crate::description::{Arms, Follows};

@@ -16,14 +16,15 @@ impl StopRows {
         self.level.is_some_and(|own| own.stop.is_none())
     }
 
-    /// The energy stored in an augmented state while the stop acts, ½ k max(0, e - gap)².
+    /// The energy stored in an augmented state while the stop acts: ½ k max(0, e - gap)², or ½ k
+    /// e² for a level of a spring.
     pub(crate) fn stored(&self, z: &DVector<f64>) -> f64 {
         let excess = self.excess.dot(z);
         let excess = if self.is_gapless() { excess } else { excess.max(0.0) };
         0.5 * self.stiffness() * excess * excess
     }
 
-    /// The state while a machine's elements are apart, with the stiffness at its first level.
+    /// The state while nothing touches, with the stiffness at its first level.
     pub fn state_apart(&self) -> StopState {
         match (self.level, self.restitution()) {
             (_, Some(_)) => StopState::Open,

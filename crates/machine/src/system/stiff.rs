@@ -10,7 +10,8 @@ use super::{Elongation, System};
 use crate::description::StopLaw;
 use vibro_numerics::sorting::{sort_by, sort_by_key};
 
-/// A tie is stiff if the mode's rate exceeds the rate without it by more than this factor.
+/// A tie is stiff if it is faster, by more than this factor, than all forces on its group from
+/// outside. So are all elastic forces of a mode if they raise its rate by more than this factor.
 pub(crate) const STIFF: f64 = 30.0;
 
 /// A spring, a pressed compliant stop, or a passed corner of a spring, whose stiffness may be

@@ -37,9 +37,9 @@ impl System {
         }
     }
 
-    /// Event functions of a friction in a state, with these of its levels, without the force of a
-    /// sticking friction. If a level passes zero with the force of a stop that never pulls, the
-    /// stop's own event function ends the mode.
+    /// Event functions of a friction in a state, with the levels of index `levels`, without the
+    /// force of a sticking friction. If a level passes zero with the force of a stop that never
+    /// pulls, the stop's own event function ends the mode.
     pub(crate) fn watched_of_friction(
         &self,
         i: usize,

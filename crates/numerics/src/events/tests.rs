@@ -4,7 +4,7 @@ use super::*;
 
 mod newton;
 
-/// Error of a simple root: a few units in the last place.
+/// Tolerance for a simple root: some tens of roundings.
 const ROOT: f64 = 1e-14;
 
 /// Pseudo-random numbers between -1 and 1, from a fixed seed.
@@ -40,7 +40,7 @@ fn closed_form_first_of_several_crossings() {
 /// not again within rounding.
 #[test]
 fn closed_form_turns_of_a_rate_that_begins_with_rounding() {
-    /// Error of a zero whose slope is rounding, at most 1e-15.
+    /// Tolerance for a zero whose slope is rounding, at most 1e-15 from it.
     const NOISE: f64 = 1e-14;
     for rounding in [-4.722797662324724e-15, -1e-17, 0.0, 1e-17, 3e-15] {
         let c = [0.0, rounding, 1.1702631224810198, -0.6597638777761026, -0.9, 0.1, 0.0, 0.0];

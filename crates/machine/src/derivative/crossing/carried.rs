@@ -65,8 +65,8 @@ impl Crossing<'_> {
         add_outer(deltas, -1.0, self.after.rates, &later);
     }
 
-    /// Applies the change of the signals and of bodies that links tie to them, before impacts.
-    /// Returns the δt for everything after it.
+    /// Applies the change of the signals, and of bodies that links tie to prescribed bodies,
+    /// before impacts. Returns the δt for everything after it.
     pub(super) fn at_knot(&self, p: usize, later: f64, delta: &mut DVector<f64>) -> Result<f64, Lost> {
         let (machine, tangent, time) = (self.machine, &self.machine.tangents[p], self.before.time);
         if self.is_sample() {
@@ -75,7 +75,7 @@ impl Crossing<'_> {
         }
         let knots: Vec<_> = tangent.signals.all_later(time).collect();
         let count = machine.system.signals.knots_at(time);
-        // Knots with the same delay delay the event as one knot does.
+        // Knots with the same delay delay the event like a single knot.
         let alike = knots.len() == count && knots.iter().all(|knot| knot.later == later);
         if count > 1 && !knots.is_empty() && !alike {
             return knots.iter().try_for_each(|knot| self.some_of_many_knots(knot, delta)).map(|()| 0.0);
@@ -98,7 +98,7 @@ impl Crossing<'_> {
         Ok(later)
     }
 
-    /// Treats a step at a time with several knots: δt delays only this step's height.
+    /// Treats a step at a time with several knots: δt delays only the height of this step.
     fn some_of_many_knots(&self, knot: &StepTime, delta: &mut DVector<f64>) -> Result<(), Lost> {
         let (machine, own) = (self.machine, self.machine.system.states());
         if machine.system.has_motions || self.before.mode.mode != self.after.mode.mode {

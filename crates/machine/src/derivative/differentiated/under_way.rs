@@ -13,9 +13,9 @@ use nalgebra::DVector;
 use std::sync::Arc;
 
 impl Differentiated {
-    /// Differentiates a motion under way by numbers that change from now on. No parameter varies
-    /// the present state, except that it follows the constraints of held contacts, unlike after
-    /// [`from_state`](Self::from_state).
+    /// Differentiates a motion under way with respect to numbers that change from now on. The
+    /// present state does not vary, except to follow the constraints of held contacts. After
+    /// [`from_state`](Self::from_state) it does not follow them.
     ///
     /// # Errors
     /// As [`new`](Self::new).

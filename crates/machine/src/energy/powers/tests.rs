@@ -7,7 +7,7 @@ use crate::{Assembly, Motion};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// Rounding error of sums of some tens of terms, relative to the largest power.
+/// Tolerance for sums of some tens of terms, relative to the largest power.
 const ROUNDING: f64 = 1e-11;
 
 const MACHINE: &str = "name = \"P\"\ngravity = 9.81\n\

@@ -16,9 +16,9 @@ const MODES: usize = 300;
 const STEPS: usize = 8;
 /// Order of the last exact term; 4^60/60! < 2e-46.
 const LAST: usize = 60;
-/// Rounding error of a state or functional, relative to the sum of all terms.
+/// Tolerance for a state or functional, relative to the sum of all terms.
 const STATE: f64 = 1e-15;
-/// Rounding error of a bound, which is a sum of up to some hundred products.
+/// Relative tolerance for a bound, which is a sum of up to some hundred products.
 const ROUNDING: f64 = 1e-12;
 
 /// Fraction of each bound that is attained in at least one sub-step.
@@ -53,7 +53,7 @@ impl Draw {
 /// arms of any length, some bodies linked.
 fn machine(draw: &mut Draw) -> Arc<Assembly> {
     let count = 1 + draw.below(16);
-    // Either with similar frequencies in spite of different inertias, or without any relation.
+    // Frequencies are similar in spite of different inertias, or unrelated.
     let (spread, is_alike) = (draw.of(&[0.0, 1.0, 3.0]), draw.part() < 0.5);
     let masses: Vec<f64> = (0..count).map(|_| 10f64.powf(draw.between(-spread, spread))).collect();
     let mut text = "name = \"R\"\ngravity = 9.81\n".to_owned();
@@ -197,15 +197,15 @@ struct Found {
     steps: [usize; 2],
     /// Terms relative to (A6).
     norm: f64,
-    /// Omitted terms, relative to the last one; relative to the orders of tables.
+    /// Omitted terms relative to their bound: by the last term of a series; of tables.
     remainder: [f64; 2],
-    /// Terms that a series omits, relative to their bound.
+    /// Terms that a series omits, relative to 1e-18 of the largest of its first terms.
     orders: f64,
     /// Sums of coefficients.
     behind: f64,
     /// Second derivatives.
     bend: f64,
-    /// Errors of states and functionals, relative to their rounding error.
+    /// Errors of states and functionals, relative to their tolerance.
     state: f64,
 }
 

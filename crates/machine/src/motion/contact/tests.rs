@@ -17,7 +17,7 @@ fn closed_form_what_stands_by_forces_that_cancel_has_the_rounding_of_their_sizes
     assert!(motion.body(0).iter().all(|x| x.abs() < 1e-20), "{:?}", motion.body(0));
     motion.include_flight();
     let sizes = motion.hybrid.sizes.0.as_slice();
-    // The coordinate counts a hundredth of the travel due to these forces.
+    // The coordinate's size is a hundredth of the travel due to these forces.
     assert!((sizes[1] - 2.0).abs() < 1e-12 && (sizes[0] - 0.01).abs() < 1e-14, "{sizes:?}");
 }
 

@@ -4,7 +4,7 @@ use super::*;
 
 /// A polynomial is evaluated at this number of places of an interval.
 const PLACES: usize = 64;
-/// Some rounding errors of a polynomial's terms, which are of order one.
+/// Tolerance relative to the terms of a polynomial: some thousands of roundings.
 const ROUNDING: f64 = 1e-12;
 
 /// Random numbers in [-1, 1), from a seed.
@@ -139,7 +139,7 @@ fn second_method_roots_of_series_from_below() {
                 roots += 1;
             }
             (None, None) => none += 1,
-            // Within rounding of the end or of a touch.
+            // The root is within rounding of the end or of a touch.
             (one, other) => {
                 let at = one.or(other).unwrap();
                 assert!(value(at.min(hi)).abs() < ROUNDING * terms, "{case}: {one:?} {other:?}");

@@ -20,7 +20,7 @@ pub struct SampleAction {
 pub enum SampleKind {
     /// The first outputs under way begin to act.
     Acts,
-    /// The block reads its inputs. Its outputs act at once or, with a turn, after so many others.
+    /// The block reads its inputs. Its outputs act at once, or after this number of other outputs.
     Reads(Option<usize>),
 }
 
@@ -81,7 +81,7 @@ pub(super) struct ReadOutput<'s> {
 type RowsTangent<'a> = (&'a DMatrix<f64>, &'a DMatrix<f64>, &'a Vec<CombinationTangent>, &'a [f64]);
 
 /// Distance from the middle between two multiples within which rounding may choose either, in
-/// quanta and relative to a large input: some roundings of the input.
+/// quanta, and relative to the input if that is larger: some thousands of roundings.
 const MIDDLE: f64 = 1e-12;
 
 /// Returns the value of a rounded input: the nearest multiple, halves away from zero.
@@ -95,8 +95,8 @@ fn dot(row: &StateRow, z: &[f64]) -> f64 {
 
 impl System {
     /// Applies the actions of blocks at an instant. First, outputs under way act. Then blocks
-    /// compute outputs from what they read, in the order of their d. Finally, their states follow.
-    /// Variations are carried along.
+    /// compute outputs from what they read, in the order of their d. Finally, blocks that have
+    /// read update their states. Variations are carried along.
     pub(crate) fn sample(
         &self,
         actions: &[SampleAction],
