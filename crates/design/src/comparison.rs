@@ -13,11 +13,12 @@ use vibro_studies::{Error, Machine, Result};
 
 /// Distance in the unit box beyond which designs count as different basins, and as rivals.
 pub(crate) const APART: f64 = 0.08;
-/// Relative excess between the values of a band, in case the search misses a peak.
+/// Largest excess, relative to the goal, of a peak that the search misses between values of a
+/// band.
 const BETWEEN: f64 = 0.01;
 /// Relative tolerance for equal values: rounding.
 const SAME: f64 = 1e-9;
-/// Number of compared designs.
+/// Largest number of compared designs.
 const RIVALS: usize = 8;
 /// Distance to the end of a range, in the unit box, that counts as being at it.
 const AT_END: f64 = 1e-6;
@@ -88,8 +89,8 @@ fn with_peaks(evaluator: &Evaluator, own: &Evaluation) -> Contender {
     }
 }
 
-/// The designs to compare, best first: the best ones that are apart from each other. If any design
-/// meets the limits, only such designs are kept. `found` are the results of descents.
+/// The designs to compare, best first: the best ones that are apart from each other and meet the
+/// limits, or only the best one if it does not meet them. `found` are the results of descents.
 fn contenders(evaluator: &Evaluator, found: &[Evaluation]) -> Vec<Contender> {
     let mut tops = evaluator.apart(APART, RIVALS);
     tops.extend(found.iter().cloned());
@@ -179,7 +180,8 @@ fn longer(evaluator: &Evaluator, all: &mut [Contender]) -> Option<usize> {
         }
         let parts = (&evaluator.candidate, &evaluator.sweep);
         let mut found = Evaluation::of(evaluator.request, parts, (row, contender.own.stage));
-        // Peaks of a limited measure were only sought in the search.
+        // Only the search looks for peaks between the values of a band, so its worse values are
+        // kept.
         for ((found, before), signed) in
             found.limits.iter_mut().zip(&contender.own.limits).zip(&sweep.measures[1..])
         {

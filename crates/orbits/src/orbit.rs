@@ -237,7 +237,6 @@ impl Orbit {
     /// The nontrivial multipliers of the period, largest first. Neutral directions and, for an
     /// autonomous machine, the shift in time have the multiplier 1 and are left out.
     ///
-    ///
     /// A flight preserves areas of the ball's states, and an impact multiplies them by ε²:
     ///
     /// ```

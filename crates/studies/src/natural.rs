@@ -25,7 +25,6 @@ pub struct Natural {
 
 /// The eigenvalues of a mode's system for some of its states.
 ///
-///
 /// Two equal bodies on three equal springs oscillate at √(k/m) and √(3k/m):
 ///
 /// ```

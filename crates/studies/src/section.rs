@@ -37,7 +37,6 @@ pub enum SectionRule {
 
 /// Poincaré section of a machine.
 ///
-///
 /// Without a drive, the events of the first stop are the section:
 ///
 /// ```
@@ -96,7 +95,6 @@ pub fn is_steady(d: &Description) -> bool {
 
 /// Smallest time, s, that is a whole number of periods of each harmonic, repeated signal and
 /// sampling. `None` without these, with a sweep, or if it exceeds 1000 of the longest period.
-///
 ///
 /// ```
 /// use vibro_machine::file::{no_records, parse};

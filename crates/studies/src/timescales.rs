@@ -121,7 +121,6 @@ fn last_change(d: &Description) -> Option<(f64, String)> {
 /// Description of the last change of a signal if it comes after `time`, s. `None` if all signals
 /// are periodic or constant after `time`.
 ///
-///
 /// ```
 /// use vibro_machine::file::{no_records, parse};
 /// use vibro_studies::runs_on;
