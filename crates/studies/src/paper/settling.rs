@@ -17,8 +17,8 @@ const REPEATED: u32 = 16;
 const REMEMBERED: u32 = 4 * LONGEST;
 /// Drive periods between checks of the impacts.
 const CHECK: u32 = 4;
-/// Largest difference of equal sums over a drive period: of the speeds of its impacts (units of L
-/// ω10) and of their times (drive periods).
+/// Largest difference at which the sums over two drive periods count as equal: sums of the speeds
+/// of the impacts (units of L ω10) and of their times (drive periods).
 const SIMILAR: f64 = 1e-6;
 /// Difference that may be rounding and need not decrease.
 const ROUNDING: f64 = 1e-11;
