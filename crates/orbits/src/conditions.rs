@@ -34,7 +34,7 @@ pub enum Condition {
         stop: usize,
     },
     /// A contact that changes with event `letter`, at a fixed time or with another contact, could
-    /// not keep its state; a friction that reverses could not stick.
+    /// not keep its state; a friction element that reverses could not stick.
     Changes {
         /// Index of the event in the word.
         letter: usize,
@@ -318,8 +318,8 @@ pub(super) fn off_gap(system: &System, stop: usize, z: &[f64]) -> f64 {
     f64::abs(value) / f64::max(size, f64::MIN_POSITIVE)
 }
 
-/// The held states of contacts that an event of another contact releases, and of a friction that
-/// reverses: only a force beyond its limit ends these states.
+/// The held states of contacts that an event of another contact releases, and of a friction
+/// element that reverses: only a force beyond its limit ends these states.
 fn leaving(letter: &Letter) -> impl Iterator<Item = ElementState> {
     let ([before, after], own) = (&letter.modes, letter.watch());
     let frictions = before.frictions.iter().zip(&after.frictions).enumerate();
