@@ -69,7 +69,7 @@ impl Contender {
         Some(Value { bar: (ends[0].min(ends[1]), ends[0].max(ends[1])), ..self.own.goal? })
     }
 
-    /// Whether it is worse than another one beyond the error bars.
+    /// Whether this design is worse than another one, beyond the error bars.
     fn is_worse(&self, other: &Self, signed: &Signed) -> bool {
         let (Some(own), Some(other)) = (self.bar(signed), other.bar(signed)) else { return false };
         own.1 > other.2 && own.0 - other.0 > SAME * other.0.abs()
@@ -159,7 +159,7 @@ pub(crate) fn finish(evaluator: &Evaluator, orbits: usize, found: &[Evaluation])
 }
 
 /// Extends the measurements of contenders that may be the best and whose motions do not repeat.
-/// Returns how many could be extended further, or `None` if the search was ended.
+/// Returns how many could be extended further, or `None` if the search was cancelled.
 fn longer(evaluator: &Evaluator, all: &mut [Contender]) -> Option<usize> {
     let is_known = |own: &Contender| own.has_peaks && own.own.goal.is_some_and(|goal| goal.is_exact);
     if all.iter().all(is_known) {

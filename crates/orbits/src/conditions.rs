@@ -296,9 +296,9 @@ fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
 }
 
 /// Whether an event may make a function of one of its changing contacts zero there. The excess
-/// force of a held contact is not, unless it is the event's own function. Nor is the rate of a
-/// slip that an impact ends or begins by its jump. If one of these is zero, a condition just
-/// ceases to hold.
+/// force of a held contact is not zero there, unless it is the event's own function; nor is the
+/// rate of a slip that an impact ends or begins by its jump. If one of these is zero, a condition
+/// just ceases to hold.
 fn is_zero_at(letter: &Letter, watch: Watch) -> bool {
     let is_rate = matches!(watch, Watch::Stops(_) | Watch::Reverses(_));
     let jumps = letter.chatter.is_none() && letter.hits().next().is_some();

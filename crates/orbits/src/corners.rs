@@ -153,7 +153,7 @@ impl Word {
     }
 
     /// The distance of an event from its next (`ahead`) or previous corner, s; `None` if the
-    /// corner is an event of the word. `time` is the event's time, of the first event one period
+    /// corner is an event of the word. `time` is the event's time; for the first event, one period
     /// after the start.
     pub(super) fn distance(&self, (system, time): (&System, f64), letter: usize, ahead: bool) -> Option<f64> {
         let own = self.between.get(letter).copied().flatten()?;
@@ -182,7 +182,7 @@ impl Piece {
         self.corners.is_none_or(|[before, after]| before <= self.time && self.time < after)
     }
 
-    /// The knots of signals between this event and the next one, each on its side of its corners.
+    /// The knots of signals between this event and the next one, both on their side of corners.
     pub fn knots(&self, system: &System, next: &Self) -> Vec<f64> {
         let mut from = self.time;
         if let Some([before, after]) = self.corners {

@@ -185,7 +185,8 @@ impl ContactRecorder {
         }
     }
 
-    /// Removes the contacts that begin after `time`, s, and the ends and sums of longer ones.
+    /// Removes contacts that begin after `time`, s, and the ends and sums of contacts that last
+    /// longer.
     pub fn cut(&mut self, time: f64) {
         self.all.retain(|contact| contact.begin <= time);
         self.current.fill(None);

@@ -17,7 +17,7 @@ const DENSE: usize = 600;
 /// Eigenvalues of a machine's mode.
 #[derive(Debug)]
 pub struct Natural {
-    /// All eigenvalues of the other parts, 1/s: of up to 600 states, or without a [`Span`].
+    /// All eigenvalues, 1/s, of parts of up to 600 states, and of larger parts without a [`Span`].
     pub values: Vec<Complex<f64>>,
     /// The lowest and highest oscillations of each larger part, where they could be computed.
     pub spans: Vec<Span>,

@@ -104,7 +104,7 @@ fn states(motion: &Motion) -> Vec<[f64; 3]> {
     (0..motion.assembly().description.bodies.len()).map(|i| motion.body(i)).collect()
 }
 
-/// Whether all bodies are at rest, judged by their states at the beginning of the motion.
+/// Whether all bodies are at rest and no signal changes later; `begin` are their first states.
 fn is_at_rest(motion: &Motion, (time, begin): (f64, Vec<[f64; 3]>)) -> bool {
     let passed = motion.time() - time;
     let now = states(motion);
@@ -124,7 +124,8 @@ impl BasinAttractor for SettledAttractor {
 
     fn relation(&self, other: &Self) -> Relation {
         let (a, b) = (&self.settled, &other.settled);
-        // Without a period the class decides; if the phases differ, the class and the contacts.
+        // Without a period the class decides; with other phases of states, the class and the
+        // contacts.
         let differs =
             a.differs(b).unwrap_or(a.class != b.class || a.period.is_some() && a.contacts != b.contacts);
         if differs { Relation::Different } else { Relation::Same }

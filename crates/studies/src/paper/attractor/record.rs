@@ -129,16 +129,16 @@ impl StroboscopicRecord {
         }
     }
 
-    /// Largest distance between a state and the one `period` drive periods later, over the last
-    /// `period` recorded.
+    /// Largest distance between a state and the state `period` drive periods later, for the last
+    /// `period` recorded states.
     pub(crate) fn return_distance(&self, period: u32) -> f64 {
         let lag = period as usize;
         farthest_return(&self.periods[self.periods.len().saturating_sub(2 * lag)..], lag)
     }
 
     /// The nearest return over the whole record: the smallest, over lags up to [`LONGEST`], of the
-    /// largest distance after a lag. `None` if this many periods at the end are free of impacts:
-    /// returns then fall between bursts of impacts.
+    /// largest distance after a lag. `None` if the last [`LONGEST`] periods are free of impacts
+    /// and rests: returns then fall between bursts of impacts.
     pub(crate) fn nearest_return(&self) -> Option<f64> {
         let longest = LONGEST as usize;
         let touches = self.periods.iter().rev().take(longest).any(|s| s.impacts != [0; 2] || s.rests);
