@@ -119,6 +119,7 @@ impl Family {
 
     /// The family of a machine's first parameter, used only at the present value.
     ///
+    /// # Errors
     /// As [`Place::new`].
     pub(super) fn of_one(machine: &Machine) -> Result<Self> {
         Place::new(machine.description.clone())?;
