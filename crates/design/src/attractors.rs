@@ -17,7 +17,7 @@ const STARTS: usize = 16;
 const WIDER: f64 = 1.5;
 /// Largest number of attempts per valid start between the stops.
 const ATTEMPTS: u32 = 16;
-/// Relative tolerance for equal measures: motions of one class are then one attractor.
+/// Relative tolerance for the measures of motions of one class that are on one attractor.
 const SAME: f64 = 1e-3;
 
 /// An attractor of the best design.

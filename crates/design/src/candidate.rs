@@ -13,7 +13,7 @@ use vibro_studies::{Machine, Measure, Result, significant};
 pub const TOLERANCE: &str = "tolerance";
 /// Largest number of parameters for measuring all corners of the tolerances.
 const ALL_CORNERS: usize = 4;
-/// Number of corners for more parameters.
+/// Largest number of corners that are measured for more parameters.
 const SOME_CORNERS: u32 = 16;
 
 /// A measure whose largest value is the worst: the measure itself, or its negative if large values
@@ -57,7 +57,7 @@ pub struct Candidate {
     pub machine: Machine,
     /// Names of the varied parameters.
     names: Arc<[String]>,
-    /// Relative deviations of these parameters; all entries of the first one are zero.
+    /// Relative deviations of these parameters; [`Self::new`] begins with zero deviations.
     tolerances: Arc<[Vec<f64>]>,
 }
 
@@ -75,8 +75,8 @@ fn corners(count: usize) -> Vec<Vec<f64>> {
 }
 
 impl Candidate {
-    /// The candidate whose tolerances are the corners of a box around the parameters, with
-    /// relative half width `half`; none for a `half` of 0.
+    /// A candidate whose tolerances are zero and, if `half` is positive, the corners of a box
+    /// around the parameters with the relative half width `half`.
     pub fn new(machine: &Machine, names: Vec<String>, half: f64) -> Self {
         let mut tolerances = vec![vec![0.0; names.len()]];
         if half > 0.0 {
@@ -94,7 +94,7 @@ impl Candidate {
         Self { tolerances: (1..=count).map(point).collect(), ..self.clone() }
     }
 
-    /// Number of tolerances.
+    /// Number of points on the axis of tolerances.
     pub fn tolerances(&self) -> usize {
         self.tolerances.len()
     }

@@ -13,11 +13,12 @@ use vibro_studies::{Error, Machine, Result};
 
 /// Distance in the unit box beyond which designs count as different basins, and as rivals.
 pub(crate) const APART: f64 = 0.08;
-/// Relative excess between the values of a band, in case the search misses a peak.
+/// Largest excess, relative to the goal, of a peak that the search misses between values of a
+/// band.
 const BETWEEN: f64 = 0.01;
 /// Relative tolerance for equal values: rounding.
 const SAME: f64 = 1e-9;
-/// Number of compared designs.
+/// Largest number of compared designs.
 const RIVALS: usize = 8;
 /// Distance to the end of a range, in the unit box, that counts as being at it.
 const AT_END: f64 = 1e-6;
@@ -68,7 +69,7 @@ impl Contender {
         Some(Value { bar: (ends[0].min(ends[1]), ends[0].max(ends[1])), ..self.own.goal? })
     }
 
-    /// Whether it is worse than another one beyond the error bars.
+    /// Whether this design is worse than another one, beyond the error bars.
     fn is_worse(&self, other: &Self, signed: &Signed) -> bool {
         let (Some(own), Some(other)) = (self.bar(signed), other.bar(signed)) else { return false };
         own.1 > other.2 && own.0 - other.0 > SAME * other.0.abs()
@@ -88,8 +89,8 @@ fn with_peaks(evaluator: &Evaluator, own: &Evaluation) -> Contender {
     }
 }
 
-/// The designs to compare, best first: the best ones that are apart from each other. If any design
-/// meets the limits, only such designs are kept. `found` are the results of descents.
+/// The designs to compare, best first: the best ones that are apart from each other and meet the
+/// limits, or only the best one if it does not meet them. `found` are the results of descents.
 fn contenders(evaluator: &Evaluator, found: &[Evaluation]) -> Vec<Contender> {
     let mut tops = evaluator.apart(APART, RIVALS);
     tops.extend(found.iter().cloned());
@@ -158,7 +159,7 @@ pub(crate) fn finish(evaluator: &Evaluator, orbits: usize, found: &[Evaluation])
 }
 
 /// Extends the measurements of contenders that may be the best and whose motions do not repeat.
-/// Returns how many could be extended further, or `None` if the search was ended.
+/// Returns how many could be extended further, or `None` if the search was cancelled.
 fn longer(evaluator: &Evaluator, all: &mut [Contender]) -> Option<usize> {
     let is_known = |own: &Contender| own.has_peaks && own.own.goal.is_some_and(|goal| goal.is_exact);
     if all.iter().all(is_known) {
@@ -179,7 +180,8 @@ fn longer(evaluator: &Evaluator, all: &mut [Contender]) -> Option<usize> {
         }
         let parts = (&evaluator.candidate, &evaluator.sweep);
         let mut found = Evaluation::of(evaluator.request, parts, (row, contender.own.stage));
-        // Peaks of a limited measure were only sought in the search.
+        // Only the search looks for peaks between the values of a band, so its worse values are
+        // kept.
         for ((found, before), signed) in
             found.limits.iter_mut().zip(&contender.own.limits).zip(&sweep.measures[1..])
         {

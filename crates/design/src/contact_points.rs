@@ -5,11 +5,11 @@ use vibro_studies::design_sweep::{SearchedRow, SweepRequest};
 
 /// Largest number of points of one measure; more than a few peaks of a band are seldom equal.
 const MOST: usize = 6;
-/// Largest distance of a followed motion from the worst value, as a fraction of it: the motion may
-/// become the worst within a local search.
+/// Largest difference between the value of a followed motion and the worst value, as a fraction of
+/// the worst: the motion may become the worst within a local search.
 const NEAR: f64 = 0.3;
 
-/// A motion whose measure is larger than at the adjacent points of the band.
+/// A motion whose measure is at least as large as at the adjacent points of the band.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPoint {
     /// Index of the measure.
@@ -22,8 +22,8 @@ pub struct ContactPoint {
     pub bracket: Option<(usize, f64, f64)>,
 }
 
-/// The nearest points below and above a peak beyond which the values of an ascending line rise
-/// again; the ends of the line if they do not.
+/// The nearest points below and above a peak beyond which the values rise again; the ends of the
+/// line if they do not. The line is sorted by the parameter.
 fn valleys(line: &[(f64, f64)], peak: f64) -> (f64, f64) {
     let at = line.partition_point(|own| own.0 < peak).min(line.len().saturating_sub(1));
     let rises = |pair: &&[(f64, f64)]| pair[0].1 < pair[1].1;

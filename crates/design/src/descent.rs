@@ -36,16 +36,16 @@ const SAME: f64 = 0.02;
 pub(crate) struct Descended {
     /// The resulting design, which may be the initial one.
     pub found: Evaluation,
-    /// Whether every motion that determines the initial worst value is on an orbit with
+    /// Whether the worst motion of each measure at the initial design is on an orbit with
     /// derivatives.
     pub has_gradients: bool,
     /// Whether the model predicts no further improvement.
     pub is_stationary: bool,
-    /// Number of orbits whose derivatives were computed.
+    /// Number of orbits with derivatives, without the initial design's.
     pub orbits: usize,
 }
 
-/// The orbits that determine a design's worst values; `None` if such a motion is not on an orbit.
+/// The orbits of a design's largest peaks; `None` if a measure's worst motion is not on an orbit.
 fn followed(evaluator: &Evaluator, (own, found): &(Evaluation, SearchedRow)) -> Option<Vec<Followed>> {
     let mut all = Vec::new();
     for measure in 0..evaluator.sweep.measures.len() {
@@ -62,7 +62,7 @@ fn followed(evaluator: &Evaluator, (own, found): &(Evaluation, SearchedRow)) -> 
 }
 
 /// The value of a design with the exact peaks of its band instead of nearby values, and the orbits
-/// at these peaks. `None` if a motion that determines the value is not on an orbit.
+/// at these peaks. `None` if the worst motion of a measure is not on an orbit.
 pub(crate) fn refined(
     evaluator: &Evaluator,
     design: &(Evaluation, SearchedRow),
@@ -86,7 +86,7 @@ struct Around {
     orbits: Vec<Followed>,
 }
 
-/// The pieces around a design; `None` if a motion that determines its value has no derivatives.
+/// The pieces around a design; `None` if the worst motion of a measure has no derivatives.
 fn around(evaluator: &Evaluator, size: f64, design: &(Evaluation, SearchedRow)) -> Option<Around> {
     let (found, mut orbits) = refined(evaluator, design)?;
     let slopes: Vec<Option<Slope>> =
@@ -192,7 +192,7 @@ pub(crate) fn descend(
         }
         let part = (merit(&own.pieces, &zero) - merit(&next.pieces, &zero)) / foretold;
         if part < TAKEN {
-            // Its peaks, which the model did not contain, are included in the next one.
+            // The model did not contain the peaks of this design; the next model does.
             further.extend(seen_from(&next.pieces, &d));
             half *= SHRINKS;
             continue;

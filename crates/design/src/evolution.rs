@@ -9,13 +9,13 @@ const SEED: u64 = 63;
 /// Spread of a generation, as a fraction of its box, below which it has converged.
 const CONVERGED: f64 = 1e-4;
 
-/// Number of designs in a generation: four per varied parameter preserve several basins, and at
-/// least eight preserve differences between them.
+/// Number of designs in a generation: four per varied parameter, to preserve several basins; at
+/// least eight, to preserve differences between the designs.
 pub(crate) fn population(numbers: usize) -> usize {
     (4 * numbers).clamp(8, 32)
 }
 
-/// The designs in a box, as the library requires.
+/// The designs in a box, as objective of the crate `metaheuristics_nature`.
 struct Designs<'a> {
     evaluator: &'a Evaluator<'a>,
     bounds: Vec<[f64; 2]>,
@@ -38,7 +38,7 @@ impl mh::ObjFunc for Designs<'_> {
 }
 
 /// Evolves designs in a box of the unit box with at most `budget` evaluations, from ranked points.
-/// Does nothing with fewer than five points, which are too few for a generation.
+/// Does nothing with fewer than five points, or with a budget smaller than their number.
 pub(crate) fn evolve(
     evaluator: &Evaluator,
     bounds: Vec<[f64; 2]>,

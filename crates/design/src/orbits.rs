@@ -13,7 +13,7 @@ const STEPS: u32 = 8;
 /// Step of the band's parameter, as a fraction of the bracket, below which the search for a peak
 /// ends. At a peak the slope is zero, so that the measure's error is of second order in this step.
 const FOUND: f64 = 1e-5;
-/// First step towards a peak, as a fraction of the interval to the neighbour.
+/// First step towards a peak, as a fraction of the distance to the end of the bracket.
 const FIRST: f64 = 0.05;
 
 /// An orbit followed while the parameters of the design change.

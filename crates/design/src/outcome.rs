@@ -57,7 +57,7 @@ pub struct Best {
     pub goal: Value,
     /// The motion with this value, in words; empty if there is one motion.
     pub place: String,
-    /// Each limited measure and whether its limit is met.
+    /// The value of each limited measure, and whether its limit is met.
     pub limits: Vec<(Option<Value>, Check)>,
     /// Largest number of returns for measuring its nonperiodic motions.
     pub periods: u32,
@@ -89,7 +89,7 @@ pub struct Designed {
     pub rivals: Vec<Rival>,
     /// All evaluated designs, in order.
     pub evaluations: Vec<Evaluation>,
-    /// Number of orbits sought for gradients.
+    /// Number of orbits whose gradients were computed in the steps of local searches.
     pub orbits: usize,
     /// Whether a local search by exact gradients found or confirmed the best design.
     pub has_gradients: bool,

@@ -195,19 +195,19 @@ fn interior_point(
 mod tests {
     use super::*;
 
-    /// Error of solutions of small quadratic problems.
+    /// Tolerance for solutions of small quadratic problems.
     const SOLVED: f64 = 1e-8;
 
     #[test]
     fn closed_form_the_step_to_the_kink_of_two_pieces_and_their_weights() {
-        // x - 0.1| + 2 y² with the curvature (1, 4): minimum at the kink x = 0.1, y = 0.
+        // The pieces ±(x - 0.1) + 0.4 y with the curvature (1, 4): minimum at x = 0.1, y = -0.1.
         let piece = |slope: f64| Piece { is_goal: true, value: -0.1 * slope, gradient: vec![slope, 0.4] };
         let pieces = [piece(1.0), piece(-1.0)];
         let mut curvature = Curvature::unit(2);
         curvature.update(&[0.0, 1.0], &[0.0, 4.0]);
         let bounds = [(-1.0, 1.0); 2];
         let found = step(&pieces, &curvature, &bounds).unwrap();
-        // In y: 0.4 + 4 y = 0. In x the weights differ by the curvature's 0.1.
+        // In y: 0.4 + 4 y = 0. In x the weights differ by 0.1, the slope of the curvature term.
         let Step { d, weights } = found;
         assert!((d[0] - 0.1).abs() < SOLVED && (d[1] + 0.1).abs() < SOLVED, "{d:?}");
         assert!((weights[0] - 0.45).abs() < SOLVED && (weights[1] - 0.55).abs() < SOLVED, "{weights:?}");
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn closed_form_a_limit_that_cannot_be_kept_is_passed_least() {
-        // x ≥ 2 within |x| ≤ 1, while the goal falls with -x.
+        // The limit x ≥ 2 within |x| ≤ 1, although the goal x is best at x = -1.
         let goal = Piece { is_goal: true, value: 0.0, gradient: vec![1.0] };
         let limit = Piece { is_goal: false, value: 2.0, gradient: vec![-1.0] };
         let found = step(&[goal, limit], &Curvature::unit(1), &[(-1.0, 1.0)]).unwrap();

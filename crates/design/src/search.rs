@@ -12,10 +12,10 @@ use vibro_studies::design_sweep::searched;
 use vibro_studies::sobol::coordinate;
 
 /// Fractions of the evaluations for the Sobol sequence and for evolution; the rest is for the
-/// neighbourhood of the best design.
+/// local searches and for evolution near the best design.
 const SOBOL: f64 = 0.35;
 const EVOLUTION: f64 = 0.4;
-/// Number of basins with a local search.
+/// Largest number of local searches, one for each basin.
 const BASINS: usize = 3;
 /// Half width of the box around the best design for the last evolution, in the unit box.
 const NEARBY: f64 = 0.08;
@@ -88,8 +88,9 @@ fn global(evaluator: &Evaluator) {
     evolve(evaluator, bounds, points.collect(), ((EVOLUTION * budget) as usize, Stage::Evolution));
 }
 
-/// Local searches from the best designs of different basins; evolution around the best design if
-/// they do not end at a minimum. Returns the number of orbits, and the resulting designs.
+/// Local searches from the best designs of different basins. Unless the best result is a minimum
+/// that meets the limits, evolution around the best design follows. Returns the number of orbits,
+/// and the resulting designs.
 fn local(evaluator: &Evaluator) -> (usize, Vec<Evaluation>) {
     let mut orbits = 0;
     let mut known: Vec<Vec<f64>> = Vec::new();

@@ -113,7 +113,7 @@ enum Mark {
     /// A filled polygon.
     Polygon { corners: Vec<CanvasPoint>, colour: Colour, opacity: f64 },
     /// Filled rectangles, each an upper left corner and a size, with edges that are not smoothed.
-    /// `bordered` rectangles have a border one pixel wide at any size of the picture.
+    /// In an SVG, `bordered` rectangles have a border one pixel wide at any size of the picture.
     Rectangles { rectangles: Vec<[CanvasPoint; 2]>, colour: Colour, bordered: bool },
     /// Discs, or, with the line width `edge`, circles of the colour filled with white.
     Circles { centres: Vec<CanvasPoint>, radius: f64, colour: Colour, edge: Option<f64> },

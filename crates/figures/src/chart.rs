@@ -160,7 +160,7 @@ pub const LINE: u32 = 6;
 pub const THIN: u32 = 4;
 /// Fraction of white in a pale tint.
 const PALE: f64 = 0.55;
-/// Size of marks.
+/// Half of the size of marks, in units of the drawing.
 pub const MARK: u32 = 13;
 
 impl Axis {

@@ -44,8 +44,7 @@ impl<'f> Page<'f> {
         Self { panels, own, shared }
     }
 
-    /// Height of the legends below the panels of one row: equal for all, so that panels have equal
-    /// sizes.
+    /// Height of the legend below each panel: equal for all panels, so that they have equal sizes.
     fn under(&self) -> u32 {
         self.own.iter().map(|l| l.len() as u32 * ENTRY as u32).max().unwrap_or(0)
     }

@@ -24,7 +24,7 @@ impl Test {
         }
     }
 
-    /// The test's value at a position, in units of its value at another one.
+    /// The test's value at a position; for determinants in units of the value at another position.
     pub fn of(self, at: &Position<Examined>, unit: &Position<Examined>) -> f64 {
         match self {
             Self::Fold => at.fold(),

@@ -13,7 +13,7 @@ pub struct Special {
     pub label: Label,
     /// The element concerned, as `stop.NAME`; empty if there is none.
     pub element: String,
-    /// At a touch of the paper's machine: the word that lists it.
+    /// At a touch of the paper's machine: the word that lists the touch.
     pub longer: Option<OrbitWord>,
     /// At a touch of the paper's machine: whether the orbits with and without the impact exist on
     /// the same side, so that the touch is a fold of the family.
@@ -80,7 +80,7 @@ pub struct Branch<C = super::problem::Problem> {
     pub points: Vec<OrbitPoint>,
     /// Whether the branch ends where it begins.
     pub closed: bool,
-    /// The common start of both directions.
+    /// Index of the point from which both directions begin.
     pub(super) began_at: Option<usize>,
     pub(super) of: C,
 }

@@ -34,7 +34,7 @@ pub enum Condition {
         stop: usize,
     },
     /// A contact that changes with event `letter`, at a fixed time or with another contact, could
-    /// not keep its state; a friction that reverses could not stick.
+    /// not keep its state; a friction element that reverses could not stick.
     Changes {
         /// Index of the event in the word.
         letter: usize,
@@ -296,9 +296,9 @@ fn is_zero_after(letter: &Letter, watch: Watch) -> bool {
 }
 
 /// Whether an event may make a function of one of its changing contacts zero there. The excess
-/// force of a held contact is not, unless it is the event's own function. Nor is the rate of a
-/// slip that an impact ends or begins by its jump. If one of these is zero, a condition just
-/// ceases to hold.
+/// force of a held contact is not zero there, unless it is the event's own function; nor is the
+/// rate of a slip that an impact ends or begins by its jump. If one of these is zero, a condition
+/// just ceases to hold.
 fn is_zero_at(letter: &Letter, watch: Watch) -> bool {
     let is_rate = matches!(watch, Watch::Stops(_) | Watch::Reverses(_));
     let jumps = letter.chatter.is_none() && letter.hits().next().is_some();
@@ -318,8 +318,8 @@ pub(super) fn off_gap(system: &System, stop: usize, z: &[f64]) -> f64 {
     f64::abs(value) / f64::max(size, f64::MIN_POSITIVE)
 }
 
-/// The held states of contacts that an event of another contact releases, and of a friction that
-/// reverses: only a force beyond its limit ends these states.
+/// The held states of contacts that an event of another contact releases, and of a friction
+/// element that reverses: only a force beyond its limit ends these states.
 fn leaving(letter: &Letter) -> impl Iterator<Item = ElementState> {
     let ([before, after], own) = (&letter.modes, letter.watch());
     let frictions = before.frictions.iter().zip(&after.frictions).enumerate();

@@ -12,8 +12,8 @@ use vibro_machine::signals::RepeatedKnot;
 use vibro_machine::system::System;
 use vibro_studies::flight::{Flow, dot};
 
-/// Largest number of corners in a common period of the drive. Signals with more are records, whose
-/// jumps are small.
+/// Largest number of corners in a common period of the drive; with more, none is considered. Such
+/// signals are records, whose jumps are small.
 const MOST: usize = 32;
 /// Tolerance for a signal's relative jump: rounding.
 const ROUNDING: f64 = 1e-9;
@@ -152,8 +152,9 @@ impl Word {
         self.between.get(letter).copied().flatten().map(|own| own.ticks[usize::from(ahead)])
     }
 
-    /// The distance of an event, at its time before the next period, from its next (`ahead`) or
-    /// previous corner, s; `None` if the corner is an event of the word.
+    /// The distance of an event from its next (`ahead`) or previous corner, s; `None` if the
+    /// corner is an event of the word. `time` is the event's time; for the first event, one period
+    /// after the start.
     pub(super) fn distance(&self, (system, time): (&System, f64), letter: usize, ahead: bool) -> Option<f64> {
         let own = self.between.get(letter).copied().flatten()?;
         let later = if letter == 0 { self.turns() } else { 0 };
@@ -181,7 +182,7 @@ impl Piece {
         self.corners.is_none_or(|[before, after]| before <= self.time && self.time < after)
     }
 
-    /// The knots of signals between this event and the next one, each on its side of its corners.
+    /// The knots of signals between this event and the next one, both on their side of corners.
     pub fn knots(&self, system: &System, next: &Self) -> Vec<f64> {
         let mut from = self.time;
         if let Some([before, after]) = self.corners {

@@ -22,7 +22,7 @@ pub(super) const STEP_ROUNDING: f64 = 1e-12;
 /// rounding. With many fast impacts the equations determine fewer digits of the phases.
 pub(super) const STEP_STALLED: f64 = 1e-9;
 
-/// Largest Newton step towards such a point; longer steps are shortened.
+/// Largest Newton step towards a point given by a further condition; longer steps are shortened.
 const LONGEST_STEP: f64 = 0.1;
 
 /// The value of n equations and their derivatives with respect to n + 1 unknowns.
@@ -185,7 +185,7 @@ pub(super) fn least_vectors<T: ComplexField<RealField = f64>>(
     Some((u.column(least).into_owned(), v.row(least).adjoint()))
 }
 
-/// Singular value, relative to the largest one, that counts as zero.
+/// Singular value, relative to the largest one, up to which a matrix is singular.
 const DEGENERATE: f64 = 1e-11;
 
 /// Whether the rows of a matrix are linearly dependent within rounding.

@@ -243,7 +243,8 @@ impl Cycle {
         &self.legs[(k + self.legs.len() - 1) % self.legs.len()]
     }
 
-    /// The rate at which event `k`'s function reaches zero, relative to its terms, per second.
+    /// The rate at which event `k`'s function reaches zero, per second; infinite without a
+    /// function.
     pub(super) fn rise(&self, k: usize) -> f64 {
         let leg = self.before(k);
         let Some(place) = leg.ending else { return f64::INFINITY };

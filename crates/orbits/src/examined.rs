@@ -19,8 +19,8 @@ const SAME_INSTANT: f64 = 1e-14;
 const STAYS: f64 = 1e6;
 
 impl Orbit {
-    /// Simulates each flight from its middle to its event. Returns the largest difference of an
-    /// event's time, s.
+    /// Simulates each flight from its middle to its event. Returns the largest difference between
+    /// a simulated and a computed event time, s.
     ///
     /// # Errors
     /// [`Error::Described`] if the machine has another event or continues in another mode.

@@ -23,7 +23,7 @@ const STEP: f64 = 1e-3;
 const CHATTER_STEP: f64 = 1e-2;
 /// Unit of a parameter as a fraction of its value; a value of zero has the unit 1.
 const UNIT: f64 = 0.1;
-/// Half of a range, in units, for which the family's curve unit is this unit.
+/// Half of the family's range, in units of the parameter: the curve's unit is then the same.
 const HALF_RANGE: f64 = 2.5;
 /// Positions, in steps, and weights of fourth-order differences: on both sides, or on one side if
 /// values on the other are not allowed.

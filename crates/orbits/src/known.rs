@@ -32,7 +32,7 @@ impl Branch {
 
     /// Whether an orbit of this family lies on the branch.
     pub fn passes(&self, orbit: &Orbit) -> bool {
-        // The own motion follows a run, whatever contacts its first impact leaves closed.
+        // A run of impacts is simulated, so the contacts after its first impact need not agree.
         let is_run =
             self.word().has_run() && orbit.word().has_run() && has_same_impacts(self.word(), orbit.word());
         (is_run || orbit.has_word(self.word()))

@@ -14,7 +14,7 @@ pub enum Label {
     PeriodDoubling,
     /// NS: a second frequency appears.
     NeimarkSacker,
-    /// GR: the block touches a stop at zero speed; another word begins.
+    /// GR: a stop is touched at zero speed; another word begins.
     Grazing,
     /// EP: the end of the parameter's range.
     EndPoint,
@@ -22,10 +22,10 @@ pub enum Label {
     NoConvergence,
     /// UZ: a requested value of the parameter.
     UserValue,
-    /// CH: an impact at zero speed after which the block stays on its stop. Beyond this point the
+    /// CH: an impact at zero speed after which the body stays on the stop. Beyond this point the
     /// motion chatters.
     Chatter,
-    /// ST: a friction starts or stops sticking, or slips once more.
+    /// ST: a friction element starts or stops sticking, or slips once more.
     Stick,
     /// CC: two events of different elements change order.
     Crossing,

@@ -44,7 +44,8 @@ pub enum Stability {
     Unstable,
     /// The largest multiplier lies on the unit circle, and the machine has no losses.
     Neutral,
-    /// The largest multiplier is too near the unit circle to decide, or the orbit touches a stop.
+    /// The largest multiplier is too near the unit circle to decide, or events are about to
+    /// change, for example at a touch of a stop.
     Undecided,
 }
 
@@ -236,7 +237,6 @@ impl Orbit {
 
     /// The nontrivial multipliers of the period, largest first. Neutral directions and, for an
     /// autonomous machine, the shift in time have the multiplier 1 and are left out.
-    ///
     ///
     /// A flight preserves areas of the ball's states, and an impact multiplies them by ε²:
     ///

@@ -120,7 +120,7 @@ impl Family {
     /// The family of a machine's first parameter, used only at the present value.
     ///
     /// # Errors
-    /// As [`Place::new`]; [`Error::Described`] for a machine without a parameter.
+    /// As [`Place::new`].
     pub(super) fn of_one(machine: &Machine) -> Result<Self> {
         Place::new(machine.description.clone())?;
         let parameter = machine.description.parameters().into_iter().next().map(|p| p.name);
@@ -141,7 +141,7 @@ impl Family {
         Place::new(self.described(value)?)
     }
 
-    /// The description of the machine at a value.
+    /// The described machine at a value, with its section and units.
     ///
     /// # Errors
     /// [`Error::Refusal`] for a value that is not allowed.

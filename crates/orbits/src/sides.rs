@@ -20,7 +20,7 @@ use vibro_studies::flight::{Series, coefficients, turning_points};
 /// Fraction of a flight that is unlikely to coincide with a regularly recurring touch.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 /// Largest number of events of a visit: a stop with damping is met, no longer pulls, and opens,
-/// and a friction reverses meanwhile.
+/// and a friction element reverses meanwhile.
 const MOST_EVENTS: usize = 5;
 /// Tolerance for a stop at its gap, relative to its terms.
 const RESTS: f64 = 1e-9;

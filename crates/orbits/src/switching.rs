@@ -56,8 +56,9 @@ pub(super) fn at_crossing(
     Ok([departure(-&direction), departure(direction)])
 }
 
-/// The departure at a touch of a rigid stop: of the branch whose word lists the touch, or no
-/// longer lists it. At the touch an impact has zero speed, so both words describe one orbit.
+/// The departure at a touch of a rigid stop, on the branch of the other word: with the touch if
+/// this word does not list it, otherwise without. At the touch an impact has zero speed, so both
+/// words describe one orbit.
 pub(super) fn at_touch(
     problem: &Problem,
     u: &DVector<f64>,

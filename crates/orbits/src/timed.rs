@@ -43,8 +43,8 @@ pub struct Timed {
     pub ticks: Vec<Tick>,
     /// Actions of sampled blocks.
     pub actions: Vec<SampleAction>,
-    /// The side of its limits on which each limited value lies that samples read, in the order of
-    /// [`System::sample_as`].
+    /// For each limited value that samples read, the side of its limits on which it lies, in the
+    /// order of [`System::sample_as`].
     pub sides: Vec<i8>,
 }
 

@@ -11,7 +11,7 @@ pub(super) struct Traced<E> {
     pub points: Vec<OrbitPoint>,
     /// Whether the branch ends where it begins.
     pub closed: bool,
-    /// The common start of both directions.
+    /// Index of the point from which both directions begin.
     pub began_at: usize,
     /// The ends at the first and at the last point.
     pub ends: [PathEnd<E>; 2],
@@ -20,7 +20,7 @@ pub(super) struct Traced<E> {
 /// Order in which the branches of a machine are followed from two departures, and the points that
 /// take the stability of a piece.
 pub(super) struct Order {
-    /// Whether the first departure is followed backwards.
+    /// Whether the reversed path of the first departure comes first, instead of the second's.
     pub is_back_first: bool,
     /// Whether all points, instead of only special points, take the stability of the piece after
     /// them.

@@ -108,7 +108,8 @@ pub struct LocusPoint {
 pub enum LocusEnd {
     /// EP: the end of the range of a parameter.
     Range,
-    /// GR: beyond it the block would pass a stop, or an impact would have zero speed.
+    /// GR: beyond it the orbit is not a motion of the machine, for example because a body would
+    /// pass a stop or an impact would have zero speed.
     Touch,
     /// CP: a cusp of a fold curve, where both parameters reverse direction. The curve continues.
     Cusp,

@@ -255,7 +255,7 @@ impl Word {
         self.letters.is_empty()
     }
 
-    /// The mode of the flight from event `k` to event `k` + 1, where it ends.
+    /// The mode after event `k` and, if it begins one, after its run of impacts.
     pub(super) fn mode_after(&self, k: usize) -> &Mode {
         self.letters.get(k).map_or(&self.mode, Letter::last_mode)
     }

@@ -22,7 +22,7 @@ const ROOM: f64 = 24.0;
 const OFF: f64 = 30.0;
 /// Smallest width and height of a box.
 const BOX: (f64, f64) = (170.0, 190.0);
-/// Distance between legs on a box.
+/// Smallest distance between legs on a box.
 const LEGS: f64 = 46.0;
 /// Width of a hatched wall.
 pub(crate) const WALL: f64 = 34.0;

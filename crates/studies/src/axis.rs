@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Axis of a plane: `count` values from `from` to `to`, both included. Serialized with the
+/// Axis of a study: `count` values from `from` to `to`, both included. Serialized with the
 /// parameter's name, and checked on reading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written", bound = "N: AxisName")]
@@ -96,7 +96,7 @@ impl<N: AxisName> ParameterAxis<N> {
             let text = format!("{}={from}:{to} in {count} values", name.text());
             return Err(Error::Form { text, expected: "from < to, both finite, and at least 2 values" });
         }
-        // Values such as ε = 0 are left out where they end the range that pictures show.
+        // A value such as ε = 0 may end a default range, but is not a valid value itself.
         name.check_value(from)?;
         name.check_value(to)?;
         Ok(Self { name, from, to, count })
@@ -134,8 +134,8 @@ pub fn check_cells(what: &'static str, (columns, rows): (usize, usize), held: us
     }
 }
 
-/// Checks that the results of a study along a line fit into memory, where at most `held` bytes at a
-/// time are held for each.
+/// Checks that the results of a study along a line fit into memory: at most `held` bytes at a time
+/// for each.
 ///
 /// # Errors
 /// [`Error::TooMany`], with the number that would fit.

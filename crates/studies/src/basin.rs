@@ -52,9 +52,9 @@ pub struct BasinRequest<M: DesignMachine> {
 /// Destination of the motion from a start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BasinCell {
-    /// To the attractor of this number.
+    /// To the attractor with this number.
     Attractor(u16),
-    /// To the mirror image of the attractor of this number.
+    /// To the mirror image of the attractor with this number.
     Mirror(u16),
     /// Nowhere: the start violates a rigid stop.
     Outside,
@@ -111,7 +111,7 @@ pub trait BasinMachine: DesignMachine {
     /// Number of motions in a part, rounded up to whole rows.
     const IN_BASIN_PART: usize;
 
-    /// Checks the conditions of every start, and prepares the data that all parts read.
+    /// Checks the conditions that all starts share, and prepares the data that all parts read.
     ///
     /// # Errors
     /// Error for starts and names that the machine does not have.
@@ -130,7 +130,7 @@ pub trait BasinMachine: DesignMachine {
 }
 
 impl<M: BasinMachine> BasinRequest<M> {
-    /// Checks the conditions of every start, and prepares the data that all parts read.
+    /// Checks the conditions that all starts share, and prepares the data that all parts read.
     ///
     /// # Errors
     /// [`Error::Form`] for two axes of the same number, an empty or infinite range, and no cells;
@@ -218,8 +218,9 @@ impl<A: BasinAttractor> Basins<A> {
         [BasinCell::Attractor(number), BasinCell::Mirror(number)].map(|cell| self.share(cell))
     }
 
-    /// The cell of a motion on a known attractor, to which it adds its means, or on a new one.
-    /// `None` if the attractor is undecided, and for a new attractor unless `sure`.
+    /// Returns the cell of a motion, whose attractor joins its means to a known attractor or is
+    /// added. `None` if the relation to known attractors is undecided, and for a new one unless
+    /// `sure`.
     pub(crate) fn reached(&mut self, found: A, sure: bool) -> Result<Option<BasinCell>> {
         let mut undecided = false;
         // Attractor numbers cannot exceed `u16::MAX`.

@@ -59,7 +59,7 @@ impl MotionClass {
         }
     }
 
-    /// Whether the motion is periodic.
+    /// Whether the motion is periodic or becomes periodic.
     pub fn is_periodic(self) -> bool {
         matches!(self, Self::Periodic(_) | Self::Settling)
     }

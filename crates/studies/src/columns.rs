@@ -12,7 +12,6 @@ pub fn columns(d: &Description) -> Vec<String> {
 
 /// Present values of the columns.
 ///
-///
 /// ```
 /// use vibro_machine::{Assembly, Motion, file};
 /// use vibro_studies::{columns, values};
@@ -39,16 +38,16 @@ pub struct NamedEvent {
     /// `impact`, `close`, `open`, `press`, `free`, `cap`, `corner`, `stick`, `slip`, `level`,
     /// `knot`, `limit`, or `sample`, which tables leave out.
     pub kind: &'static str,
-    /// `stop.NAME`, `spring.NAME`, `friction.NAME`, or empty.
+    /// `stop.NAME`, `spring.NAME`, `friction.NAME`, `block.NAME`, or empty for a knot.
     pub element: String,
-    /// Closing speed, rate, slip force, or whether a friction element or a cap acts (1 or 0).
+    /// Closing speed, rate, force of friction or of a slider, value of a block's output, or
+    /// whether a friction element or a cap acts (1 or 0).
     pub value: Option<f64>,
     /// Number of stops that took part in an impact.
     pub stops: Option<usize>,
 }
 
 /// Converts an event to the names of its elements.
-///
 ///
 /// ```
 /// use vibro_machine::{Assembly, Motion, file};

@@ -12,7 +12,6 @@ use vibro_numerics::sorting::sort_by;
 
 /// Contact of a stop.
 ///
-///
 /// A body of 1 kg meets a stop of 100 N/m with 2 m/s. The contact is half an oscillation at
 /// ω = 10 rad/s, and its force rises to v √(km):
 ///
@@ -65,7 +64,7 @@ pub struct ContactRecorder {
     all: Vec<StopContact>,
     /// For each stop the index of the contact that lasts or still loses energy.
     current: Vec<Option<usize>>,
-    /// Stops that have force or lose energy in the mode, with their functionals.
+    /// Stops that have force or lose energy in the present mode, with their functionals.
     acting: Vec<Acting>,
 }
 
@@ -186,7 +185,8 @@ impl ContactRecorder {
         }
     }
 
-    /// Removes the contacts after a time, s.
+    /// Removes contacts that begin after `time`, s, and the ends and sums of contacts that last
+    /// longer.
     pub fn cut(&mut self, time: f64) {
         self.all.retain(|contact| contact.begin <= time);
         self.current.fill(None);

@@ -136,8 +136,8 @@ impl<M: DesignMachine> SweepRequest<M> {
     /// Checks the properties on which every row depends.
     ///
     /// # Errors
-    /// [`Error::Form`] for two names of one quantity, lists without values, too many designs or
-    /// motions.
+    /// [`Error::Form`] for two names of one quantity, lists without values, no measures or
+    /// periods, and too many designs or motions.
     pub fn check(&self) -> Result<()> {
         let refused = |text: String, expected| Err(Error::Form { text, expected });
         let names: Vec<M::Name> =
@@ -291,7 +291,7 @@ pub(crate) fn failed(error: &Error, measures: usize) -> MotionMeasures {
     (nothing, Some(error.to_string()))
 }
 
-/// Number of starts added to search for other motions of a design.
+/// Largest number of starts added to search for other motions of a design.
 pub const MORE_STARTS: u32 = 8;
 
 impl<M: DesignMachine> SweepRequest<M> {
@@ -317,7 +317,6 @@ impl<M: DesignMachine> SweepRequest<M> {
 }
 
 /// The rows of all designs of a small request, on all threads.
-///
 ///
 /// The peak of an oscillator at k = mω² has the amplitude F/(cω):
 ///

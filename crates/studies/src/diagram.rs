@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use vibro_impact::simulator::TOGETHER;
 
-/// Values in a part.
+/// Number of values in a part.
 const BLOCK: usize = 2 * TOGETHER;
 
 /// Request of a bifurcation diagram.

@@ -21,13 +21,14 @@ use vibro_numerics::events::turns;
 /// Bound of the norm of A times the length of a stretch. A series of [`ORDERS`] terms then omits
 /// less than 2²⁶/26! of the state.
 const RADIUS: f64 = 2.0;
-/// Size of a series' last term relative to the state's rate bound.
+/// Bound of a term relative to the state, below which a series ends.
 const REMAINDER: f64 = 1e-19;
 
 /// Bound of the norm of A times the fraction of a span whose series is squared.
 const PART: f64 = 0.5;
 
-/// Fraction of a series with curved forces that a stretch has: 0.7²⁶ < 1e-4 of its last terms.
+/// Length of a stretch, as a fraction of the engine's series with curved forces: the first omitted
+/// term is then smaller by the factor 0.7²⁶ < 1e-4.
 const CURVED_PART: f64 = 0.7;
 
 /// Number of stretches of a flight above which variations are carried by a matrix, by squaring.
@@ -35,7 +36,8 @@ const MANY: f64 = 64.0;
 /// Largest size of an augmented state for this matrix: products cost the cube of the size.
 const LARGE: usize = 160;
 
-/// Power series of the states over a stretch of a flight, as a function of the fraction of it.
+/// Power series of the states over a stretch of a flight; its variable is the fraction of the
+/// stretch.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     size: usize,
@@ -94,8 +96,8 @@ impl Flow {
         rate
     }
 
-    /// Writes at most [`ORDERS`] terms of the power series of the states over a time `span`, as a
-    /// function of the fraction of it from 0 to 1.
+    /// Writes at most [`ORDERS`] terms of the power series of the states over a time `span`. The
+    /// variable of the series is the fraction of `span`, from 0 to 1.
     fn series(&self, z: &[f64], span: f64, to: &mut Series) {
         let count = z.len();
         to.size = count;
@@ -126,8 +128,8 @@ impl Flow {
     }
 
     /// Variation with a parameter at the end of a flight, from the state and the variation at its
-    /// beginning and from the variation of the system. The latter is the difference of two systems
-    /// that are `width` of the parameter apart. All systems must number their states alike.
+    /// beginning. The system varies as well: `beside` are the systems at parameter values that are
+    /// `width` apart. All systems must number their states alike.
     pub fn varied(&self, beside: [&Self; 2], width: f64, [z, v]: [&[f64]; 2], span: f64) -> Vec<f64> {
         let (count, size) = (self.stretches_of(span), z.len());
         let part = span / count;
@@ -354,7 +356,7 @@ pub struct Passage<'a> {
     pub states: [&'a [f64]; 2],
     /// Reported events.
     pub events: &'a [Event],
-    /// Energy lost at impacts of the event, J, from the engine's account; 0 without one.
+    /// Energy lost at impacts of the event, J, from the engine's account; 0 without impacts.
     pub lost: f64,
 }
 

@@ -9,17 +9,16 @@ use vibro_machine::motion::Event;
 use vibro_machine::system::System;
 use vibro_machine::{Error, Motion};
 
-/// Work of an advance per flight and per sub-step length. The engine's own limit does not count
-/// across pauses.
+/// Limit of the events in an advance: an initial number, and an addition for each sub-step of its
+/// flights. The engine's own limit does not count across pauses.
 const WORK: (f64, f64) = (20_000.0, 64.0);
 /// Number of stretches of a flight that are always observed.
 const USUAL: f64 = 64.0;
-/// Number of further stretches observed in a whole motion, some seconds of work. A body far faster
-/// than all others has more, and is mostly at rest during them.
+/// Number of further stretches observed in a whole motion, some seconds of work. A machine with a
+/// body far faster than all others needs more; this body is mostly at rest during them.
 const MOST: f64 = 500_000.0;
 
 /// Contacts and extremes of a motion.
-///
 ///
 /// The extremes are the motion's own, not the largest of some samples:
 ///

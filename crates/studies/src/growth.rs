@@ -153,7 +153,7 @@ mod tests {
         growth
     }
 
-    /// Rounding of sums of a few dozen numbers.
+    /// Tolerance for sums of a few dozen numbers.
     const SUMMED: f64 = 1e-13;
 
     #[test]
@@ -165,7 +165,7 @@ mod tests {
             // ln(1 + T/T0)/T: 48 s are counted after 16 s of alignment.
             assert!((found.error - 4f64.ln() / 48.0).abs() < SUMMED, "{found:?}");
         }
-        // Nothing has been counted, or the counted time is zero.
+        // Nothing has been counted, so the counted time is zero.
         assert_eq!((grown(0, |_| 1.0).value(), grown(0, |_| 1.0).exponent().error), (0.0, 0.0));
     }
 

@@ -23,7 +23,7 @@
 //! | [`diagram`] | diagrams over one parameter | closed forms; the paper's machine |
 //! | [`basin`] | attractors over two initial values | single simulations |
 //! | [`design_sweep`] | measures over many parameters | single motions; closed forms |
-//! | [`fit`] | numbers of a machine from a record | records of known machines |
+//! | [`fit`] | parameters of a machine from a record | records of known machines |
 //! | [`flight`] | a motion's flights between events as series | dense samples |
 //! | [`natural`] | natural frequencies | closed forms |
 //! | [`sobol`] | the Sobol sequence | SciPy's |

@@ -53,7 +53,7 @@ impl TryFrom<Written> for Machine {
     }
 }
 
-/// Relative rounding of e - gap.
+/// Largest violation of a gap that counts as rounding, relative to the terms of e - gap.
 const ROUNDING: f64 = 1e-12;
 
 impl Machine {
@@ -146,9 +146,10 @@ impl Machine {
         Ok((start.motion(Arc::new(Assembly::new(self.description.clone())?))?, section))
     }
 
-    /// The motion from the [end](now) of another motion, of a machine with other numbers. If its
-    /// state violates rigid stops, the engine moves bodies by the smallest amount in the inertia's
-    /// metric. If that fails, or no motion begins there, the machine's own start is used.
+    /// The motion of this machine from the [end](now) of a motion with other parameter values. If
+    /// the state violates rigid stops, the engine moves bodies by the smallest amount in the
+    /// inertia's metric. If that fails, or no motion begins there, the machine's own start is
+    /// used.
     ///
     /// # Errors
     /// Error if the machine's matrices, its own start or its section are refused.
@@ -178,8 +179,8 @@ pub(crate) fn is_between_stops(motion: &Motion) -> bool {
     })
 }
 
-/// The present state of a motion, from which [`Machine::motion_on`] continues with other numbers.
-/// It contains all bodies, since other arms may change which coordinates are free.
+/// The present state of a motion, from which [`Machine::motion_on`] continues with other parameter
+/// values. It contains all bodies, since other arms may change which coordinates are free.
 pub fn now(motion: &Motion) -> Start {
     let body = |(i, body): (usize, &Body)| {
         let [s, v, _] = motion.body(i);

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 /// Measures of one motion.
 ///
-///
 /// An oscillator with k - mω² = -12 N/m and cω = 5 N/m follows a force of 26 N with the amplitude
 /// 26/13 m, and its dashpot loses ½ c ω² 2²:
 ///

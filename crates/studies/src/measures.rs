@@ -22,7 +22,7 @@ use vibro_machine::elements::Action;
 use vibro_machine::system::Part;
 use vibro_machine::{Assembly, Element, Motion, Quantity};
 
-/// Returns over which the exponent is counted.
+/// Number of returns over which the exponent is counted.
 const EXPONENT_RETURNS: u32 = 400;
 
 /// Measure by name. Serialized as its name.
@@ -33,21 +33,21 @@ pub enum Measure {
     Amplitude(QuantityName),
     /// √(mean of q²): `rms.box.a`.
     Rms(QuantityName),
-    /// Largest less least q: `peak_to_peak.box.s`.
+    /// Largest minus smallest q: `peak_to_peak.box.s`.
     PeakToPeak(QuantityName),
     /// Largest q: `maximum.buffer.f`.
     Maximum(QuantityName),
-    /// Impacts and first touches of a stop, or of all, from one return to the next:
+    /// Impacts and first touches of a stop, or of all stops, from one return to the next:
     /// `impacts.steel`, `impacts`.
     Impacts(Option<String>),
-    /// Impacts and first touches a second: `impact.rate.steel`, `impact.rate`.
+    /// Impacts and first touches per second: `impact.rate.steel`, `impact.rate`.
     ImpactRate(Option<String>),
     /// Largest closing speed of a stop: `impact.speed.steel`.
     ImpactSpeed(String),
     /// Largest impulse of a rigid stop: `impact.impulse.steel`.
     ImpactImpulse(String),
-    /// Mean power that a spring's dashpot, a stop or a friction loses, or that a load puts in:
-    /// `power.mount`.
+    /// Mean power that a spring's dashpot, a stop or a friction element loses, or that a load
+    /// supplies: `power.mount`.
     Power(String),
     /// Mean power lost in all elements: `power.lost`.
     PowerLost,
@@ -133,7 +133,7 @@ fn with_power(d: &Description) -> impl Iterator<Item = Element<'_>> {
     d.elements().filter(|element| element.action() != Action::Tying)
 }
 
-/// The place of a stop by its name.
+/// Index of a stop by its name.
 fn stop(d: &Description, name: &str) -> Option<usize> {
     d.stops.iter().position(|s| s.name == name)
 }
@@ -185,7 +185,8 @@ impl Measure {
         }
     }
 
-    /// Default measures of a machine: amplitudes of free bodies, contacts, power lost, class.
+    /// Default measures of a machine: amplitudes of free bodies, impacts and closing speeds, power
+    /// lost, class.
     pub fn usual(d: &Description) -> Vec<Self> {
         use vibro_machine::description::BodyKind;
         let free = d
@@ -273,8 +274,8 @@ struct Window {
     watcher: Watcher,
     returns: f64,
     duration: f64,
-    /// Work of loads; losses in dashpots, compliant stops, friction, partners of
-    /// springs in series, J.
+    /// Work of loads; losses in dashpots, compliant stops, friction elements, and in the dashpots
+    /// and sliders in series with springs, J.
     energies: [Vec<f64>; 5],
 }
 
@@ -434,7 +435,7 @@ pub fn measure(
     })
 }
 
-/// Advances over the next returns in parts.
+/// Observes the next returns in parts. Also returns whether the motion drifts.
 fn windows(
     motion: &mut Motion,
     section: &Section,

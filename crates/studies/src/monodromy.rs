@@ -19,18 +19,18 @@ use vibro_machine::neutral::Neutral;
 use vibro_machine::system::{Elongation, System};
 use vibro_numerics::sorting::sort_by;
 
-/// Rounding of a state in units of `f64::EPSILON`.
+/// Tolerance for the rounding of a state, in units of `f64::EPSILON`.
 const ROUNDINGS: f64 = 64.0;
 /// Largest fraction of a state's size that counts as rounding.
 const MOST_ROUNDING: f64 = 1e-7;
 /// Singular value below which there is a family of orbits.
 const SINGULAR: f64 = 1e-12;
-/// Size of a multiplier's logarithm below which it counts as zero. It exceeds the rounding errors
-/// of a defective multiplier 1.
+/// Size of a multiplier's logarithm below which its exponent is zero. This size exceeds the
+/// rounding errors of a defective multiplier 1.
 pub const MARGINAL: f64 = 1e-6;
 /// A multiplier below this fraction of the derivative's largest entry is rounding.
 const LEAST_MULTIPLIER: f64 = 1e-10;
-/// Sweeps of the Schur decomposition per multiplier.
+/// Largest number of sweeps of the Schur decomposition per multiplier.
 const SWEEPS: usize = 200;
 /// Relative size below which a rate or a change of a signal counts as zero.
 const EXACT: f64 = 1e-9;
@@ -69,11 +69,11 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
     Some(shift)
 }
 
-/// Change of the coordinates, and of the states of first order, that keeps all elongations
-/// constant while the signals change as in `change`, a change of the augmented state. With
-/// `rates`, `change` is the state itself, and the result is the velocities for which the
-/// elongations' rates are zero. A uniformly moving prescribed body carries other bodies along in
-/// this way. `None` if there is no such change.
+/// Change of the coordinates, and of the states of first order, that keeps the elongations of
+/// springs and stops constant while the signals change as in `change`, a change of the augmented
+/// state. With `rates`, `change` is the state itself, and the result is the velocities for which
+/// the elongations' rates are zero. A uniformly moving prescribed body carries other bodies along
+/// in this way. `None` if there is no such change.
 pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
@@ -271,7 +271,7 @@ fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: 
     Some(off)
 }
 
-/// Largest modulus of the eigenvalues; `None` if it is rounding.
+/// Largest modulus of the eigenvalues; `None` if it is rounding or unknown.
 fn largest_multiplier(m: DMatrix<f64>) -> Option<f64> {
     let least = least_multiplier(&m);
     let largest = moduli(m)?.into_iter().fold(0.0, f64::max);

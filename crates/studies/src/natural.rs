@@ -17,14 +17,13 @@ const DENSE: usize = 600;
 /// Eigenvalues of a machine's mode.
 #[derive(Debug)]
 pub struct Natural {
-    /// All eigenvalues of the parts of at most 600 states, rad/s.
+    /// All eigenvalues, 1/s, of parts of up to 600 states, and of larger parts without a [`Span`].
     pub values: Vec<Complex<f64>>,
-    /// The lowest and highest oscillations of each larger part.
+    /// The lowest and highest oscillations of each larger part, where they could be computed.
     pub spans: Vec<Span>,
 }
 
 /// The eigenvalues of a mode's system for some of its states.
-///
 ///
 /// Two equal bodies on three equal springs oscillate at √(k/m) and √(3k/m):
 ///

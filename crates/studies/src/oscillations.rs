@@ -8,8 +8,8 @@ use vibro_machine::system::{StopRows, System};
 /// Frequency relative to the fastest one below which an oscillation is rounding.
 const ROUNDING: f64 = 1e-7;
 
-/// Frequencies of the machine's natural oscillations, Hz, with all stops open, all friction off,
-/// and damping. Stiffness switched in time has its first value.
+/// Frequencies of the machine's damped natural oscillations, Hz, with all stops open and all
+/// friction off. Stiffness switched in time has its first value.
 pub(super) fn oscillations(system: &System) -> Vec<f64> {
     let stops = system.stops.iter().map(StopRows::state_apart).collect();
     let frictions = vec![FrictionState::Off; system.frictions.len()];

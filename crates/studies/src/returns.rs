@@ -19,14 +19,14 @@ const CHATTER: f64 = 1e-6;
 /// Smallest size of changes relative to a constant part: a buffer whose deflection is 10⁵ times
 /// its swing is at rest.
 const STANDING: f64 = 1e-5;
-/// Rounding of a functional in units of `f64::EPSILON` times its terms.
+/// Tolerance for the rounding of a functional, in units of `f64::EPSILON` times its terms.
 const ROUNDINGS: f64 = 64.0;
 /// Largest rounding relative to the sizes used to compare states.
 const ROUNDING_PART: f64 = 1e-4;
 /// Distance of an event from a section, relative to the interval, within which it may come on
 /// either side.
 const BESIDE: f64 = 1e-6;
-/// Number of returns among which each may exceed the previous one by chance.
+/// Smallest number of returns that show a drift; fewer may change in one direction by chance.
 const FEW: usize = 16;
 /// Number of kinds for lengths, angles and their rates. Each number of a block is a further kind.
 const COMMON: usize = 4;
@@ -150,11 +150,11 @@ pub struct ReturnRecord {
     fastest: f64,
     contacts: u32,
     pattern: u64,
-    /// Times of contacts during the last two intervals, s.
+    /// Times of contacts since the last return, s.
     struck: Vec<f64>,
     /// Whether a contact lies next to a return.
     pub is_beside: bool,
-    /// Whether a stop stays closed or a friction element sticks.
+    /// Whether at some time a stop stays closed or a friction element sticks.
     pub rests: bool,
 }
 

@@ -37,7 +37,6 @@ pub enum SectionRule {
 
 /// Poincaré section of a machine.
 ///
-///
 /// Without a drive, the events of the first stop are the section:
 ///
 /// ```
@@ -95,8 +94,7 @@ pub fn is_steady(d: &Description) -> bool {
 }
 
 /// Smallest time, s, that is a whole number of periods of each harmonic, repeated signal and
-/// sampling. `None` without these, with a sweep, or if it exceeds 1000 of the longest period.
-///
+/// sampling. `None` without these, with a sweep, or if it exceeds 1000 times the longest period.
 ///
 /// ```
 /// use vibro_machine::file::{no_records, parse};
@@ -231,7 +229,7 @@ impl Section {
         Some((((time - shift) / period + COMMENSURATE).floor() + 1.0) * period + shift)
     }
 
-    /// Whether each return is a whole number of turns of a harmonic of this frequency, Hz.
+    /// Whether a harmonic of this frequency, Hz, makes a whole number of turns between returns.
     pub(super) fn holds(&self, frequency: f64) -> bool {
         let turns = match self {
             Self::Period(period) | Self::Shifted(period, _) => period * frequency,

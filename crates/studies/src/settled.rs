@@ -29,7 +29,7 @@ const LOOK: u32 = 4;
 /// Factor by which the followed time must grow before the derivative of the period is computed
 /// again.
 const AGAIN: f64 = 1.25;
-/// Distance of distinct states of an orbit, in units of the distance from the orbit.
+/// Smallest distance of distinct states of an orbit, in units of the distance from the orbit.
 const APART: f64 = 20.0;
 /// Largest number of returns over which an exponent is counted before its sign is left open, if
 /// returns are the slowest rate of the motion. This number decides that an exponent is zero, by

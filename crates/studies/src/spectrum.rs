@@ -101,7 +101,7 @@ impl Orthogonal {
     }
 }
 
-/// Product of two variations.
+/// Inner product of two variations.
 fn inner(metric: &Metric, a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).zip(&metric.0).map(|((a, b), unit)| a * b / (unit * unit)).sum()
 }

@@ -13,16 +13,16 @@ mod natural;
 mod starts;
 pub(super) mod verdicts;
 
-/// Rounding of a motion that has settled to 1e-9 of its size.
+/// Tolerance for the rounding of a motion that has settled to 1e-9 of its size.
 const SETTLED: f64 = 1e-8;
-/// Swing of the length of a turning variation: the logarithm of its ratio of axes is divided by 74
-/// s and compared with an exponent of -2/s.
+/// Tolerance for the swing of the length of a turning variation: the logarithm of its ratio of
+/// axes is divided by 74 s and compared with an exponent of -2/s.
 const SWING: f64 = 1e-3;
-/// Error of an exponent of a settled motion over a few hundred periods: the variation has aligned
-/// to e-16, or to a few powers of the multipliers' ratio.
+/// Tolerance for an exponent of a settled motion over a few hundred periods: the variation has
+/// aligned to e^(-16), or to a few powers of the multipliers' ratio.
 const TURNED: f64 = 1e-4;
-/// Three standard errors of an exponent of chaos over 400 periods, relative to the exponent; the
-/// motions part after a few tens of periods.
+/// Relative tolerance: three standard errors of an exponent of chaos over 400 periods; the motions
+/// part after a few tens of periods.
 const CHAOS: f64 = 0.2;
 
 pub(super) fn example(name: &str) -> Machine {
@@ -38,7 +38,7 @@ pub(super) fn text(text: &str) -> Machine {
 pub(super) const OSCILLATOR: &str = "name = \"O\"\n[body.a]\nmass = 2.0\n[spring.k]\nbetween = [\"ground\", \"a\"]\nstiffness = 800.0\n\
     damping = 8.0\n[load.f]\non = \"a\"\namplitude = 10.0\nfrequency = \"5 Hz\"\n";
 
-/// Discards and measures.
+/// Measures over 12 returns after 400 discarded ones.
 fn measured(machine: &Machine, names: &[&str]) -> Vec<f64> {
     let measures: Vec<Measure> = names.iter().map(|n| n.parse().unwrap()).collect();
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();
@@ -234,7 +234,7 @@ fn second_method_a_diagram_is_its_motions_one_by_one_and_its_parts_are_the_whole
     assert!(error.contains("did you mean `block.s`?"), "{error}");
 }
 
-/// Rounding of motions that repeat.
+/// Tolerance for the rounding of motions that repeat.
 const REPEATS: f64 = 1e-6;
 
 /// Measures of the unchanged machine, by a sweep.
@@ -270,7 +270,7 @@ fn closed_form_measures_last_four_periods_of_the_slowest_own_oscillation() {
     let number = |i: usize| row.outputs[i].unwrap_or_else(|| panic!("{row:?}")).largest;
     assert!((number(0) - 2.0).abs() < REPEATS, "{row:?}");
     assert!((number(1) - 0.5f64.sqrt()).abs() < 1e-3, "{row:?}");
-    // A window a hundred times as long as requested is refused.
+    // A window is refused if it must last more than a hundred times as long as requested.
     let row = swept(&machine, &["peak_to_peak.a.s"], 60, 10);
     let reason = row.reason.unwrap();
     assert!(

@@ -100,8 +100,9 @@ impl Passed {
     }
 }
 
-/// The last step or end of a record of all signals that do not repeat: its time, s, and its
-/// description. `None` if all signals are periodic or constant.
+/// The last step, end of a sweep or end of a record of all signals: its time, s, and its
+/// description. Steps and records of repeated signals do not count. `None` if there is no such
+/// change.
 fn last_change(d: &Description) -> Option<(f64, String)> {
     let of = |NamedSignal { name, signal, .. }: NamedSignal| {
         let ends = signal.sweeps.iter().map(|sweep| sweep.duration).reduce(f64::max);
@@ -120,7 +121,6 @@ fn last_change(d: &Description) -> Option<(f64, String)> {
 
 /// Description of the last change of a signal if it comes after `time`, s. `None` if all signals
 /// are periodic or constant after `time`.
-///
 ///
 /// ```
 /// use vibro_machine::file::{no_records, parse};
@@ -154,8 +154,9 @@ pub(super) fn runs_on_beyond(d: &Description, section: &Section, begin: f64, dis
 
 /// Discards the transient. First the motion advances past the last change of a signal, for at most
 /// `returns` returns; if the change comes later, the function returns. Then the motion advances
-/// until it has settled, again for at most `returns` returns. More returns follow until four
-/// periods of the slowest natural oscillation have passed since the last change.
+/// until it has settled, again for at most `returns` returns. If four periods of the slowest
+/// natural oscillation have not passed since the change, it advances over them and settles once
+/// more.
 ///
 /// # Errors
 /// As [`Section::advance`]; [`Error::Described`] if these four periods are more than a hundred

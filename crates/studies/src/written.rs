@@ -124,8 +124,8 @@ fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// Byte range of each parameter's value in the text of a machine's file. Parameters with a default
-/// value are left out.
+/// Byte range of each parameter's value in the text of a machine's file. Parameters that the text
+/// does not contain are left out.
 pub fn places(text: &str, d: &Description) -> BTreeMap<String, Range<usize>> {
     let Ok(root) = DeTable::parse(text) else { return BTreeMap::new() };
     let place = |name: String| Some((written(root.get_ref(), &name)?.span(), name));
@@ -219,7 +219,7 @@ mod tests {
         harmonics = [{ amplitude = "7 mN", frequency = "6 rad/s" }]
     "#;
 
-    /// Each number that the text writes with a unit belongs to this parameter.
+    /// A number without a unit is read in the unit in which the text writes the parameter.
     #[test]
     fn a_bare_number_is_in_the_unit_of_the_files_number() {
         let machine = Machine::parse(TEXT, "m.toml", &no_records).unwrap();

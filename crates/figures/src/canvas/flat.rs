@@ -14,7 +14,7 @@ use crate::Result;
 /// | 4 text | colour, size, 0 start, 1 middle or 2 end, index of its words, baseline point |
 ///
 /// A colour is 65536 red + 256 green + blue, a point is x and y. Moved marks are already moved;
-/// rectangles, clips, dashes and the white of circles are left out.
+/// rectangles, clips, dashes, the direction of texts and the white of circles are left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flat {
     /// Kinds and numbers.

@@ -348,7 +348,7 @@ impl TwoParameters for Locus {
         let orbit = self.orbit(w).ok()?;
         let touches = |(condition, value): &(conditions::Condition, f64)| match condition {
             conditions::Condition::Together { .. } => false,
-            // Near a touch the speed of an impact is a square root.
+            // Near a touch the speed of an impact is a square root of the distance from it.
             conditions::Condition::Rises { .. } => *value < TOUCHES.sqrt(),
             _ => *value < TOUCHES,
         };

@@ -91,8 +91,8 @@ impl Tree {
     /// The comparison uses the states at whole drive periods over one period of the motion, which
     /// must be a multiple of the orbit's period. The result is `None` if the tree has no such
     /// orbit: the motion is not periodic, rests at a stop or is still transient, or its branch is
-    /// missing. The tree explains a fraction of a simulated diagram: covered rows divided by
-    /// periodic rows without rest.
+    /// missing. The fraction of a simulated diagram that the tree explains is the number of
+    /// covered rows divided by the number of periodic rows without rest.
     ///
     /// ```
     /// use vibro_studies::paper::attractor::observe;

@@ -17,7 +17,7 @@ const REGULAR: f64 = 1e-10;
 /// The row whose product with a state is w.
 const GAP: Vector6 = Vector6::new(-1.0, 1.0, 0.0, 0.0, 0.0, 0.0);
 
-/// Quantity at the ends of the flights whose derivative is computed.
+/// Quantity, at the ends of the flights, whose derivative is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Functional {
     /// w.

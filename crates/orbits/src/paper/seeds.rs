@@ -32,8 +32,8 @@ pub(super) const LONGEST: usize = 4;
 const RETURN: f64 = 0.04;
 /// Largest correction of a phase by Newton's method from a near return to an orbit, rad.
 const MOVE: f64 = 0.4;
-/// Number of cells of the range. In each cell only one unstable orbit of a word is kept, because
-/// other orbits of this word mostly lie on its branch.
+/// Number of parts of the range. Of orbits with the same word and stability that are closer than
+/// one part, only the first is kept, because the others mostly lie on its branch.
 const RANGE_PARTS: f64 = 30.0;
 
 /// An orbit found by simulation: word, phases and parameter.

@@ -9,7 +9,8 @@ use vibro_studies::Error;
 /// Extent and limits of a tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
-    /// Number of parameter values with settled motions, in each direction.
+    /// Number of parameter values at which motions settle, both with rising and with falling
+    /// values.
     pub seeds: usize,
     /// Number of drive periods for transients to die out.
     pub settle: u32,

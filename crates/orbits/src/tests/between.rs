@@ -8,7 +8,7 @@ use crate::step::{Departure, follow};
 use nalgebra::DVector;
 use vibro_machine::Start;
 
-/// Accuracy of a special point's parameter.
+/// Tolerance for a special point's parameter.
 const LOCATED: f64 = 1e-10;
 
 /// The parameter values of the special points of a kind on a path.

@@ -4,9 +4,9 @@ use super::*;
 use std::f64::consts::PI;
 use vibro_machine::Start;
 
-/// Rounding error of a special point's parameter; crossings are located by interpolation.
+/// Tolerance for a special point's parameter; crossings are located by interpolation.
 const LOCATED: f64 = 1e-10;
-/// Rounding error of an orbit's values.
+/// Tolerance for an orbit's values.
 const ROUNDING: f64 = 1e-12;
 
 /// x'' + 0.04 x' + x = F cos ωt with a wall at x = 1 and ε = 0.9.

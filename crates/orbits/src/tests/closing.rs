@@ -5,7 +5,7 @@ use super::*;
 use std::f64::consts::PI;
 use vibro_machine::Start;
 
-/// Difference of multipliers found in two ways: rounding of stiff contacts over a period.
+/// Tolerance between multipliers found in two ways: rounding of stiff contacts over a period.
 const AGREEMENT: f64 = 1e-8;
 
 #[test]
@@ -49,7 +49,8 @@ pub(super) fn ball() -> (Branch, f64) {
 /// two is ε^(2 n), since an impact multiplies both its velocity and its distance by ε.
 #[test]
 fn closed_form_multipliers_and_doublings_of_an_orbit_passed_many_times() {
-    /// Rounding of the largest multiplier over one pass; n times larger for the n-th power.
+    /// Tolerance for the rounding of the largest multiplier over one pass; n times larger for the
+    /// n-th power.
     const LARGEST: f64 = 1e-9;
     let (branch, _) = ball();
     let most = branch.points.iter().max_by(|a, b| a.value.total_cmp(&b.value)).unwrap();

@@ -8,10 +8,10 @@ use vibro_impact::parameters::{Groups, Scales};
 use vibro_impact::steady::Sheet;
 use vibro_impact::steady::exact_orbit::OrbitFamily;
 
-/// Rounding error of a touch.
+/// Tolerance for a touch.
 const ROUNDING: f64 = 1e-11;
-/// Rounding errors of the symmetric orbit's discriminant, of order one over the curve, and of a
-/// multiplier at a simple crossing, both magnified by the special point's own condition.
+/// Tolerances for the symmetric orbit's discriminant, which is of order one over the curve, and
+/// for a multiplier at a simple crossing, both magnified by the special point's own condition.
 const DISCRIMINANT: f64 = 1e-9;
 const MULTIPLIER: f64 = 1e-8;
 /// The load of f10 = 1, N.

@@ -17,7 +17,7 @@ freewheel.w = { between = ["tail", "rotor"] }
 load.push = { on = "rotor", amplitude = 6.0, frequency = 1.3 }
 "#;
 
-/// Rounding error of an orbit's values over a period.
+/// Tolerance for an orbit's values over a period.
 const ROUNDING: f64 = 1e-9;
 
 #[test]

@@ -4,7 +4,7 @@ use super::*;
 use nalgebra::{Matrix2, Vector2};
 use vibro_machine::{Motion, Start};
 
-/// Rounding error of a state of size one.
+/// Tolerance for a state of size one.
 const ROUNDING: f64 = 1e-12;
 
 /// A mass of 1 on a stiffness of 1 under ±0.3, which changes sign twice per period.
@@ -105,7 +105,7 @@ fn second_method_a_recorded_sine_has_the_branches_of_the_sine() {
     }
 }
 
-/// Relative error of a branch's end against the closed form: rounding.
+/// Relative tolerance for a branch's end against the closed form: rounding.
 const CORNER: f64 = 1e-12;
 
 /// A ball on a table with the acceleration ±a, each for half of the period 0.2 s, under g = 10.

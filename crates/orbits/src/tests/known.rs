@@ -4,7 +4,7 @@ use super::*;
 use vibro_machine::Start;
 use vibro_studies::Measure;
 
-/// Relative difference of a measure of one motion described by two words.
+/// Relative tolerance between the measures of one motion described by two words.
 const ROUNDING: f64 = 1e-9;
 
 /// Smallest length of a branch, Hz: a thousand times the accuracy of its ends.

@@ -153,8 +153,8 @@ fn invariant_a_branch_ends_where_the_parameters_values_end() {
     }
 }
 
-/// Step of the differences, in the parameter's unit, and their error: a stiff contact magnifies
-/// rounding over a period.
+/// Step of the differences, in the parameter's unit, and their tolerance: a stiff contact
+/// magnifies rounding over a period.
 const DIFFERENCE: (f64, f64) = (1e-5, 1e-5);
 
 #[test]
@@ -276,5 +276,5 @@ fn second_method_a_stick_slip_cycle_doubles_where_its_return_map_says() {
     assert!((multiplier.re + 1.07381407).abs() < RETURN, "{multiplier}");
 }
 
-/// Error of these differences.
+/// Tolerance for these differences.
 const RETURN: f64 = 1e-7;

@@ -5,9 +5,9 @@ use crate::LocusEnd;
 use std::f64::consts::PI;
 use vibro_machine::Start;
 
-/// Error of a point with two conditions: rounding of a bracket's end.
+/// Tolerance for a point with two conditions: rounding of a bracket's end.
 const LOCATED: f64 = 1e-9;
-/// Rounding error of a curve.
+/// Tolerance for a curve.
 const ROUNDING: f64 = 1e-10;
 
 /// The curve from the first special point of a kind on a branch.

@@ -5,9 +5,9 @@ use nalgebra::{DVector, SMatrix, SVector};
 use vibro_machine::Start;
 use vibro_studies::Measure;
 
-/// Rounding error of numbers of size one over a period.
+/// Tolerance for numbers of size one over a period.
 const ROUNDING: f64 = 1e-11;
-/// Rounding error of multipliers, from the power of a matrix.
+/// Tolerance for multipliers, from the power of a matrix.
 const MULTIPLIER: f64 = 1e-10;
 
 const SAMPLE: f64 = 0.05;
@@ -101,9 +101,9 @@ fn second_method_a_sampled_controller_beside_a_stop() {
     }
 }
 
-/// Error of difference quotients of the equations.
+/// Tolerance for difference quotients of the equations.
 const COLUMN: f64 = 1e-7;
-/// Relative error of a derivative from differences of recomputed orbits.
+/// Relative tolerance for a derivative from differences of recomputed orbits.
 const GRADIENT: f64 = 1e-6;
 
 #[test]

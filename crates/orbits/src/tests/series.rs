@@ -18,9 +18,9 @@ stop.wall = { between = ["ground", "b"], gap = 0.02, restitution = 0.7 }
 load.drive = { on = "b", amplitude = 10.0, frequency = 2.0 }
 "#;
 
-/// Rounding error of an orbit's values over a period.
+/// Tolerance for an orbit's values over a period.
 const ROUNDING: f64 = 1e-9;
-/// Step of the differences in the parameter's unit, and their error.
+/// Step of the differences in the parameter's unit, and their tolerance.
 const DIFFERENCE: (f64, f64) = (1e-5, 1e-6);
 
 /// The orbit of a machine, checked against the machine's motion and the motion's derivative.

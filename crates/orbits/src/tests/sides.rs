@@ -5,9 +5,10 @@ use std::f64::consts::PI;
 use vibro_machine::Start;
 use vibro_studies::Measure;
 
-/// Relative rounding error of a touch.
+/// Relative tolerance for a touch.
 const ROUNDING: f64 = 1e-11;
-/// Relative error of a gradient at a run of impacts, whose differences have errors of about 1e-7.
+/// Relative tolerance for a gradient at a run of impacts, whose differences have errors of about
+/// 1e-7.
 const GRADIENT: f64 = 1e-6;
 /// Smallest number of points of a followed curve.
 const FOLLOWED: usize = 20;

@@ -5,10 +5,10 @@ use nalgebra::{Matrix2, Vector2};
 use vibro_machine::mode::Contact;
 use vibro_machine::{Motion, Start};
 
-/// Rounding error of numbers of size one over a period.
+/// Tolerance for numbers of size one over a period.
 const ROUNDING: f64 = 1e-11;
-/// Error of a special point against its closed form, in the parameter's unit: rounding, magnified
-/// by a double multiplier.
+/// Tolerance for a special point against its closed form, in the parameter's unit: rounding,
+/// magnified by a double multiplier.
 const SPECIAL: f64 = 1e-9;
 
 /// A mass of 1 under a constant force, on a spring with the stiffness 3 for half a period and
@@ -143,7 +143,8 @@ fn closed_form_a_square_wave_moves_a_slider_that_sticks_in_between() {
     assert!(Motion::from_state(orbit.place().assembly.clone(), 0.1, orbit.state()).is_ok());
 }
 
-/// Error of difference quotients of the equations: a stiff mesh magnifies rounding over a period.
+/// Tolerance for difference quotients of the equations: a stiff mesh magnifies rounding over a
+/// period.
 const COLUMN: f64 = 1e-5;
 
 #[test]

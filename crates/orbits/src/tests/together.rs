@@ -20,7 +20,7 @@ fn pressed() -> Machine {
     )
 }
 
-/// Two bodies with two frictions; one slips while the other sticks.
+/// Two bodies with two friction elements; one slips while the other sticks.
 fn rubbed() -> Machine {
     machine(
         "name = \"Two\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.5 }\n\
@@ -123,7 +123,7 @@ fn closed_form_a_slider_begins_to_slip_and_the_curve_of_it_is_refused() {
 
 #[test]
 fn second_method_columns_of_an_orbit_with_a_run_of_impacts_are_those_of_differences() {
-    /// Relative error of a difference over 2e-5 of a unit when the number of impacts jumps.
+    /// Relative tolerance for a difference over 2e-5 of a unit when the number of impacts jumps.
     const DIFFERENCES: f64 = 1e-6;
     const STEP: f64 = 1e-5;
     let m = machine(

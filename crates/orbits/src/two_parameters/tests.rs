@@ -7,8 +7,8 @@ use crate::curve::{Equations, Linearization};
 use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 
-/// Rounding of Newton's method at a regular point. `LOCATED`, for singular points, is the error of
-/// a fourth-order extrapolation from a twentieth of the unknowns' unit.
+/// Tolerance for Newton's method at a regular point. `LOCATED`, for singular points, is the
+/// tolerance for a fourth-order extrapolation from a twentieth of the unknowns' unit.
 const ROUNDING: f64 = 1e-12;
 const LOCATED: f64 = 1e-9;
 

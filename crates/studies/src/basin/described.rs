@@ -31,8 +31,8 @@ enum Led {
     Rest(Vec<f64>),
 }
 
-/// Largest displacement of a body at rest while a return was awaited, relative to the displacement
-/// since the start.
+/// Tolerance for a body at rest: velocity times time since the start, relative to the largest
+/// displacement of any body since the start.
 const AT_REST: f64 = 1e-9;
 
 impl BasinMachine for Machine {
@@ -42,7 +42,7 @@ impl BasinMachine for Machine {
     const IN_BASIN_PART: usize = 32;
 
     /// [`Error::Refusal`] for an unknown name and for a body whose coordinate follows from others;
-    /// [`Error::Described`] for a machine without a section, and for one that does not repeat
+    /// [`Error::Described`] for a machine without a section, and for one whose loads do not repeat
     /// after the discarded returns.
     fn check_basin(&self, request: &BasinRequest<Self>) -> Result<Self::Shared> {
         let assembly = Assembly::new(self.description.clone())?;
@@ -104,7 +104,7 @@ fn states(motion: &Motion) -> Vec<[f64; 3]> {
     (0..motion.assembly().description.bodies.len()).map(|i| motion.body(i)).collect()
 }
 
-/// Whether all bodies are at rest, judged by their states at the beginning of the motion.
+/// Whether all bodies are at rest and no signal changes later; `begin` are their first states.
 fn is_at_rest(motion: &Motion, (time, begin): (f64, Vec<[f64; 3]>)) -> bool {
     let passed = motion.time() - time;
     let now = states(motion);
@@ -124,7 +124,8 @@ impl BasinAttractor for SettledAttractor {
 
     fn relation(&self, other: &Self) -> Relation {
         let (a, b) = (&self.settled, &other.settled);
-        // Without a period, or with states taken at different phases, the class decides.
+        // Without a period the class decides; with other phases of states, the class and the
+        // contacts.
         let differs =
             a.differs(b).unwrap_or(a.class != b.class || a.period.is_some() && a.contacts != b.contacts);
         if differs { Relation::Different } else { Relation::Same }

@@ -5,7 +5,7 @@ use crate::tests::{example, text};
 use crate::watch::Watcher;
 use crate::{Extremes, Start};
 
-/// Roundings of a few impacts.
+/// Tolerance for the rounding of a few impacts.
 const ROUNDING: f64 = 1e-11;
 
 /// Balls of 0.5 kg and 2 kg fall by 0.2 m at 10 m/s² onto separate floors at the same instant.

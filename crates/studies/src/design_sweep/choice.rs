@@ -25,7 +25,7 @@ use vibro_numerics::sorting::sort_by;
 const LONGER: u32 = 4;
 /// Largest number of repeated measurements of a design.
 const ROUNDS: u32 = 3;
-/// Number of designs that are measured again in parallel.
+/// Largest number of designs that are measured again in parallel.
 const TOGETHER: usize = 16;
 /// Relative difference up to which two values are equal.
 const SAME: f64 = 1e-9;
@@ -127,7 +127,8 @@ impl<M: DesignMachine> Race<'_, M> {
         found.into_iter().map(|(i, _)| i).collect()
     }
 
-    /// Number of periods of the next measurement of a design; unchanged if its motions repeat.
+    /// Number of periods of the next measurement of a design; as in the sweep if its motions
+    /// repeat.
     fn periods(&self, index: usize) -> u32 {
         let rounds = self.estimates[index].filter(|own| !own.is_exact).map_or(0, |own| own.rounds + 1);
         self.request.periods.saturating_mul(LONGER.pow(rounds.min(ROUNDS)))

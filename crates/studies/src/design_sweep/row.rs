@@ -4,7 +4,7 @@ use super::{DesignMachine, MotionMeasures, SweepRequest};
 use crate::class::MotionClass;
 use serde::{Deserialize, Serialize};
 
-/// Relative spread up to which a spread is rounding.
+/// Largest spread, relative to the value, that counts as rounding.
 const REGULAR: f64 = 1e-6;
 
 /// Summary of a measure over the motions of a design.
@@ -40,7 +40,7 @@ pub(super) fn upper((value, spread): (f64, f64)) -> f64 {
     value + BARS * spread
 }
 
-/// Second measurement of a design that may be the best.
+/// Repeated measurement of a design that may be the best.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Again {
     /// Periods over which motions were measured, except motions that repeat.
@@ -63,7 +63,7 @@ pub struct DesignRow {
     /// Reason for missing values, or a caveat: a motion may have been measured before it had
     /// settled.
     pub reason: Option<String>,
-    /// Second measurement, if there was one.
+    /// Last repeated measurement, if there was one.
     pub again: Option<Again>,
 }
 

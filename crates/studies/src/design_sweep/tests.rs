@@ -160,7 +160,7 @@ impl PartStore for MemoryStore {
 
 #[test]
 fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
-    // The parts together contain this number of motions.
+    // With 384 motions per design, a part has two of the six designs.
     let set = ParameterSet::basic();
     let mut request =
         SweepRequest { discard: 3, periods: 1, measures: measures(&["amplitude.x2"]), ..request() };
@@ -191,7 +191,7 @@ fn invariant_rows_depend_neither_on_threads_nor_on_shards() {
     assert_eq!(rows, (0..6).map(|i| request.designs.values(i)).collect::<Vec<_>>());
 }
 
-/// Error of an amplitude of a settled linear oscillator.
+/// Tolerance for an amplitude of a settled linear oscillator.
 const SETTLED: f64 = 1e-6;
 
 /// A box on a spring with a damping ratio of one percent. Its natural frequency near 9.25 Hz is

@@ -16,7 +16,7 @@ use crate::{Machine, QuantityName, Section, Start, now};
 use serde::{Deserialize, Serialize};
 use vibro_machine::Motion;
 
-/// Digits to which values are distinguished, relative to the largest value of the motion.
+/// Number of digits kept after the first digit of the largest value of a motion.
 const DIGITS: i32 = 6;
 /// Largest number of values of a diagram.
 pub const MOST_VALUES: usize = 20_000;
@@ -63,7 +63,8 @@ impl DiagramMachine for Machine {
     type Settled = Start;
     type DiagramWorkspace = ();
 
-    /// Error for unknown names, ends out of range, a missing section, or a start without a motion.
+    /// Error for unknown names, ends out of range, too many values, no kept returns, a missing
+    /// section, loads that do not repeat, or a start without a motion.
     fn check_diagram(&self, request: &DiagramRequest<Self>) -> Result<()> {
         request.of.find(&self.description)?;
         for end in [request.axis.from, request.axis.to] {

@@ -16,15 +16,15 @@ pub struct Window {
 
 impl<P: DiagramPoint> Diagram<P> {
     /// Values at which the two directions end on attractors that are neither equal nor mirror
-    /// images. Two attractors without a period differ if their [means](crate::paper::statistics)
-    /// certainly do. A motion that has not settled does not count.
+    /// images. For two attractors without a period only the [means](crate::paper::statistics) of
+    /// the paper's machine decide. A motion that has not settled does not count.
     pub fn hysteresis(&self) -> Vec<bool> {
         self.apart().into_iter().map(|apart| apart == Some(true)).collect()
     }
 
     /// Whether the two directions end on [different attractors](Self::hysteresis), by value.
     /// `None` if that is undecided: a motion has not settled or was refused, or neither has a
-    /// period and their means do not decide.
+    /// period and no means decide.
     pub fn apart(&self) -> Vec<Option<bool>> {
         self.up.iter().zip(&self.down).map(|(a, b)| a.as_ref()?.differs(b.as_ref()?)).collect()
     }

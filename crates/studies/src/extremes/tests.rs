@@ -5,7 +5,7 @@ use crate::tests::text;
 use crate::{QuantityName, Start};
 use vibro_machine::Motion;
 
-/// Roundings of some hundred stretches.
+/// Tolerance for the rounding of some hundred stretches.
 const ROUNDING: f64 = 1e-11;
 
 fn followed(motion: &mut Motion, names: &[&str], end: f64, times: (f64, f64)) -> Vec<Extreme> {

@@ -2,7 +2,7 @@ use super::*;
 use crate::tests::{OSCILLATOR, example, text};
 use crate::{Machine, Start};
 
-/// Roundings of some hundred stretches.
+/// Tolerance for the rounding of some hundred stretches.
 const ROUNDING: f64 = 1e-11;
 
 fn started(machine: &Machine) -> Motion {

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::sync::Arc;
 use vibro_machine::{Assembly, Quantity, What, file};
 
-/// Rounding of a motion of a few dozen events.
+/// Tolerance for the rounding of a motion of a few dozen events.
 const ROUNDING: f64 = 1e-11;
-/// Error from the bounces that are cut off: they are below 1e-9 of the first one, and so is their
-/// contribution.
+/// Tolerance for the error from the bounces that are cut off: they are below 1e-9 of the first
+/// one, and so is their contribution.
 const CUT: f64 = 1e-8;
 
 fn text(text: &str) -> Motion {

@@ -2,7 +2,7 @@ use super::*;
 use crate::tests::{OSCILLATOR, example, text};
 use crate::{Machine, SectionRule, Start};
 
-/// Roundings of small matrices.
+/// Tolerance for the rounding of small matrices.
 const ROUNDING: f64 = 1e-12;
 
 #[test]
@@ -128,7 +128,8 @@ fn closed_form_the_metric_is_the_sizes_of_each_dimension() {
 /// The distance is the distance to the settled motion, and the multiplier is e^(-δT).
 #[test]
 fn second_method_the_distance_is_what_a_long_motion_goes() {
-    /// Squares of the distance to the orbit, and 1e-9 of the remainder after 60 periods.
+    /// Tolerance: squares of the distance to the orbit, and 1e-9 of the remainder after 60
+    /// periods.
     const NEAR: f64 = 1e-6;
     let dragged = OSCILLATOR.replace(
         "[spring.k]\nbetween = [\"ground\"",
@@ -161,7 +162,8 @@ fn second_method_the_distance_is_what_a_long_motion_goes() {
 
 #[test]
 fn second_method_a_small_distance_is_as_exact() {
-    /// 64 roundings of the state relative to the remaining distance, e^(-18) of the state.
+    /// Tolerance: 64 roundings of the state relative to the remaining distance, e^(-18) of the
+    /// state.
     const NEAR: f64 = 1e-3;
     let (mut motion, section) = started(&text(OSCILLATOR));
     let record = record(&mut motion, &section, 45);
@@ -187,7 +189,7 @@ const CONTROLLED: &str = "name = \"C\"\n[body.m]\nmass = 1.0\nstart = { s = 0.1 
 /// uses the matrix exponential between samples.
 #[test]
 fn second_method_the_period_of_a_sampled_controller() {
-    /// Remainder of a period's derivative from 1e-9 of the differences.
+    /// Tolerance for the remainder of a period's derivative from 1e-9 of the differences.
     const NEAR: f64 = 1e-9;
     let (mut motion, section) = started(&text(CONTROLLED));
     let record = record(&mut motion, &section, 12);
@@ -260,7 +262,7 @@ fn invariant_roundings_of_large_motions_are_no_change() {
     assert!(period.distance < 1e-7 && (period.exponent().unwrap() + 2.0).abs() < 1e-8, "{period:?}");
 }
 
-/// Rounding of the drive's phase after 600 periods, times 2π.
+/// Tolerance for the rounding of the drive's phase after 600 periods, times 2π.
 const PHASE: f64 = 1e-9;
 
 /// If all sliders of a joint are held, its motion is linear and returns to itself, within a family

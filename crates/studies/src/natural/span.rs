@@ -12,7 +12,7 @@ use vibro_machine::sparse_factor::{Number, Pattern, SymmetricSparse};
 use vibro_machine::system::System;
 use vibro_numerics::sorting::sort_by_key;
 
-/// Number of the lowest, and of the highest, oscillations.
+/// Largest number of lowest, and of highest, oscillations that are computed.
 pub const SHOWN: usize = 10;
 /// Relative size, compared with its terms, up to which a difference is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -29,9 +29,9 @@ const SETTLED: f64 = 1e-12;
 /// The lowest and highest oscillations of a part.
 #[derive(Debug)]
 pub struct Span {
-    /// Coordinates of the part.
+    /// Number of coordinates of the part.
     pub coordinates: usize,
-    /// Coordinates without an undamped oscillation, because no spring pulls them back.
+    /// Number of coordinates without an undamped oscillation, because no spring pulls them back.
     pub still: usize,
     /// The lowest and the highest oscillations, ascending.
     pub shown: [Vec<Oscillation>; 2],
@@ -94,8 +94,7 @@ impl Span {
                 return None;
             }
         }
-        // For each number of eigenvalues: the largest limit with at most that many below, and the
-        // smallest limit with more.
+        // Limits, each with the number of eigenvalues below it.
         let mut known = vec![(-top, own.below(-top)), (top, n)];
         if known[0].1 > 0 {
             return None;
@@ -112,7 +111,7 @@ impl Span {
         Some(Self { coordinates: n, still, shown })
     }
 
-    /// Oscillations that are not shown.
+    /// Number of oscillations that are not shown.
     pub fn between(&self) -> usize {
         let [low, high] = &self.shown;
         self.coordinates - self.still - low.len() - high.len()

@@ -27,8 +27,8 @@ use vibro_impact::simulator::Simulator;
 pub struct Attractor {
     /// Period in drive periods, if a short one was found.
     pub period: Option<u32>,
-    /// Whether the distances between returns decrease from each eighth of the record to the next,
-    /// as they do in a transient that has not died out.
+    /// Whether a motion without a period comes closer to one: the distances between returns
+    /// decrease from each eighth of the record to the next, or a motion without impacts is damped.
     pub approaching: bool,
     /// Impacts per drive period at the upper and at the lower stop.
     pub impacts: [f64; 2],

@@ -182,8 +182,8 @@ fn cell_start(p: &Parameters, first: &State, axes: [usize; 2], values: [f64; 2])
 }
 
 impl Basins<ClassedAttractor> {
-    /// Records the destination of a cell's motion. Returns whether it is decided. Chaos, and an
-    /// attractor that is not known well enough, are decided only at the `last` call.
+    /// Records the destination of a cell's motion. Returns whether it is decided. Chaos is decided
+    /// only at the `last` call, an attractor only once its means are known well enough.
     fn decide(&mut self, number: usize, motion: &Followed, last: bool) -> Result<bool> {
         // Chaos next to periodic motions is often a long transient: it counts as an attractor only
         // at the limit.

@@ -104,7 +104,7 @@ impl DiagramMachine for ParameterSet {
     type Settled = SettledStart;
     type DiagramWorkspace = Workspace;
 
-    /// Refuses periods that cannot be counted, and results that do not fit into memory.
+    /// Refuses values at a section, too many periods, and results that do not fit into memory.
     fn check_diagram(&self, request: &Sweep) -> Result<()> {
         if request.at_section {
             let text = "values at the section".into();
@@ -202,7 +202,7 @@ impl DiagramMachine for ParameterSet {
     }
 }
 
-/// Follows motions without a final class until they have one.
+/// Follows motions without a final class until their class is decided.
 fn prolong(open: &[(usize, Start)], points: &mut [Option<SweepPoint>], workspace: &mut Workspace) {
     let starts: Vec<Start> = open.iter().map(|(_, start)| *start).collect();
     follow(workspace, &starts, &Following::default(), &mut |number, motion, _| {

@@ -17,7 +17,7 @@ use vibro_impact::simulator::State;
 /// Rounding allowance in the bound on |w|, as a fraction of the gap and of the positions at which
 /// loads hold the bodies.
 const MARGIN: f64 = 1e-9;
-/// Rounding of the difference between a spring's stiffness and the box's inertia, in units of
+/// Tolerance for the difference between a spring's stiffness and the box's inertia, in units of
 /// `f64::EPSILON` times their sum.
 const ROUNDINGS: f64 = 8.0;
 
@@ -124,8 +124,7 @@ mod tests {
     use crate::paper::stroboscopic::dimensional;
     use vibro_impact::Simulator;
 
-    /// Difference in rounding of matrix powers and the simulator's sub-steps, in units of L and L
-    /// ω10.
+    /// Tolerance between matrix powers and the simulator's sub-steps, in units of L and L ω10.
     const ROUNDING: f64 = 1e-11;
 
     /// Machines whose forced vibration keeps the box clear of the block in the middle.

@@ -190,9 +190,9 @@ mod tests {
     use vibro_impact::Parameters;
     use vibro_impact::steady::exact_orbit;
 
-    /// Remainder of the transient as a fraction of L.
+    /// Tolerance for the remaining transient, as a fraction of L.
     const SETTLED: f64 = 1e-9;
-    /// Error of cubic interpolation between 128 samples a period (see `motion`).
+    /// Tolerance for cubic interpolation between 128 samples a period (see `motion`).
     const INTERPOLATION: f64 = 1e-7;
 
     fn at(f10: f64, kappa: f64) -> Parameters {

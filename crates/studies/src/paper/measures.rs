@@ -113,9 +113,9 @@ fn undefined(name: &'static str, needed_by: &'static str) -> Error {
     Error::Undefined { name, value: 0.0, needed_by, allowed }
 }
 
-/// Amplitude of the box alone on its spring and damper under the drive, m: F10/|k1 - m1 ω1² + i c1
-/// ω1|, the periodic solution of docs/theory.md (3) without block and coupling. Under a constant
-/// load on the box, which shifts its middle, it is the largest |x1|.
+/// Amplitude of the box alone on its spring and damper under the drive, m:
+/// F10/|k1 - m1 ω1² + i c1 ω1|, the periodic solution of docs/theory.md (3) without block and
+/// coupling. Under a constant load on the box, which shifts its middle, it is the largest |x1|.
 ///
 /// # Errors
 /// [`Error::Undefined`] at the resonance of a box without damping.

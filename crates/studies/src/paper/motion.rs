@@ -21,7 +21,8 @@ pub struct Instant {
 }
 
 /// Motion between two impacts: instants in order, the first one after an impact, the last one
-/// before the next impact.
+/// before the next impact. The first flight of a record begins, and the last one ends, without
+/// impact.
 pub type Flight = Vec<Instant>;
 
 /// A simulator advanced from a state over `periods` drive periods to let the transient die out.

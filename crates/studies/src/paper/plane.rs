@@ -32,7 +32,8 @@ pub enum SteadyStateClass {
     Unstable,
     /// A stable one exists.
     Stable,
-    /// The theory has no answer: a resonance without damping, or an excitation without frequency.
+    /// The theory has no answer: a resonance without damping, an excitation without frequency, or
+    /// values that do not make a machine.
     Undefined,
 }
 

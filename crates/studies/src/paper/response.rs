@@ -12,7 +12,7 @@ use vibro_impact::steady::multiple_scales::Manifold;
 /// Point of a response curve, with amplitudes in units of L.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResponsePoint {
-    /// Parameter that varies.
+    /// Value of the parameter that varies.
     pub value: f64,
     /// Sheet of the solution.
     pub sheet: Sheet,

@@ -17,8 +17,8 @@ const REPEATED: u32 = 16;
 const REMEMBERED: u32 = 4 * LONGEST;
 /// Drive periods between checks of the impacts.
 const CHECK: u32 = 4;
-/// Largest difference of equal sums over a drive period: of the speeds of its impacts (units of L
-/// ω10) and of their times (drive periods).
+/// Largest difference at which the sums over two drive periods count as equal: sums of the speeds
+/// of the impacts (units of L ω10) and of their times (drive periods).
 const SIMILAR: f64 = 1e-6;
 /// Difference that may be rounding and need not decrease.
 const ROUNDING: f64 = 1e-11;
@@ -140,8 +140,8 @@ impl Confirmation {
         let shorter = |lag: usize| (0..=2 * n - lag).all(|k| same(lag, k, RETURN + moves));
         let most = |lag| (0..=2 * n - lag).map(|k| distance(state(k), state(k + lag))).fold(0.0, f64::max);
         let alternates = |lag: usize| n.is_multiple_of(lag) && most(n) >= LEAST_APPROACH * most(lag);
-        // The mirrored return after half of an odd period either is as exact, or is too far away
-        // to be a part of the way.
+        // The mirrored return after half of an odd period is either as exact, or too large to be a
+        // part of an approach to a symmetric orbit.
         let half = record.mirror_distance(self.period);
         let decided = half < STEADY || (half > SAME + moves && most(n) < LEAST_APPROACH * half);
         repeats
@@ -191,8 +191,8 @@ mod tests {
             confirmation.holds(&record, left, symmetric)
         };
         // Symmetric motions: one; one that approaches its orbit from alternating sides in 10,000
-        // periods; one so slow that it never seems to; and one so near that the verdict at the end
-        // would be symmetric.
+        // periods; one that approaches too slowly to be noticed; and one so near that the verdict
+        // at the end would be symmetric.
         let breaking = |size: f64, taken: f64| move |k: f64| size * (1.0 - taken).powf(2.0 * k);
         assert!(confirmed_of(true, 0, 3, &|k| (std::f64::consts::TAU * k / 3.0).cos()));
         assert!(

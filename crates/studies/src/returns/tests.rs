@@ -2,7 +2,7 @@ use super::*;
 use crate::tests::{OSCILLATOR, example, text};
 use crate::{Machine, Start};
 
-/// Roundings of a few operations.
+/// Tolerance for the rounding of a few operations.
 const ROUNDING: f64 = 1e-13;
 
 /// A body and a shaft with an element of each kind; the section fixes the phase of 5 Hz only.
@@ -35,7 +35,7 @@ fn closed_form_what_must_return_of_elements_of_each_kind() {
     assert_eq!(of.phases, [7.07]);
     let places: Vec<Option<usize>> = of.stiff.iter().map(|s| s.map(|s| s.0)).collect();
     assert_eq!(places, [None, Some(0), None, None, Some(3), None, Some(5), None, Some(7), None]);
-    // √(k/m) of each.
+    // √(k/m) of each element with an elongation; zero for the rigid stop.
     let frequencies: Vec<f64> = of.stiff.iter().flatten().map(|s| s.1).collect();
     near(&frequencies, &[20.0, 10.0, 0.0, 20.0]);
     let (values, sizes) = of.at(&motion);
@@ -76,7 +76,7 @@ fn closed_form_sizes_are_extents_and_what_the_other_of_a_pair_makes() {
     near(&found.scales(), &[3.0, 3.0 * omega]);
     let found = record(&[[0.0, -40.0], [0.1, 60.0]]);
     near(&found.sizes(), &[100.0 / omega, 0.0, 100.0, 0.0]);
-    // A value that stays at -10⁶ has a small fraction of it as its size.
+    // A value that stays near -10⁶ has 10⁻⁵ of it as its size.
     near(&record(&[[-1e6, 0.0], [1.0 - 1e6, 0.0]]).sizes()[..1], &[10.0]);
     near(&[record(&[[0.0; 2]]).interval()], &[1.0]);
     // Angles and spins likewise.
@@ -87,7 +87,7 @@ fn closed_form_sizes_are_extents_and_what_the_other_of_a_pair_makes() {
     near(&turning.sizes(), &[0.0, 2.0, 0.0, 2.0 * TAU]);
     turning.extents[9] = [0.0, 100.0];
     near(&turning.sizes(), &[0.0, 100.0 / TAU, 0.0, 100.0]);
-    // Rounding of terms is a small part of a scale.
+    // Rounding of the terms is at most 1e-4 of a scale.
     turning.terms = vec![0.0; 12];
     turning.terms[3] = 1e15;
     near(&turning.scales()[2..5], &[0.0, 1e15 * 64.0 * f64::EPSILON / 1e-4, 100.0]);
@@ -104,7 +104,7 @@ fn closed_form_a_distance_is_the_largest_part_beyond_rounding() {
     near(&[of(&record, [1.0, 10.0])], &[(10.0 - rounding) / 10.0]);
     assert_eq!(of(&record, [0.0, 0.9 * rounding]), 0.0);
     assert_eq!(record.distance(&[1.0, 0.0], &[0.0; 2], &[0.0, 1.0]), 0.0, "what has no size");
-    // An elongation from 0 to 4, and its rate by the frequency of the returns.
+    // An elongation of size 4; its rate has this size times the returns' angular frequency.
     let record = super::tests::record(&[[0.0; 2], [4.0, 0.0]]);
     near(&[record.size_of_change(&[1.0, 0.0])], &[0.25]);
     near(&[record.size_of_change(&[0.0, 4.0 * TAU])], &[0.5]);
@@ -119,7 +119,7 @@ fn closed_form_periods_and_their_distances() {
     repeating.returns[23].state[0] += 0.3;
     assert_eq!((repeating.period(0.09), repeating.period(0.11)), (None, Some(3)));
     near(&[repeating.return_distance(3)], &[0.1]);
-    // With one lag, the difference of the last two returns: from 1 to 3.3.
+    // With a lag of one, the difference of the last two returns: from 1 to 3.3.
     near(&[repeating.return_distance(1)], &[2.3 / 3.0]);
     // Returns before the last two periods do not count.
     repeating.returns[17].state[0] = 50.0;
@@ -143,7 +143,7 @@ fn closed_form_what_goes_one_way_drifts_and_what_approaches_nears() {
         // Returns before the later half do not count.
         assert!(of(60, &|k| if k < 25.0 { (3.0 * k).sin() } else { sign * k }).drifts());
         assert!(!of(60, &|k| sign * k + if k == 50.0 { -2.0 * sign } else { 0.0 }).drifts());
-        // Changes below 1e-5 of the earlier size.
+        // Changes below 1e-5 of the earlier size do not count.
         assert!(!of(60, &|k| if k == 0.0 { 1.0 } else { sign * 1e-7 * k }).drifts());
         assert!(of(60, &|k| if k == 0.0 { 1.0 } else { sign * 1e-6 * k }).drifts());
     }

@@ -2,7 +2,7 @@ use super::*;
 use crate::tests::{OSCILLATOR, example, text};
 use crate::{Machine, Start};
 
-/// Roundings of a time of some periods, s.
+/// Tolerance for the rounding of a time of some periods, s.
 const ROUNDING: f64 = 1e-14;
 
 fn with_frequencies(frequencies: &[f64]) -> Machine {
@@ -146,7 +146,7 @@ fn harmonics_without_a_common_period_beside_constant_signals_are_refused() {
     let machine = text(&format!("{}{friction}", two.description.to_toml()));
     let error = Section::of(&machine.description, &SectionRule::Auto).unwrap_err().to_string();
     assert!(error.contains("no common period"), "{error}");
-    // Without harmonics the first stop, otherwise the first friction element.
+    // Without harmonics: the first stop, or without stops the first friction element.
     let steady = OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", "constant = 1.0");
     let stop = "[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 1.0\nrestitution = 0.5\n";
     let of = |more: &str| Section::of(&text(&format!("{steady}{more}")).description, &SectionRule::Auto);

@@ -3,8 +3,8 @@ use crate::tests::{OSCILLATOR, example, text};
 use crate::{Machine, SectionRule, Start};
 use vibro_machine::file;
 
-/// Two coupled oscillators with random numbers. In every second machine the second one hits a
-/// stop.
+/// Two coupled oscillators with random numbers. In every second machine the second oscillator hits
+/// a stop.
 fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
     let stop =
         if hits { "[stop.s]\nbetween = [\"ground\", \"b\"]\ngap = 0.002\nrestitution = 0.6\n" } else { "" };
@@ -25,7 +25,7 @@ fn machine(draw: &mut impl FnMut(f64, f64) -> f64, hits: bool) -> Machine {
 }
 
 /// 200 periodic machines have known multipliers. The growth of a variation, counted as if they
-/// were unknown, must be within its stated error.
+/// were unknown, must mostly give the exponent within two of its stated errors.
 #[test]
 fn second_method_errors_of_growth_cover_the_exponents_by_multipliers() {
     /// 95 % of normal errors are within two standard errors; regularly swinging growth is closer.
@@ -116,7 +116,7 @@ fn closed_form_what_is_said_of_the_impact_pair() {
     }
 }
 
-/// An oscillator whose distance from its orbit shrinks by e^(-0.4) per return.
+/// An oscillator whose distance from its orbit shrinks by the factor e^(-0.4) per return.
 #[test]
 fn closed_form_a_motion_is_followed_until_it_has_settled_and_no_longer_than_asked() {
     let of = |returns: u32| {

@@ -2,7 +2,7 @@ use super::*;
 use crate::tests::{OSCILLATOR, example, text};
 use vibro_machine::motion::EventKind;
 
-/// Rounding of the sum of some thousand logarithms, relative.
+/// Relative tolerance for the rounding of a sum of some thousand logarithms.
 const ROUNDING: f64 = 1e-10;
 
 /// Two coupled bodies: one hits a rigid wall, the other a rigid stop between them.
@@ -65,7 +65,7 @@ fn closed_form_the_sum_is_the_dampers_rate_and_the_impacts_share() {
     assert!((sum / (lost - trace) - 1.0).abs() < ROUNDING, "{sum} {}", lost - trace);
 }
 
-/// Relative rounding of an exponent from its multiplier: for a linear machine, and for an orbit
+/// Relative tolerance for an exponent from its multiplier: for a linear machine, and for an orbit
 /// with impacts that the motion has approached to 1e-9.
 const EXACT: f64 = 1e-11;
 const SETTLED: f64 = 1e-8;
@@ -115,7 +115,7 @@ fn closed_form_a_pair_of_multipliers_of_an_impact_oscillator_has_half_the_sum_ea
 
 #[test]
 fn second_method_the_largest_is_that_of_one_variation() {
-    // Both estimate chaos, over different returns: three standard errors of either.
+    // Chaos over different returns: tolerance of three standard errors of each.
     let machine = example("two_blocks.toml");
     let all = found(&machine, 300, 2000);
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();

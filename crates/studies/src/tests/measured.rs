@@ -15,7 +15,7 @@ fn near(found: f64, expected: f64, part: f64) {
 
 #[test]
 fn closed_form_measures_of_the_impact_pair() {
-    /// Digits to which the file gives the start, and to which it settles.
+    /// Tolerance: digits to which the file gives the start, and to which the motion settles.
     const DIGITS: f64 = 1e-8;
     let names = [
         "impacts",
@@ -238,7 +238,8 @@ fn a_class_has_no_spread_and_what_a_sweep_measures_has_its_accounts() {
     near(row.outputs[0].unwrap().largest, measured(&machine, &["maximum.a.s"])[0], SETTLED);
 }
 
-/// After a step the middle is 2 m, where a soft stop is met once per period; before it nothing is.
+/// After a step the middle is 2 m, where the body meets a soft stop once per period. Before the
+/// step it meets nothing.
 #[test]
 fn closed_form_a_point_of_a_plane_is_the_motion_after_what_is_discarded() {
     use crate::isoperiodic::{IsoperiodicRequest, PlaneMachine};

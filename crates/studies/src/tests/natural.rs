@@ -6,10 +6,11 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 use vibro_machine::{Assembly, Motion};
 
-/// Bracket of ω², and its rounding relative to the largest ω² of a chain of 320, 2e5 times the
-/// lowest one.
+/// Relative tolerance: bracket of ω², and rounding of the largest ω² of a chain of 320, which is
+/// 2e5 times the lowest one.
 const COUNTED: f64 = 2e-9;
-/// Rounding of an eigenvalue whose iteration has settled, and of a dense matrix's eigenvalue.
+/// Tolerance for the rounding of an eigenvalue whose iteration has settled, and of a dense
+/// matrix's eigenvalue.
 const REFINED: f64 = 1e-9;
 
 const STIFFNESS: f64 = 1e4;
@@ -66,7 +67,7 @@ fn second_method_damping_that_is_not_proportional_has_the_values_of_the_dense_ma
 
 #[test]
 fn invariant_parts_have_the_values_of_the_whole() {
-    // A spring without stiffness and damping cuts a chain into two parts.
+    // Two separate chains, of two bodies each, from the ground.
     let cut = |file: &str| {
         let assembly = std::sync::Arc::new(Assembly::new(text(file).description).unwrap());
         let motion = Motion::new(assembly.clone()).unwrap();

@@ -3,7 +3,7 @@
 use super::*;
 use std::f64::consts::TAU;
 
-/// Error of an exponent from multipliers at the distance 1e-9 from the orbit.
+/// Tolerance for an exponent from multipliers at the distance 1e-9 from the orbit.
 const EXACT: f64 = 1e-7;
 
 fn verdict(machine: &Machine, first: u32) -> Settled {
@@ -96,8 +96,8 @@ fn closed_form_what_rests_on_a_table_for_ever_has_the_tables_period_and_no_expon
     assert!((exponent_of(&found) + 0.5).abs() < EXACT, "{found:?}");
 }
 
-/// Position of the table at the impact of the ball's 1T motion with one impact per period, as sine
-/// and cosine of its phase. The ball leaves and arrives with speed g T/2.
+/// Phase of the table, as sine and cosine, at the impact of the ball's 1T motion with one impact
+/// per period. The ball leaves and arrives with speed g T/2.
 fn ball_phase(amplitude: f64) -> [f64; 2] {
     // g T/2 = (1 + e) p' + e g T/2.
     let cosine = G * PERIOD / 2.0 * (1.0 - E) / (1.0 + E) / (amplitude * TAU / PERIOD);
@@ -196,8 +196,8 @@ fn second_method_a_ripple_of_microseconds_is_no_period_of_a_slow_motion() {
     assert!(matches!(verdict(&text(belt), 8).class, MotionClass::Periodic(1)));
 }
 
-/// Exponents of linear machines; the multipliers are the eigenvalues of exp(A T), from a
-/// characteristic polynomial.
+/// Exponents of linear machines are the real parts -c/(2 m) of the roots, for any frequency and
+/// phase of the drive.
 #[test]
 fn closed_form_exponents_of_oscillators_that_turn_against_the_section() {
     for k in 0..12 {
@@ -359,7 +359,7 @@ fn a_section_is_found_by_its_elements_name() {
 }
 
 /// Repeated pulses drive a motion of their period, which the oscillator approaches at its own rate
-/// c/(2m) = 2 1/s. So does a sweep that has ended, at the given period.
+/// c/(2m) = 2/s. At the same rate it comes to rest after a sweep, seen at the given period.
 #[test]
 fn closed_form_the_exponent_of_an_oscillator_under_what_repeats() {
     const EXACT: f64 = 1e-9;
@@ -382,8 +382,8 @@ fn closed_form_the_exponent_of_an_oscillator_under_what_repeats() {
     }
 }
 
-/// The period of a stiffness that switches counts. The multipliers of a turn come from the product
-/// of two cosine maps: x = exp(-c t/2) y with y'' + (k - c²/4) y = 0.
+/// A stiffness that switches gives the common period. Its multipliers come from the product of two
+/// cosine maps: x = exp(-c t/2) y with y'' + (k - c²/4) y = 0.
 #[test]
 fn closed_form_the_exponent_of_a_gear_mesh_within_its_tongue_and_outside() {
     const EXACT: f64 = 1e-9;

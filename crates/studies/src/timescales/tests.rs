@@ -19,7 +19,7 @@ fn slow_machine(frequency: f64) -> Machine {
     text(&file)
 }
 
-/// Roundings of the eigenvalues that give the period.
+/// Tolerance for the rounding of the eigenvalues that give the period.
 const ROUNDING: f64 = 1e-9;
 
 #[test]
@@ -45,7 +45,7 @@ fn closed_form_what_comes_before_a_window_lasts_as_long() {
     let (mut motion, section) = slow(100.0);
     let error = settle(&mut motion, &section, 9).unwrap_err().to_string();
     assert!(error.contains("9 periods (discarded, --discard)"), "{error}");
-    // A longer request is followed exactly, and less if the motion repeats.
+    // A longer request is followed exactly, or less far if the motion repeats.
     let (mut motion, section) = slow(10.0);
     settle(&mut motion, &section, 150).unwrap();
     assert!((10.0..15.0 + ROUNDING).contains(&motion.time()), "{}", motion.time());
@@ -59,7 +59,7 @@ fn closed_form_what_comes_before_a_window_lasts_as_long() {
     assert_eq!(motion.time(), 0.0);
 }
 
-/// Number of returns of a window of at least 12, with `events` events in each return.
+/// Returns of a window of which 12 are requested, with `events` events in each of the first three.
 fn returns(needed: f64, events: u32, repeats: bool) -> u32 {
     let (mut motion, section) = slow(10.0);
     // Time counts from the window's beginning.

@@ -3,7 +3,7 @@ use crate::flight::Flows;
 use crate::tests::{OSCILLATOR, example, text};
 use crate::{Machine, Start, now};
 
-/// Roundings of a few operations.
+/// Tolerance for the rounding of a few operations.
 const ROUNDING: f64 = 1e-12;
 
 #[test]
@@ -64,7 +64,7 @@ fn closed_form_what_a_contact_holds_is_no_variation_from_the_start_on() {
 
 #[test]
 fn closed_form_what_is_neutral_is_taken_away_whole() {
-    // A free body alone: position and rate are neutral, and a shift along one adds nothing.
+    // A free body alone: position and rate are neutral, so no variation remains.
     let machine = text(
         "name = \"F\"\n[body.a]\nmass = 1.0\nstart = { v = 1.0 }\n[load.f]\non = \"a\"\namplitude = 1.0\nfrequency = 1.0\n",
     );
@@ -101,7 +101,7 @@ fn on_its_way(machine: &Machine, returns: u32) -> (vibro_machine::Motion, crate:
 /// One variation, rescaled on its way, is the sum of the frame's columns.
 #[test]
 fn second_method_a_variation_grows_as_the_columns_of_a_frame() {
-    /// Roundings of some thousand sub-steps and a dozen impacts.
+    /// Tolerance for the rounding of some thousand sub-steps and a dozen impacts.
     const NEAR: f64 = 1e-9;
     let fast = text(
         &OSCILLATOR
@@ -142,8 +142,8 @@ fn changed(start: &Start, body: &str, (s, v): (f64, f64)) -> Start {
 
 #[test]
 fn second_method_columns_are_differences_of_motions() {
-    /// Step of the differences, and the error from its square and from rounding: a stop of 2 MN/m
-    /// bends them most.
+    /// Step of the differences, and tolerance for the error from its square and from rounding: a
+    /// stop of 2 MN/m bends them most.
     const STEP: f64 = 1e-7;
     const NEAR: f64 = 2e-3;
     for (name, free) in [("damper_with_buffer.toml", &[0, 1, 2][..]), ("impact_pair.toml", &[0])] {

@@ -23,7 +23,7 @@ use vibro_studies::{Error, Result as Outcome};
 const NO_SPEED: f64 = 1e-6;
 /// Largest distance of a touching extremum from its stop, units of L.
 const NO_DISTANCE: f64 = 1e-6;
-/// Tolerances for equal starts: phases (rad) and parameters (as fractions of their ranges).
+/// Tolerances for equal starts: phases (rad) and parameters (in curve units).
 const SAME: f64 = 1e-6;
 /// Largest change of a phase, rad, from a start to its point on the curve.
 const NEAR: f64 = 0.2;

@@ -11,7 +11,7 @@ use vibro_impact::{Simulator, State};
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::{ParameterSet, find_field, find_group};
 
-/// Difference of a point located in two ways, each to about 1e-13.
+/// Tolerance between two locations of a point, each exact to about 1e-13.
 const LOCATION: f64 = 1e-11;
 
 pub(super) fn family(from: f64, to: f64) -> Family {

@@ -35,9 +35,9 @@ fn exact(values: [f64; 2]) -> OrbitFamily {
 
 #[test]
 fn closed_form_of_curves_in_two_parameters() {
-    /// Rounding of the discriminant, which is of order one over the curve.
+    /// Tolerance for the rounding of the discriminant, which is of order one over the curve.
     const ROUNDING: f64 = 1e-11;
-    /// Accuracy of a multiplier at a simple crossing.
+    /// Tolerance for a multiplier at a simple crossing.
     const MULTIPLIER: f64 = 1e-9;
     for label in [Label::Fold, Label::BranchPoint, Label::NeimarkSacker, Label::Grazing] {
         let points = curve(label, 0.75, [0.6, 0.9]);
@@ -79,7 +79,7 @@ fn closed_form_of_curves_in_two_parameters() {
 /// reaches the bounds, and may begin there.
 #[test]
 fn closed_form_curves_run_to_the_bounds_of_a_parameter_and_begin_there() {
-    /// Rounding of the discriminant, which is of order one over the curve.
+    /// Tolerance for the rounding of the discriminant, which is of order one over the curve.
     const ROUNDING: f64 = 1e-11;
     for kappa in [0.75, 1.0] {
         for label in [Label::Fold, Label::NeimarkSacker] {

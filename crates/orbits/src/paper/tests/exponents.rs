@@ -8,7 +8,8 @@ use vibro_studies::paper::stroboscopic::moving_block;
 
 #[test]
 fn second_method_exponents_under_constant_loads_by_the_multipliers_of_the_orbit() {
-    /// Remaining transient, 1/s, in a mean over the counted periods and in the orbit's phases.
+    /// Tolerance for the remaining transient, 1/s, in a mean over the counted periods and in the
+    /// orbit's phases.
     const SETTLED: f64 = 1e-5;
     let p = Groups { f10: 2.2, kappa: 0.75, ..Groups::basic() }.to_parameters(Scales::default()).unwrap();
     let p = Parameters { constant_loads: [0.002, -0.004, 0.001], ..p };

@@ -4,9 +4,10 @@ use crate::paper::orbit::{canonical, same_phases};
 use crate::paper::{Family, Orbit, OrbitWord, PathOptions, Span, branch};
 use vibro_studies::paper::{ParameterSet, find_group};
 
-/// Error of a located parameter: rounding of the residual over the sensitivity of the condition.
+/// Tolerance for a located parameter: rounding of the residual over the sensitivity of the
+/// condition.
 const LOCATION: f64 = 2e-13;
-/// Error of the phases; at a fold they move with the square root of the parameter.
+/// Tolerance for the phases; at a fold they move with the square root of the parameter.
 const PHASES: f64 = 2e-11;
 /// Distances from the point, in f10, at which its branch is entered, and to which followed.
 const ENTRY: f64 = 1e-3;

@@ -9,7 +9,8 @@ const WINDOWS: [f64; 2] = [3.33, 3.84];
 
 #[test]
 fn second_method_both_windows_of_period_three_beside_chaos_are_found_and_stand_in_the_simulator() {
-    /// Remaining difference after thousands of periods of a motion with decaying deviations.
+    /// Tolerance for the remaining difference after thousands of periods of a motion with decaying
+    /// deviations.
     const RETURN: f64 = 1e-9;
     let span = Span::new(find_group("f10").unwrap(), 3.2, 3.95).unwrap();
     let family = Family::new(&ParameterSet::basic(), span).unwrap();

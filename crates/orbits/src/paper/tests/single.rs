@@ -11,7 +11,7 @@ use vibro_impact::parameters::{Groups, Parameters, Scales};
 use vibro_impact::steady::exact_orbit::{self, Vector6};
 use vibro_impact::{Simulator, State};
 
-/// Error of Newton's method against the closed form: rounding of a flight times the orbit's
+/// Tolerance for Newton's method against the closed form: rounding of a flight times the orbit's
 /// sensitivity.
 const CLOSED_FORM: f64 = 1e-13;
 
@@ -80,7 +80,7 @@ fn closed_form_of_the_motion_without_impacts() {
 /// Whole turns of the drive's phase at time 0 change nothing, even many turns.
 #[test]
 fn invariant_turns_of_the_drives_phase_leave_the_settled_orbit() {
-    /// Accuracy of a phase of 1e9, rad.
+    /// Tolerance for a phase of 1e9, rad.
     const KNOWN: f64 = 1e-6;
     const MANY: f64 = 1e9;
     let settled = |drive_phase: f64| {
@@ -168,7 +168,7 @@ fn unequal() -> Orbit {
 
 #[test]
 fn invariant_determinants_of_the_monodromy_and_of_the_residual() {
-    /// Relative rounding of determinants with a few factors of order one.
+    /// Relative tolerance for determinants with a few factors of order one.
     const TOLERANCE: f64 = 1e-11;
     let with_spring = [symmetric(1.5).0, symmetric(3.0).0, unequal(), unequal().unfolded().unwrap()];
     let anchored = [Anchor::Box, Anchor::Block, Anchor::Pair].into_iter().flat_map(|anchor| {
@@ -251,7 +251,7 @@ pub(super) fn simulated_map(orbit: &Orbit, theta: f64) -> Matrix6<f64> {
 
 #[test]
 fn second_method_multipliers_by_differences_of_the_simulator() {
-    /// Error of central differences with step 1e-5 of a map with second derivatives of order ten.
+    /// Tolerance for central differences with a step of 1e-5.
     const TOLERANCE: f64 = 1e-8;
     for orbit in [symmetric(1.5).0.unfolded().unwrap(), unequal()] {
         // From mid-flight, where no perturbed motion has passed an impact.
@@ -267,7 +267,7 @@ fn second_method_multipliers_by_differences_of_the_simulator() {
 
 #[test]
 fn second_method_orbits_return_in_the_simulator() {
-    /// Rounding of one period times multipliers of a few units.
+    /// Tolerance for the rounding of one period times multipliers of a few units.
     const ROUNDING: f64 = 1e-12;
     for orbit in [symmetric(1.5).0, symmetric(3.0).0, unequal()] {
         let p = orbit.system().parameters();
@@ -280,7 +280,8 @@ fn second_method_orbits_return_in_the_simulator() {
 
 #[test]
 fn second_method_orbit_under_constant_loads() {
-    /// Remaining difference after hundreds of periods: rounding, since the orbit is stable.
+    /// Tolerance for the remaining difference after hundreds of periods: rounding, since the orbit
+    /// is stable.
     const ROUNDING: f64 = 1e-11;
     let forces = [0.004, -0.0005, 0.0003];
     let p = parameters(1.5);
@@ -306,8 +307,7 @@ fn second_method_orbit_under_constant_loads() {
 
 #[test]
 fn closed_form_of_a_gap_off_its_centre() {
-    // A machine with its gap shifted by δ, as a pair of loads, against the stops moved in the
-    // simulator's frame.
+    // A gap shifted by δ is a pair of loads, which displaces the block in the box by -δ.
     let (p, delta) = (parameters(1.5), 0.03);
     let pair = delta * p.coupling_stiffness;
     let system = under(&p, [0.0, -pair, pair]).unwrap();

@@ -9,7 +9,7 @@ use vibro_studies::MotionClass;
 use vibro_studies::paper::trajectories::Start;
 use vibro_studies::paper::verdict::verdict;
 
-/// Difference of phases found in two ways: rounding of a flight times the sensitivity of the
+/// Tolerance between phases found in two ways: rounding of a flight times the sensitivity of the
 /// orbit.
 const CLOSED_FORM: f64 = 1e-12;
 
@@ -95,7 +95,7 @@ fn closed_form_without_impacts_a_neutral_body_makes_no_stable_orbit() {
 /// body's spring is.
 #[test]
 fn second_method_settled_orbits_have_the_period_of_the_verdict() {
-    /// Remainder of a transient, and rounding of times after thousands of periods.
+    /// Tolerance for a transient's remainder, and rounding of times after thousands of periods.
     const RETURN: f64 = 1e-9;
     for (body, amplitude, periods) in
         [("box", 0.5, 1), ("box", 1.2, 1), ("box", 2.0, 2), ("block", 0.6, 1), ("secondary", 0.3, 1)]
@@ -169,10 +169,10 @@ fn words_that_push_a_box_without_a_spring_one_way_are_refused() {
 /// motion: it equals the motion without the spring, if the machine without it can bear the load.
 #[test]
 fn second_method_settled_orbits_under_loads_that_a_soft_spring_bears() {
-    /// Remainder of a transient, and rounding of times after thousands of periods.
+    /// Tolerance for a transient's remainder, and rounding of times after thousands of periods.
     const RETURN: f64 = 1e-9;
-    /// Effect of springs of up to 1e-10 N/m on bodies within the stops, times the sensitivity of
-    /// the orbit.
+    /// Tolerance for the effect of springs of up to 1e-10 N/m on bodies within the stops, times
+    /// the sensitivity of the orbit.
     const TAKEN_UP: f64 = 1e-8;
     for (body, amplitude, load) in [
         ("box", 1.2, [0.01, 0.0, 0.0]),

@@ -57,7 +57,7 @@ fn invariant_every_point_of_a_tree_is_certified() {
 
 #[test]
 fn second_method_stable_orbits_of_a_tree_return_in_the_simulator_after_thousands_of_periods() {
-    /// Rounding over 6,000 periods of an orbit with decaying deviations.
+    /// Tolerance for rounding over 6,000 periods of an orbit with decaying deviations.
     const RETURN: f64 = 1e-11;
     /// Modulus of multipliers below which deviations decay within this time and rounding does not
     /// accumulate.
@@ -311,7 +311,7 @@ fn branches_of_settled_and_passed_orbits_keep_the_limits_of_a_tree_too() {
 /// varies, its branch continues with the whole word.
 #[test]
 fn second_method_branches_along_a_load_from_a_symmetric_orbit_return_in_the_simulator() {
-    /// Rounding of a period of flights and of the phases on the branch.
+    /// Tolerance for the rounding of a period of flights and of the phases on the branch.
     const RETURN: f64 = 1e-9;
     for (load, coupling) in [("load.block", 0.0), ("load.block", 0.006), ("load.box", 0.006)] {
         let set = ParameterSet::basic().with(Name::find("coupling.k").unwrap(), coupling).unwrap();

@@ -83,7 +83,7 @@ impl StroboscopicRecord {
         self.periods.len() >= OBSERVED as usize
     }
 
-    /// The attractor after [`OBSERVED`] periods.
+    /// The attractor of the recorded periods. Its period requires [`OBSERVED`] of them.
     pub(crate) fn attractor(&self, p: &Parameters) -> Attractor {
         let found = if self.is_complete() { period(&self.periods) } else { None };
         // Without contact the motion is linear, and its one limit has the drive's period. A longer
@@ -129,16 +129,16 @@ impl StroboscopicRecord {
         }
     }
 
-    /// Largest distance between a state and the one `period` drive periods later, over the last
-    /// `period` recorded.
+    /// Largest distance between a state and the state `period` drive periods later, for the last
+    /// `period` recorded states.
     pub(crate) fn return_distance(&self, period: u32) -> f64 {
         let lag = period as usize;
         farthest_return(&self.periods[self.periods.len().saturating_sub(2 * lag)..], lag)
     }
 
     /// The nearest return over the whole record: the smallest, over lags up to [`LONGEST`], of the
-    /// largest distance after a lag. `None` if this many periods at the end are free of impacts:
-    /// returns then fall between bursts of impacts.
+    /// largest distance after a lag. `None` if the last [`LONGEST`] periods are free of impacts
+    /// and rests: returns then fall between bursts of impacts.
     pub(crate) fn nearest_return(&self) -> Option<f64> {
         let longest = LONGEST as usize;
         let touches = self.periods.iter().rev().take(longest).any(|s| s.impacts != [0; 2] || s.rests);
@@ -146,8 +146,8 @@ impl StroboscopicRecord {
         touches.then(|| lags.map(|lag| farthest_return(&self.periods, lag)).fold(f64::INFINITY, f64::min))
     }
 
-    /// Largest distance, over the last period, between a state and the mirror image of the one
-    /// half an odd `period` before it.
+    /// Largest distance, over the last period, between a state and the mirror image of the state
+    /// half a period before it. `period` is odd.
     pub(crate) fn mirror_distance(&self, period: u32) -> f64 {
         let (first, half) = (self.periods.len().saturating_sub(period as usize), period as usize / 2);
         let images = &self.halves[first.saturating_sub(half)..];

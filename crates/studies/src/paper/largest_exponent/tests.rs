@@ -57,8 +57,8 @@ fn growths(p: &Parameters, skipped: u32, periods: u32) -> ([f64; 2], u32) {
 
 #[test]
 fn second_method_growth_is_that_of_full_matrices() {
-    /// Truncation error of some twenty series for one variation: each is under 9e-6, and mostly
-    /// far less.
+    /// Tolerance for the truncation error of some twenty series for one variation: each is under
+    /// 9e-6, and mostly far less.
     const CUT: f64 = 2e-5;
     for (f10, kappa, rests) in [(1.5, 0.75, false), (3.6, 0.75, false), (3.0, 0.0, true), (2.0, 0.3, false)] {
         let p = system(f10, kappa);
@@ -129,8 +129,8 @@ fn closed_form_of_the_exact_orbit() {
 
 #[test]
 fn second_method_beside_a_drive_far_slower_than_the_dampers_it_is_a_number() {
-    /// Swing of the logarithm of the length of a turning variation, a few units, relative to more
-    /// than 5000 in each block.
+    /// Tolerance: swing of the logarithm of the length of a turning variation, a few units,
+    /// relative to more than 5000 in each block.
     const SWING: f64 = 1e-3;
     // A variation shrinks by e⁻⁵⁰⁰ or more in each drive period.
     let p = Parameters {

@@ -8,12 +8,12 @@ use vibro_impact::State;
 use vibro_impact::parameters::{Groups, Scales};
 use vibro_impact::steady::exact_orbit;
 
-/// Remainder of the transient as a fraction of L.
+/// Tolerance for the remainder of the transient as a fraction of L.
 const SETTLED: f64 = 1e-9;
-/// Error of cubic interpolation between 128 samples a period (see `motion`).
+/// Tolerance for cubic interpolation between 128 samples a period (see `motion`).
 const INTERPOLATION: f64 = 1e-7;
-/// Number of phases of a sum, and its error: the square of their distance, since the function has
-/// corners.
+/// Number of phases of a sum, and its tolerance: the square of their distance, since the function
+/// has corners.
 const PHASES: u32 = 20_000;
 const SUM: f64 = 1e-7;
 
@@ -200,10 +200,10 @@ fn names_come_back_and_misspelt_ones_suggest_the_nearest() {
 fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
     const WINDOWS: usize = 60;
     const PERIODS: u32 = 60;
-    /// Sixty windows give their scatter to a tenth. Parts of ten drive periods are not quite
-    /// independent, so the spread of a mean may be too small. The limit law of extremes holds for
-    /// long parts: if the motion reaches the edge of its attractor in most windows, an extreme
-    /// scatters less than (N3) predicts.
+    /// Limits of observed to predicted scatter. Sixty windows give their scatter to a tenth. Parts
+    /// of ten drive periods are not quite independent, so the spread of a mean may be too small.
+    /// The limit law of extremes holds for long parts: if the motion reaches the edge of its
+    /// attractor in most windows, an extreme scatters less than (N3) predicts.
     const LEAST: f64 = 0.65;
     const MOST: f64 = 5.0;
     let names = ["amplitude.x1", "amplitude.x2", "impact.speed", "rms.x1"];
@@ -228,8 +228,8 @@ fn second_method_spreads_of_one_window_by_the_scatter_of_many() {
 /// Without a spring between box and ground ω10 is zero, and not a unit of an exponent.
 #[test]
 fn second_method_the_exponent_of_a_machine_without_the_boxs_spring_is_that_of_its_description() {
-    /// A length oscillates by the ratio of its axes. The logarithm of this ratio is divided by the
-    /// time of the spectrum, 1/s.
+    /// Tolerance, 1/s: a length oscillates by the ratio of its axes, whose logarithm is divided by
+    /// the time of the spectrum.
     const TURNED: f64 = 1e-4;
     let p = Parameters { box_stiffness: 0.0, drive_amplitude: 1.0, ..Parameters::default() };
     let start = State { x: [0.0, 0.5, 0.0], v: [0.0, 0.6, 0.0] };

@@ -4,7 +4,8 @@ use super::{Base, Given, Name, ParameterSet, Unit};
 use crate::significant;
 use vibro_impact::parameters::{FIELDS, GROUPS, Group, LOADS};
 
-/// Relative difference of two values that is the rounding of a conversion and its inverse.
+/// Largest relative difference of two values that counts as rounding of a conversion and its
+/// inverse.
 const ROUNDING: f64 = 1e-12;
 
 impl Base {

@@ -155,8 +155,8 @@ impl Name {
         }
     }
 
-    /// The default range of pictures: a group's own. For a physical parameter 50 % to 150 % of its
-    /// value or, if that is zero, a range by its kind.
+    /// The default range of pictures: a group's own, and all phases or restitution coefficients.
+    /// For other physical parameters 50 % to 150 % of the value or, if it is zero, 0 to 1.
     pub fn shown(self, set: &ParameterSet) -> (f64, f64) {
         match self {
             Self::Group(g) => g.shown,

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Rounding of a group converted to SI and back.
+/// Tolerance for the rounding of a group converted to SI and back.
 const ROUNDING: f64 = 1e-14;
 
 fn with(assignments: &[&str]) -> ParameterSet {

@@ -23,8 +23,8 @@ fn closed_form_standard_error_of_correlated_numbers() {
     // The mean of an autoregressive process: the noise has variance 1/3, the mean an error of
     // 1/(1 - memory) √(1/3N).
     const PERIODS: u32 = 16_384;
-    /// Ratio of estimated and true error: blocks of an eighth of the window give their scatter to
-    /// a quarter, and the largest of several is used.
+    /// Limits of the ratio of estimated to true error: blocks of an eighth of the window give
+    /// their scatter to a quarter, and the largest of several is used.
     const LEAST: f64 = 0.8;
     const MOST: f64 = 2.0;
     for memory in [0.0, 0.9, 0.98] {

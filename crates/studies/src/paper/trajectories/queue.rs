@@ -73,8 +73,8 @@ impl LaneRecord {
         self.parameters = start.parameters;
         (self.units, self.period) = (Units::of(&start.parameters), start.parameters.period());
         (self.frequency, self.per_speed) = (1.0 / self.period, 1.0 / self.units.speed());
-        // The tangent is aligned when the observation begins. If only events could be reported
-        // before, the tangent begins with the observation.
+        // The tangent is aligned when the observation begins. If the program does not end early,
+        // events are not reported while discarding, and the tangent begins with the observation.
         let align = program.ends_early().then_some(ALIGN * BLOCK);
         let from = align.and_then(|align| program.discard.checked_sub(align)).map(f64::from);
         self.tangent_from = match (program.exponent, from) {

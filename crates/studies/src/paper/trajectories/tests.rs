@@ -14,14 +14,14 @@ fn second_method_together_as_one_by_one() {
             starts.push(Start { parameters, state });
         }
     }
-    /// Difference of the two ways by rounding, amplified by the impacts of ten periods, also in
+    /// Tolerance between the two ways: rounding, amplified by the impacts of ten periods, also in
     /// chaos.
     const ROUNDING: f64 = 1e-9;
     const PERIODS: u32 = 10;
     let ends = propagate(&starts, PERIODS, &|| ());
     assert_eq!(ends.len(), starts.len());
     for (start, end) in starts.iter().zip(ends) {
-        // With other neighbours the result is bit-identical.
+        // Without its neighbours the result is bit-identical.
         let single = propagate(std::slice::from_ref(start), PERIODS, &|| ()).remove(0);
         assert_eq!(end.as_ref().ok(), single.as_ref().ok());
         let one = Simulator::new(&start.parameters, &start.state, 0.0).and_then(|s| {
@@ -67,7 +67,7 @@ fn settled(f10: f64, one_by_one: bool) -> Vec<Settled> {
 
 #[test]
 fn second_method_a_stable_motion_is_settled_on_either_way() {
-    /// Remainder of the transient.
+    /// Tolerance for the remainder of the transient.
     const SETTLED: f64 = 1e-9;
     for ((together, tops), (alone, others)) in settled(1.5, false).iter().zip(&settled(1.5, true)) {
         assert_eq!((together.period, together.impacts, together.rests), (Some(1), [1.0; 2], false));
@@ -99,8 +99,8 @@ fn invariant_eight_motions_keep_enough_lanes_at_work() {
 
 #[test]
 fn second_method_in_chaos_the_statistics_agree() {
-    /// Scatter of a mean over 40 motions of 60 and 128 periods, whose impacts and maxima are
-    /// correlated over a few periods.
+    /// Tolerance: scatter of a mean over 40 motions of 60 and 128 periods, whose impacts and
+    /// maxima are correlated over a few periods.
     const STATISTICS: f64 = 0.03;
     for f10 in [3.6, 4.5] {
         let [together, alone] = [false, true].map(|one_by_one| {
@@ -182,7 +182,7 @@ fn loaded(kappa: f64) -> Parameters {
 
 #[test]
 fn second_method_maxima_under_constant_loads_by_interpolated_samples() {
-    /// Error of cubic interpolation between 128 samples a period.
+    /// Tolerance for cubic interpolation between 128 samples a period.
     const INTERPOLATION: f64 = 1e-7;
     const PERIODS: u32 = 6;
     let mut rests = false;

@@ -113,9 +113,9 @@ fn second_method_an_alternating_approach_has_no_period_before_it_arrives() {
     assert_eq!(class(40_000), MotionClass::Periodic(1));
 }
 
-/// Next to its breaking at f10 = 2.039588865238 the symmetric orbit of the closed form is stable.
-/// Its multipliers over half a period with the mirror image are -0.99991 and -0.99997: on its way
-/// there a motion differs from its mirror image by 10,000 returns and more.
+/// Just below its symmetry breaking at f10 = 2.039588865238 the symmetric orbit of the closed form
+/// is stable. Here its multipliers over half a period with the mirror image are -0.99991 and
+/// -0.99997: on its way there a motion differs from its mirror image for 10,000 returns and more.
 #[test]
 fn second_method_an_alternating_approach_to_a_symmetric_orbit_is_not_asymmetric() {
     for (f10, class) in [(2.039558865238, MotionClass::Periodic(1)), (2.039578865238, MotionClass::Settling)]
@@ -196,7 +196,7 @@ fn second_method_mirror_images_of_an_asymmetric_chaotic_attractor_are_two() {
     let (own, of) = (a.statistics.unwrap(), b.statistics.unwrap());
     assert_eq!(own.likeness(&own.mirrored()), Likeness::Different);
     assert_eq!(own.likeness(&own), Likeness::Same);
-    // On whichever of the two the motions end, they are equal or mirror images.
+    // Whichever of the two each motion ends on, the two ends are equal or mirror images.
     let relation = a.relation(b);
     assert!([Relation::Same, Relation::Mirror].contains(&relation), "{relation:?}");
     assert_eq!(relation == Relation::Same, (a.impacts[0] > a.impacts[1]) == (b.impacts[0] > b.impacts[1]));
@@ -229,8 +229,8 @@ fn second_method_verdicts_of_single_motions() {
 }
 
 /// Box and drive are in resonance with so little damping that the box comes back to the block only
-/// hundreds of periods after each burst of impacts. Alone it would swing farther than the gap, so
-/// a time without impacts never proves that they have ended.
+/// tens or hundreds of periods after each burst of impacts. Alone it would swing farther than the
+/// gap, so a time without impacts never proves that they have ended.
 #[test]
 fn second_method_impacts_that_come_in_bursts_have_not_ended() {
     let machine = |mass: f64, force: f64, damping: f64, kappa: f64, ratio: f64| Parameters {
@@ -249,7 +249,7 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
         (machine(1.0, 1.05e-3, 1e-3, 0.75, 0.06), 64.0, MotionClass::Chaotic),
         (machine(0.3, 1.2e-3, 1e-3, 0.0, 0.6), 400.0, MotionClass::NotSettled),
         (machine(3.0, 1.2e-3, 1e-3, 0.5, 3.0), 400.0, MotionClass::NotSettled),
-        // States return to 1e-5 per period from the start.
+        // States return to within 1e-5 after one period from the start on.
         (machine(0.3, 2e-6, 1e-6, 0.75, 0.6), 0.0, MotionClass::NotSettled),
     ] {
         let start = Start { parameters: p, state: vibro_impact::State::default() };
@@ -272,7 +272,7 @@ fn second_method_impacts_that_come_in_bursts_have_not_ended() {
     }
 }
 
-/// A box with mass, stiffness and gap one.
+/// A machine whose box mass, box stiffness and stop gap are one.
 fn unit_box() -> Parameters {
     Parameters {
         box_mass: 1.0,
@@ -287,7 +287,7 @@ fn unit_box() -> Parameters {
 /// transient.
 #[test]
 fn second_method_under_constant_loads_too_impacts_have_ended_where_none_will_come() {
-    /// Remaining distance after 40,000 periods.
+    /// Tolerance for the remaining distance after 40,000 periods.
     const ARRIVED: f64 = 1e-9;
     let chaotic_first = Parameters {
         box_damping: 0.214_642_047_578_846_86,
