@@ -148,7 +148,7 @@ class Direction(Result):
     contacts: Floats
     "Number of impacts and first touches per return, shape (n,)."
     rests: NDArray[np.bool_]
-    "Whether a stop stays closed or a friction sticks at some time, shape (n,)."
+    "Whether a stop stays closed or a friction element sticks at some time, shape (n,)."
     maxima: Floats
     "Distinct maxima, or values at the section, shape (k,), SI, to seven digits."
     at: NDArray[np.int64]

@@ -127,7 +127,7 @@ class PaperRun(Result):
     impacts: NDArray[np.void]
     "All impacts from the first to the last time, fields t (s), stop (+1, -1), speed (m/s), impulse (N.s)."
     rests: NDArray[np.void]
-    "Ends of chatter in resting contact, fields t (s), stop."
+    "Beginnings of resting contact, fields t (s), stop."
     releases: NDArray[np.void]
     "Releases of the block from a stop, fields t (s), stop."
 
