@@ -82,7 +82,7 @@ impl Experiment {
     /// Checks the host's arguments and makes an experiment.
     ///
     /// # Errors
-    /// [`Problem::Value`] if the tolerance is negative, the start is not finite, or the stop is
+    /// [`Problem::Value`] if a number is not finite, the tolerance is negative, or the stop is
     /// before the start.
     pub fn new(tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Self, Problem> {
         match tolerance {
@@ -186,7 +186,7 @@ impl Life {
     }
 
     /// Refuses a step that does not begin at `own`, the component's time, up to rounding; a step
-    /// of zero length; and a step past the stop time.
+    /// whose length is not positive; and a step past the stop time.
     ///
     /// # Errors
     /// [`Problem::Value`], [`Problem::Time`], [`Problem::StopTime`].

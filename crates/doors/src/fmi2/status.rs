@@ -38,7 +38,7 @@ impl StatusKind {
         }
     }
 
-    /// The message for a status that is read with the wrong function.
+    /// The message for a status that is not available, or is read with the wrong function.
     pub fn not_available(self) -> &'static str {
         match self {
             Self::DoStepStatus => "fmi2DoStepStatus is not available: steps are synchronous",
