@@ -216,7 +216,7 @@ fn names(model: &Model, found: &mut Vec<String>) {
 }
 
 /// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.1, restricted to the forms that this project uses:
-/// identifiers separated by dots, and their first derivatives.
+/// identifiers, perhaps with indices, separated by dots, and their first derivatives.
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
     inner.unwrap_or(name).split('.').all(|part| {

@@ -292,7 +292,7 @@ mod tests {
         }
     }
 
-    /// Every line of the committed results, to their number of decimals.
+    /// Compares every number of the committed results, to 2e-9.
     #[test]
     fn committed_results_are_what_is_computed() {
         const PLACES: f64 = 2e-9;

@@ -7,10 +7,10 @@
 //!   `friction.NAME.static.input`
 //! - output: `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f`; for springs in series
 //!   `SPRING.slider`, `SPRING.slider.rate`; the enumerations `STOP.state`, `FRICTION.state` and,
-//!   for sliders, `SPRING.state`; for rigid stops `STOP.impacts`, `STOP.impulse`; for freewheels the
-//!   same three; `SIGNAL`; `BLOCK.OUTPUT`; `BLOCK.x[0]` with `.rate`; for sampled blocks, discrete:
-//!   `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]`; for springs by points `SPRING.line`;
-//!   `energy.kinetic`, `.stored`, `.work`, `.lost`, `.switched`, `.residual`
+//!   for sliders, `SPRING.state`; for rigid stops `STOP.impacts`, `STOP.impulse`; for freewheels
+//!   the same three; `SIGNAL`; `BLOCK.OUTPUT`; `BLOCK.x[0]` with `.rate`; for sampled blocks,
+//!   discrete: `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]`; for springs by points
+//!   `SPRING.line`; `energy.kinetic`, `.stored`, `.work`, `.lost`, `.switched`, `.residual`
 //! - local: the matrices `step.transition`, `step.response`, `step.parameters`, in FMI 3.0 with
 //!   arrays; `STOP.indicator` or, for compliant stops, `STOP.indicator.edge`, `.force`;
 //!   `FRICTION.indicator.up`, `.down`, `.level`; for corners `SPRING.indicator.points[1]`; for
