@@ -14,10 +14,10 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub const TIME: &str = "s";
 /// Steps of a bar over a length of time.
 const PARTS: f64 = 1e6;
-/// Interval at which a clock is drawn, and shortest one between two fractions of a length of time.
+/// Interval at which a clock is drawn, and shortest interval between two shown fractions.
 const TICK: Duration = Duration::from_millis(250);
 
-/// Time of a fraction that was never shown.
+/// Value of [`Progress::told`] before a fraction is shown.
 const NEVER: u64 = u64::MAX;
 
 /// The clock of the command, while it is on the terminal, and the number of bars there.
@@ -28,8 +28,8 @@ struct Terminal {
     bars: usize,
 }
 
-/// Shows the time that a command has taken, from [`PATIENCE`] on, until it is dropped. It makes
-/// way for bars, so that no command is silent before, between or after them.
+/// Shows the time that a command has taken, from [`PATIENCE`] on, until it is dropped. It is
+/// hidden while bars are shown, so that no command is silent before, between or after bars.
 pub struct Clock {
     over: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,

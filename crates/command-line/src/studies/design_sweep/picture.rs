@@ -11,7 +11,7 @@ use vibro_studies::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 
 /// Largest number of panels of a picture.
 const PANELS: usize = 6;
-/// Relative difference below which values are equal.
+/// Relative difference up to which values count as equal.
 const SAME: f64 = 1e-9;
 
 /// The picture; `None` for a single design and for too many designs.
