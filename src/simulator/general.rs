@@ -4,9 +4,9 @@
 //!
 //! # Why it is so
 //!
-//! An interval is not searched only if the samples at its ends are farther from the event's limit
-//! than the functional can bend between them: |g''| h²/8. All other intervals are searched on a
-//! series by [`first_crossing`], which finds the first passage or proves that none exists. So each
+//! An interval is skipped only if the samples at its ends are farther from the event's limit than
+//! the functional can bend between them: |g''| h²/8. All other intervals are searched on a series
+//! by [`first_crossing`], which finds the first passage or proves that none exists. So each
 //! sub-step ends with an event or with a proof (docs/numerics.md, "Events").
 //!
 //! Three starts need more than this:
