@@ -235,7 +235,8 @@ fn variable(v: &Variable, model: &Model, found: &mut Vec<String>) {
         found.push(format!("{name} has no description"));
     }
     let declared = v.get("declaredType");
-    // FMI 3.0.2, 2.4.7.4: an Enumeration must have one. A Clock with one is refused by importers.
+    // FMI 3.0.2, 2.4.7.4: an Enumeration must have a declared type. Importers refuse a Clock that
+    // has one.
     let needs_type = match v.kind {
         VariableType::Enumeration => true,
         VariableType::Real => model.is_fmi3() || v.get("unit").is_none() || declared.is_some(),

@@ -122,7 +122,8 @@ pub fn start_of(starts: &[Numbers], index: usize) -> &Numbers {
 /// The paper's machines as Python gives them.
 #[derive(FromPyObject)]
 pub enum GivenSystems<'py> {
-    /// Values in SI, groups, the indices of some of them in both lists, and their values in rows.
+    /// Values in SI; groups; indices, counted over both lists, of the values that change from
+    /// motion to motion; and these values, a row for each motion.
     Rows(Vec<(String, f64)>, Vec<(String, f64)>, Vec<usize>, PyReadonlyArray2<'py, f64>),
     Several(Vec<PyRef<'py, System>>),
 }

@@ -95,11 +95,12 @@ mod tests {
         z
     }
 
-    /// A variation through the bounces of a chatter run, one by one, against the merge in their
-    /// place. The damper acts on the centre of mass meanwhile.
+    /// Compares a variation after the bounces of a chatter run, one by one, with the variation
+    /// after the merge that replaces them. During the bounces the damper acts on the centre of
+    /// mass.
     #[test]
     fn second_method_a_merge_is_what_the_bounces_come_to() {
-        /// Relative accuracy. The run takes 4e-5 of the unit of time, and all other quantities
+        /// Relative tolerance. The run takes 4e-5 of the unit of time, and all other quantities
         /// change by at most this fraction.
         const SHORT: f64 = 1e-3;
         let p = Parameters {

@@ -158,8 +158,8 @@ impl Life {
         };
     }
 
-    /// Takes over phase and experiment of a saved state. If the state was saved in a phase that
-    /// the present event handling does not have, the motion continues from there.
+    /// Takes over phase and experiment of a saved state. In Co-Simulation without event mode, a
+    /// state that was saved at an event becomes a state at a communication point.
     ///
     /// # Errors
     /// [`Problem::SavedState`] if the state is of the other interface type, or of a phase in which
@@ -233,7 +233,7 @@ mod tests {
     }
 
     /// Damaged bytes may contain any phase. A phase that the interface type does not have would
-    /// leave an instance that answers nothing.
+    /// leave an instance that allows no call.
     #[test]
     fn saved_states_of_phases_that_there_are_not_are_refused() {
         for (interface, phases) in [

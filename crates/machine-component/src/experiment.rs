@@ -8,7 +8,8 @@ use vibro_machine::description::{BodyKind, Signal};
 use vibro_machine::mode::StopState;
 use vibro_machine::system::StopRows;
 
-/// Length of the run in longest periods (natural, harmonic, swept or of a repeated signal).
+/// Length of the run, in units of the longest period (natural, harmonic, swept or of a repeated
+/// signal).
 const PERIODS: f64 = 20.0;
 /// Number of steps in the shortest period or contact time, within the limits [`STEPS`].
 const PARTS: f64 = 10.0;
@@ -93,7 +94,7 @@ fn own_periods(assembly: &Assembly) -> Vec<f64> {
     squares.iter().filter(|square| **square > NONE * highest).map(|square| TAU / square.sqrt()).collect()
 }
 
-/// Returns the contact time of each compliant stop by its stiffness alone, undamped, s.
+/// Returns the contact time of each compliant stop, s, from its stiffness without damping.
 fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let time = |stop: &StopRows| PI / (stop.stiffness() * stop.elongation.column.norm_squared()).sqrt();
     let system = assembly.system();

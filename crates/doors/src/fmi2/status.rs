@@ -9,9 +9,9 @@ use std::ffi::CString;
 /// `fmi2StatusKind` (FMI 2.0, 4.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StatusKind {
-    /// Status of an asynchronous step; there are none.
+    /// Status of an asynchronous step; no step is asynchronous.
     DoStepStatus,
-    /// Pending status of an asynchronous step; there are none.
+    /// Pending status of an asynchronous step; no step is asynchronous.
     PendingStatus,
     /// Time reached by the last step.
     LastSuccessfulTime,

@@ -158,8 +158,8 @@ impl Machine {
     }
 
     /// Returns the parameters that change with parameter `i` at a time, each with its change per
-    /// change of parameter `i`: a harmonic whose frequency changes continues from its present
-    /// phase.
+    /// change of parameter `i`. If the frequency of a harmonic changes, its phase parameter
+    /// changes too, so that its present phase stays.
     pub(super) fn direction(&self, i: usize, time: f64) -> Vec<(&str, f64)> {
         let name = |i: usize| self.plan.table.parameters[i].name.as_str();
         match name(i).ends_with(".frequency") {

@@ -318,7 +318,7 @@ mod tests {
         }
     }
 
-    /// The balance at a start is its own origin, whatever its value.
+    /// The energy at the start, whatever its value, is the origin of the balance.
     #[test]
     fn invariant_the_energy_of_a_start_is_no_residual() {
         let own = moving(&Plan::new(PAIR.into(), crate::plan::FILE).unwrap());

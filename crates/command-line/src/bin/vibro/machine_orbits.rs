@@ -269,7 +269,7 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
 /// The curves over the parameters of two families.
 impl Curves for [Family; 2] {
     type Point = PointOfFile;
-    /// The special point in the word of its row, and in its shortest word.
+    /// The special point with the word of its row, and with its shortest word.
     type Start = (LocusStart, LocusStart);
     type Shown = LocusStart;
 

@@ -145,7 +145,7 @@ impl Progress {
         let since = (gone.as_millis() as u64).saturating_sub(self.told.load(Ordering::Relaxed));
         let is_due = self.told.load(Ordering::Relaxed) == NEVER || since >= TICK.as_millis() as u64;
         if gone > self.patience && is_due {
-            // The first time left is shown at once.
+            // The first estimate of the time left is shown at once.
             if part > 0.0 {
                 self.told.store(gone.as_millis() as u64, Ordering::Relaxed);
             }

@@ -93,7 +93,7 @@ fn changing<'a, M: Labelled>(
     (changing, (!told.is_empty()).then(|| format!("Not drawn, since it is the same at all designs: {told}.")))
 }
 
-/// Kind and unit of a measure. Measures with equal ones share a panel.
+/// Kind and unit of a measure. Measures of equal kind and unit share a panel.
 fn kind<M: Labelled>(set: &M, measure: &M::Measure) -> (String, &'static str) {
     let name = measure.to_string();
     let kind = name.split('.').next().unwrap_or_default().to_owned();

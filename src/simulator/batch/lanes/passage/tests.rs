@@ -115,7 +115,7 @@ proptest! {
 
 /// Path u - z + c (u⁴ - z⁴) with the zero z, from straight to the strongest bend with which lanes
 /// seek a zero. The starting value, from three orders, ignores the fourth, so that depending on c
-/// one, two or three Newton steps are just enough, or none are.
+/// one, two or three Newton steps are just enough, or even three are too few.
 #[test]
 fn closed_form_zeros_that_count_as_found_are_exact() {
     /// Tolerance: rounding of the polynomial over its slope, and half a unit in the last place of
