@@ -84,7 +84,7 @@ class Design(Result):
     at_ends: list[str]
     "Parameters at an end of their range."
     limits: dict[str, tuple[Optional[float], str]]
-    "For each constraint in `subject_to`: its output for the worst motion, and ``met``, ``not met`` or ``undecided``."
+    "For each constraint in `subject_to`: the worst value of its output over the motions, and ``met``, ``not met`` or ``undecided``."
     motions: list[DesignMotion]
     "Coexisting motions where the worst value occurs."
     rivals: list[Rival]
@@ -149,7 +149,7 @@ def design(
         The worst value of a design is taken over these parameters. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, where
         peaks between the values are searched too; a list gives separate values.
     subject_to
-        Constraints on the outputs of the worst motion, such as ``"impact.speed.steel <= 0.5 m/s"``.
+        Constraints that every motion of a design must satisfy, such as ``"impact.speed.steel <= 0.5 m/s"``.
     robust
         Relative tolerance of the varied parameters. The worst value at the corners of the tolerance box counts (at 16 corners for more than
         four parameters); for the best design, at 32 interior points too.

@@ -43,7 +43,7 @@ class Segment:
 
 @dataclasses.dataclass(frozen=True)
 class Suspect:
-    """A parameter that is not free and would reduce the residuals of a fit."""
+    """A parameter that is not free, and that would reduce the residuals of a fit with another value."""
 
     name: str
     "Name of the parameter, or a description of friction that the machine does not have."

@@ -89,7 +89,7 @@ class Section(Result):
     speed: Optional[Floats]
     "Closing speed at a stop's events, shape (n,), m/s or rad/s; None for other sections."
     values: Floats
-    "Values of all columns of the machine, shape (n, k), just after an event."
+    "Values of all columns of the machine, shape (n, k); at an event, just after it."
 
     def __getitem__(self, column: str) -> Floats:
         names = self.machine.columns

@@ -41,7 +41,7 @@ class PaperEnds(Result):
     v: Floats
     "Velocities, shape (n, 3), m/s."
     error: Optional[NDArray[Any]] = None
-    "With ``errors='row'`` the reason why a motion has no end state, otherwise None; its values are then masked."
+    "With ``errors='row'`` the reason why a motion has no end state and its values are masked; otherwise None."
 
     @property
     def states(self) -> Floats:

@@ -291,9 +291,9 @@ class PaperMachine(ParameterValues):
             Period of the orbit: ``"2T"`` for two drive periods, or a time, in s or as a text with a unit; default ``"1T"`` with a word.
             Without a word, the settled motion must have this period.
         tries
-            Number of guesses of the phases for Newton's method. If several orbits have the word, the stable one is returned, else the first.
-            If only an orbit of a shorter word, passed several times, or a symmetric orbit is found, it is returned, and its ``passages`` say how
-            often.
+            Number of guesses of the phases for Newton's method. If several orbits have the word, the first stable one is returned, or the first if
+            none is stable. If only an orbit of a shorter word, passed several times, or a symmetric orbit is found, it is returned, and its
+            ``passages`` say how often.
         symmetric
             Whether the word is half of a symmetric orbit and closes with opposite sign, after an odd number of half drive periods.
 

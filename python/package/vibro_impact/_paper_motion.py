@@ -121,7 +121,7 @@ class PaperRun(Result):
     s: Floats
     "Displacements x1, x2, x3 of box, block and secondary oscillator, shape (n, 3), m."
     v: Floats
-    "Velocities, shape (n, 3), m/s; just after an impact at that time."
+    "Velocities, shape (n, 3), m/s; at the time of an impact, just after it."
     energy: NDArray[np.void]
     "Energy accounts since the start, shape (n,), fields mechanical, input, damped, impact, J."
     impacts: NDArray[np.void]

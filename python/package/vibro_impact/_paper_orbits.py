@@ -72,7 +72,7 @@ class PaperOrbit(Result):
         return _native.PaperOrbit(self.machine._system, self.word, closing, self._half_periods, self.phases)
 
     def motion(self, theta: ArrayLike) -> tuple[Floats, Floats]:
-        """Returns displacements (m) and velocities (m/s), shape (n, 3) each, at phases of the drive (rad), shape (n,); just after an impact."""
+        """Returns displacements (m) and velocities (m/s), shape (n, 3) each, at drive phases (rad), shape (n,); at an impact, just after it."""
         return self._handle().motion(array("theta", theta, "an array of shape (n,) of phases in rad"))
 
     @property
