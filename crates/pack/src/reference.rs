@@ -24,7 +24,7 @@ const EVENTS: usize = 1000;
 /// Relative perturbation of the second motion's start: some tens of roundings.
 const SHIFT: f64 = 1e-14;
 /// Largest difference of the two motions, relative to a column's largest value so far. The result
-/// ends before a row with a larger difference. Up to there, other processors agree as well.
+/// ends before a row with a larger difference. Up to that row, other processors agree as well.
 const AGREEMENT: f64 = 1e-9;
 
 /// Explanation of the files for a reader (`documentation/fmi-ls-ref.txt`).
