@@ -47,8 +47,9 @@ use vibro_numerics::simd::value;
 /// as rounding; checked in debug builds only.
 const START_ROUNDING: f64 = 1e-9;
 
-/// Fraction of an interval below which a step is short. Its change of state is summed separately,
-/// so that the roundings of many short steps do not add up (docs/numerics.md, section 1).
+/// Fraction of an interval below which a step is short. The change of state in a short step is
+/// summed separately, so that the roundings of many short steps do not add up (docs/numerics.md,
+/// section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
 /// Longest path of the block in an interval, in gaps, with which the interval is searched as a

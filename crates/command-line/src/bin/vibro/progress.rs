@@ -71,7 +71,8 @@ impl Drop for Clock {
     }
 }
 
-/// Takes the clock off the terminal before something is printed. It returns at its next tick.
+/// Takes the clock off the terminal before something is printed. The clock reappears at its next
+/// tick.
 pub fn clear() {
     if let Ok(mut terminal) = TERMINAL.lock() {
         terminal.clock.take().into_iter().for_each(|clock| clock.finish_and_clear());
