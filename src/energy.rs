@@ -57,7 +57,7 @@ const FOUR: Rule<4> = Rule {
 };
 
 /// Number of forms for input energy, and for damped energy: one from a sub-step's start to each
-/// interval centre, and one to its end.
+/// interval centre, and one to the sub-step's end.
 const PREFIXES: usize = INTERVALS + 1;
 /// Matrix of a quadratic form of the augmented state.
 type Form = [[f64; COORDINATES]; COORDINATES];

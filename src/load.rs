@@ -179,7 +179,7 @@ impl Simulator {
         pause: Pause,
         mut observer: EventObserver<'_, '_>,
     ) -> Result<AdvanceOutcome> {
-        // No loads are set if the end is refused or is the present time up to rounding.
+        // No loads are set if the end is refused, or is before the present by rounding only.
         if !(end.is_finite() && end >= self.time()) {
             return self.advance_until(end, pause, observer);
         }

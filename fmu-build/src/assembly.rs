@@ -24,7 +24,7 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
 ///
 /// # Errors
 /// [`Error::Refusal`](crate::Error::Refusal) with all problems of the file,
-/// [`Error::Machine`](crate::Error::Machine) for a machine without a start,
+/// [`Error::Machine`](crate::Error::Machine) for a machine that cannot start,
 /// [`Error::File`](crate::Error::File).
 pub fn write(file: &Path, out: Option<&Path>, arrays: bool, kit: &Kit) -> Result<Vec<PathBuf>> {
     let mut plan = Plan::of(&vibro_machine::file::read(file)?)?;

@@ -216,7 +216,7 @@ fn names(model: &Model, found: &mut Vec<String>) {
 }
 
 /// FMI 2.0, 2.2.9; FMI 3.0.2, 2.4.7.5.1, restricted to the forms that this project uses:
-/// identifiers separated by dots, and their first derivatives.
+/// identifiers, perhaps with indices, separated by dots, and their first derivatives.
 fn is_structured(name: &str) -> bool {
     let inner = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')'));
     inner.unwrap_or(name).split('.').all(|part| {
@@ -235,7 +235,8 @@ fn variable(v: &Variable, model: &Model, found: &mut Vec<String>) {
         found.push(format!("{name} has no description"));
     }
     let declared = v.get("declaredType");
-    // FMI 3.0.2, 2.4.7.4: an Enumeration must have one. A Clock with one is refused by importers.
+    // FMI 3.0.2, 2.4.7.4: an Enumeration must have a declared type. Importers refuse a Clock that
+    // has one.
     let needs_type = match v.kind {
         VariableType::Enumeration => true,
         VariableType::Real => model.is_fmi3() || v.get("unit").is_none() || declared.is_some(),

@@ -37,7 +37,7 @@ pub enum Error {
     /// The packaged binary could not be loaded, or lacks a function.
     #[error("loading the packaged binary: {0}")]
     Load(#[from] libloading::Error),
-    /// A call into the packaged binary did not return `fmi2OK`.
+    /// A call into the packaged binary did not return `fmi2OK` or `fmi3OK`.
     #[error("{call} returned {status}; the FMU's log says: {log}")]
     Call {
         /// The function.

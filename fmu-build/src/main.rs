@@ -178,8 +178,8 @@ fn build(arguments: &Arguments) -> fmu_build::Result<()> {
     Ok(())
 }
 
-/// Writes the kit for archives of described machines beside the archives; the Python package takes
-/// both from there.
+/// Writes the kit for archives of described machines next to the archives; the Python package
+/// takes both from there.
 fn write_kit(output: &Path, arguments: &Arguments) -> fmu_build::Result<PathBuf> {
     let kit = match (arguments.all_platforms, arguments.portable) {
         (true, _) => kit::all()?.0,

@@ -125,7 +125,7 @@ const NEEDS: &str = "The library needs the C library of the system and its mathe
 it was built for all platforms, else that of the machine that built it; on Windows the universal C run time (part of Windows 10 \
 and later); on macOS libSystem.\n";
 
-/// Writes the usual archives for this machine: FMI 2.0 to `output`, and FMI 3.0 next to it.
+/// Writes the usual archives for this computer: FMI 2.0 to `output`, and FMI 3.0 next to it.
 ///
 /// # Errors
 /// All errors of [`platforms::at_hand`] and [`write()`].

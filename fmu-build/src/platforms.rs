@@ -52,7 +52,7 @@ pub struct LeftOut {
     pub folder: &'static str,
     /// Reason, and what to install.
     pub reason: String,
-    /// Whether the host's own compiler built it instead of cargo-zigbuild.
+    /// Whether this computer's own compiler built it instead of cargo-zigbuild.
     pub replaced: bool,
 }
 

@@ -128,7 +128,7 @@ fn sets() -> Result<Vec<Set>> {
     }
     for epsilon in [0.05, 0.02, 0.01, 0.005] {
         let text = format!("A motion with the mass ratio epsilon = {epsilon} (figure 17)");
-        // With a coupling of the same order as in the weakly coupled machine.
+        // With m3 = m2 and β² = ε α̂23, the weak coupling of `Groups::weak`.
         let groups = Groups { epsilon, beta2: epsilon * basic.alpha23, mu13: 1.0 / epsilon, ..basic };
         sets.push(set(format!("figure-17-epsilon-{epsilon}"), text, &groups)?);
     }
@@ -292,7 +292,7 @@ mod tests {
         }
     }
 
-    /// Every line of the committed results, to their number of decimals.
+    /// Compares every number of the committed results, to 2e-9.
     #[test]
     fn committed_results_are_what_is_computed() {
         const PLACES: f64 = 2e-9;

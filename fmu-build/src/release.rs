@@ -51,7 +51,7 @@ struct Assembly<'a> {
 }
 
 /// Assembles a release and replaces a folder by it. Returns the files of the release and the parts
-/// that were left out. `platforms` selects platforms by FMI 3.0 tuples; an empty list selects all.
+/// that were left out. `only` selects platforms by FMI 3.0 tuples; an empty list selects all.
 ///
 /// # Errors
 /// [`Error::Release`] if the sources disagree, if the built files disagree, or if a tag is

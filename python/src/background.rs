@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Interval between checks for signals: a longer delay after Ctrl-C would be noticed.
+/// Interval between checks for signals, short enough that the delay after Ctrl-C is not noticed.
 const POLL: Duration = Duration::from_millis(30);
 
 /// Longest wait for the best result so far after a signal: a search ends after its running

@@ -1,5 +1,6 @@
 //! Machines of many motions: given one by one, or as one machine with rows of parameter values.
-//! Each is made where its motion runs, so that Python needs no object for it.
+//! Each machine is created by the thread that runs its motion, so that Python needs no object for
+//! it.
 
 use crate::arrays::rows_of_states;
 use crate::failure::Failure;
@@ -74,10 +75,10 @@ impl Assemblies {
         }
     }
 
-    /// Checks names of measures and of a section's element; their errors concern all machines.
+    /// Checks names of measures and of a section's element, which are common to all machines.
     ///
     /// # Errors
-    /// For a name that the first machine does not have.
+    /// If no machine has all of these names.
     pub fn check(&self, measures: &[Measure], rule: &SectionRule) -> Result<(), Failure> {
         let one = |machine: &Described| -> Result<(), vibro_studies::Error> {
             let d = machine.description();
@@ -121,7 +122,8 @@ pub fn start_of(starts: &[Numbers], index: usize) -> &Numbers {
 /// The paper's machines as Python gives them.
 #[derive(FromPyObject)]
 pub enum GivenSystems<'py> {
-    /// Values in SI, groups, the indices of some of them in both lists, and their values in rows.
+    /// Values in SI; groups; indices, counted over both lists, of the values that change from
+    /// motion to motion; and these values, a row for each motion.
     Rows(Vec<(String, f64)>, Vec<(String, f64)>, Vec<usize>, PyReadonlyArray2<'py, f64>),
     Several(Vec<PyRef<'py, System>>),
 }
@@ -140,7 +142,7 @@ pub enum Systems {
     Several(Vec<Parameters>),
 }
 
-/// Their starts.
+/// Starts of the paper's machines for another thread.
 pub enum Starts {
     States(Vec<State>),
     Rule(StartRule),

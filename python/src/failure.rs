@@ -6,7 +6,7 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyVal
 use vibro_studies::Error;
 use vibro_studies::paper::physical_parameters;
 
-/// Why a computation did not come to its end.
+/// Reason why a computation has no result.
 #[derive(Debug)]
 pub enum Failure {
     /// The library refuses.

@@ -1,8 +1,8 @@
 //! The native part of the Python package `vibro_impact`: the library's entry points on NumPy
 //! arrays.
 //!
-//! The Python modules of the package check arguments, convert them to arrays, and make results from
-//! the returned arrays. This crate does the computations. Each computation runs in a separate
+//! The Python modules of the package check arguments, convert them to arrays, and make the results
+//! from the returned arrays. This crate does the computations. Long computations run in a separate
 //! thread, so that Python's other threads continue and Ctrl-C is handled (`background.rs`).
 //!
 //! | file | what it holds |

@@ -32,7 +32,8 @@ pub enum Value {
 
 #[pymethods]
 impl Described {
-    /// From the text of a file, or from a file. A file's records are in its folder.
+    /// From the text of a file, or from a file. Paths of records are relative to the file's
+    /// folder.
     #[new]
     fn new(text: Option<&str>, path: Option<&str>) -> PyResult<Self> {
         let read = match (text, path) {

@@ -116,8 +116,8 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// The motion of a machine from a start, with its derivatives by parameters. `each` is called
-    /// before each sample.
+    /// The motion of a machine from a start, with its derivatives with respect to parameters.
+    /// `each` is called before each sample.
     fn new(
         (machine, start): (&Described, &Numbers),
         times: &[f64],
@@ -185,7 +185,7 @@ impl<'py> IntoPyObject<'py> for Sampled {
 }
 
 /// The motion from a start at ascending times (s), with its events up to the last time, and with
-/// its derivatives by parameters.
+/// its derivatives with respect to parameters.
 #[pyfunction]
 #[pyo3(signature = (machine, start, t, parameters, progress = None))]
 pub fn simulate<'py>(
@@ -228,7 +228,7 @@ pub fn follow_many(
 }
 
 /// Final states of many motions: a row for each motion, and the reason if the motion has no final
-/// state. Its row is then 0.
+/// state; its row then contains zeros.
 pub type Ends<'py> = (Array2<'py, f64>, Vec<Option<String>>);
 
 /// Simulates one motion of each of many machines until a time (s), and returns the final states.

@@ -64,7 +64,7 @@ impl Orbit {
         self.orbit.stability().to_string()
     }
 
-    /// The condition that makes it an invalid motion of the machine, if any.
+    /// The condition that the orbit violates; `None` if it is a motion of the machine.
     #[getter]
     fn violation(&self) -> Option<String> {
         self.orbit.violation()
@@ -93,7 +93,8 @@ impl Orbit {
         Ok(found.into_iter().map(row).collect())
     }
 
-    /// Energies per period by element, J; none if no motion stays on the orbit.
+    /// Energies per period by element, J; `None` if the orbit is too unstable for a motion to stay
+    /// on it.
     fn energies(&self) -> PyResult<Option<Vec<(String, f64)>>> {
         Ok(self.orbit.energies().map_err(Failure::from)?)
     }

@@ -16,7 +16,7 @@ use vibro_studies::paper::trajectories::{Start, propagate};
 /// Drive periods of one call to the library per thread: half a second's work between checks for
 /// cancellation. Shorter calls cost more, because each ends with empty lanes of the vectors.
 const PERIODS_A_THREAD: usize = 400_000;
-/// Numbers of motions of one call; the smallest fills the vectors.
+/// Smallest and largest number of motions per thread in one call; the smallest fills the vectors.
 const MOTIONS_A_THREAD: std::ops::RangeInclusive<usize> = 64..=4096;
 
 /// Impacts in order of time, an array for each quantity.

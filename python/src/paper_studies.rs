@@ -249,9 +249,9 @@ pub struct Basins<'py> {
     mirror: Array2<'py, bool>,
 }
 
-/// Where motions from a plane of two initial values end: the numbers of attractors, -1 outside the
-/// stops, -2 where it has not settled, -3 where the attractor is undecided, with whether it is the
-/// mirror image; rows of constant y.
+/// Where motions from a plane of two initial values end: the index of the attractor, -1 for a
+/// start outside the stops, -2 if the motion has not settled, -3 if the attractor is undecided;
+/// and whether the attractor is reached as its mirror image. In a row, y is constant.
 #[pyfunction]
 #[pyo3(signature = (system, x, y, start, discard, progress = None))]
 pub fn paper_basins<'py>(

@@ -4,7 +4,7 @@ use super::*;
 use crate::model::Model;
 use crate::parameters::{Groups, Scales};
 
-/// Rounding of sums of some dozens of terms.
+/// Tolerance: rounding of sums of some dozens of terms.
 const ROUNDING: f64 = 1e-14;
 
 fn basic() -> Parameters {
@@ -51,9 +51,9 @@ fn tables(p: &Parameters, mode: SmoothMode) -> (Model, f64, SubstepTable<CORE>, 
 
 /// The error of a rule on [0, 1] is e/n! times the n-th derivative of the power, where n is the
 /// first degree that the rule does not integrate and e its error for uⁿ. Along a motion of size 1
-/// the k-th derivative of a rate is at most max(1, k) rᵏ⁺¹. So the n-th derivative of its square is
-/// at most Σ C(n, k) max(1, k) max(1, n-k) rⁿ⁺², and that of the drive's power at most
-/// Σ C(n, k) max(1, k) rⁿ⁺¹.
+/// the k-th derivative of a rate is at most max(1, k) rᵏ⁺¹. So the n-th derivative of its square
+/// is at most Σ C(n, k) max(1, k) max(1, n-k) rⁿ⁺², and that of the drive's power at most Σ C(n,
+/// k) max(1, k) rⁿ⁺¹.
 #[test]
 fn closed_form_errors_of_the_rules() {
     const LOBATTO: f64 = 0.276_393_202_250_021;
@@ -136,8 +136,8 @@ fn second_method_gramians_and_a_plain_quadrature() {
                         energy.input_up_to(pulp::Scalar, index, &z),
                         energy.damped_up_to(pulp::Scalar, index, &z),
                     );
-                    /// Rounding of sums of large entries of either sign, with drives of up to 300
-                    /// times the natural frequency.
+                    /// Tolerance: rounding of sums of large entries of either sign, with drives of
+                    /// up to 300 times the natural frequency.
                     const CANCELLATION: f64 = 1e-13;
                     let size = passed + damped;
                     assert!((i - input).abs() <= CANCELLATION * size, "input {i:e} {input:e} {mode:?} {p:?}");

@@ -2,9 +2,9 @@
 
 use super::{Augmented, BOX_RATE, Model, RELATIVE, RELATIVE_RATE, SmoothMode};
 
-/// Saltation matrix of an impact, docs/theory.md (78), in the coordinates (83): indices [`BOX`] and
-/// [`BOX_RATE`] hold the variations of the centre of mass of box and block and of its rate. One law
-/// holds for both stops, as w' before the impact enters with its sign.
+/// Saltation matrix of an impact, docs/theory.md (78), in the coordinates (83): indices [`BOX`]
+/// and [`BOX_RATE`] hold the variations of the centre of mass of box and block and of its rate.
+/// One law holds for both stops, as w' before the impact enters with its sign.
 ///
 /// [`BOX`]: super::BOX
 ///
@@ -26,8 +26,8 @@ pub struct Saltation {
     restitution: f64,
     /// δw' after the impact per δw before it.
     kick: f64,
-    /// Change of the variation of the centre of mass's rate per change of δw; the damper's force on
-    /// the box also jumps at the impact.
+    /// Change of the variation of the centre of mass's rate per change of δw; the damper's force
+    /// on the box also jumps at the impact.
     push: f64,
 }
 
@@ -63,8 +63,8 @@ impl Saltation {
     }
 
     /// Applies the merge into rest to a variation: its relative motion ends. The merge replaces a
-    /// run of bounces, during which the damper changes the rate of the centre of mass in proportion
-    /// to the change of w.
+    /// run of bounces, during which the damper changes the rate of the centre of mass in
+    /// proportion to the change of w.
     #[inline(always)]
     pub fn merge(model: &Model, v: &mut Augmented, unit: f64) {
         v[BOX_RATE] -= push(model, unit) * v[RELATIVE];
@@ -86,8 +86,8 @@ mod tests {
     use crate::model::BOX;
     use crate::parameters::Parameters;
 
-    /// Variation in the coordinates of the model from one in the coordinates (83), where `share` is
-    /// the block's share of the mass. The negative share gives the inverse.
+    /// Variation in the coordinates of the model from one in the coordinates (83), where `share`
+    /// is the block's share of the mass. The negative share gives the inverse.
     fn turned(v: &Augmented, share: f64) -> Augmented {
         let mut z = *v;
         z[BOX] -= share * z[RELATIVE];
@@ -95,11 +95,12 @@ mod tests {
         z
     }
 
-    /// A variation through the bounces of a chatter run, one by one, against the merge in their
-    /// place. The damper acts on the centre of mass meanwhile.
+    /// Compares a variation after the bounces of a chatter run, one by one, with the variation
+    /// after the merge that replaces them. During the bounces the damper acts on the centre of
+    /// mass.
     #[test]
     fn second_method_a_merge_is_what_the_bounces_come_to() {
-        /// Relative accuracy. The run takes 4e-5 of the unit of time, and all other quantities
+        /// Relative tolerance. The run takes 4e-5 of the unit of time, and all other quantities
         /// change by at most this fraction.
         const SHORT: f64 = 1e-3;
         let p = Parameters {

@@ -104,7 +104,8 @@ impl Simulator {
         let Departing { from, order, accounts, present } = begun;
         if passage.is_some() {
             // An earlier sub-step found no event before the present. Because of different
-            // rounding, this one may find one there. The event then takes place at the present.
+            // rounding, this sub-step may find an event before the present. That event then takes
+            // place at the present.
             if self.hybrid.time.minus(present.time).value() < 0.0 {
                 *z = present.z;
                 (self.hybrid.time, self.hybrid.sums, self.pending) =

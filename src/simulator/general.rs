@@ -4,9 +4,9 @@
 //!
 //! # Why it is so
 //!
-//! An interval is not searched only if the samples at its ends are farther from the event's limit
-//! than the functional can bend between them: |g''| h²/8. All other intervals are searched on a
-//! series by [`first_crossing`], which finds the first passage or proves that none exists. So each
+//! An interval is skipped only if the samples at its ends are farther from the event's limit than
+//! the functional can bend between them: |g''| h²/8. All other intervals are searched on a series
+//! by [`first_crossing`], which finds the first passage or proves that none exists. So each
 //! sub-step ends with an event or with a proof (docs/numerics.md, "Events").
 //!
 //! Three starts need more than this:
@@ -47,8 +47,9 @@ use vibro_numerics::simd::value;
 /// as rounding; checked in debug builds only.
 const START_ROUNDING: f64 = 1e-9;
 
-/// Fraction of an interval below which a step is short. Its change of state is summed separately,
-/// so that the roundings of many short steps do not add up (docs/numerics.md, section 1).
+/// Fraction of an interval below which a step is short. The change of state in a short step is
+/// summed separately, so that the roundings of many short steps do not add up (docs/numerics.md,
+/// section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
 /// Longest path of the block in an interval, in gaps, with which the interval is searched as a

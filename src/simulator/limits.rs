@@ -11,9 +11,10 @@ const ON_STOP_ULPS: f64 = 4.0;
 /// Largest displacement in gaps. The relative displacement is a difference of displacements; for
 /// larger ones it has fewer than 6 digits.
 const MAX_DRIFT: f64 = 1e10;
-/// Largest speed, in units of the gap times the fastest rate, and largest acceleration by drive and
-/// loads, in units of the gap times the square of the fastest rate. Above it the block's flights
-/// are shorter than the resolution of the motion.
+/// Largest speed, in units of the gap times the fastest rate, and largest acceleration by drive
+/// and loads, in units of the gap times the square of the fastest rate. Above it the block's
+/// flights are shorter than the resolution of the motion. Also the largest displacement of the
+/// secondary oscillator at a start, in gaps.
 const MAX_VIOLENCE: f64 = 1e12;
 
 /// Quantity named in the error for a load that is too large for the system.

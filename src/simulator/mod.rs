@@ -18,8 +18,8 @@
 //!   first two kernels do not take. Proof: samples of w or the contact force, and a bound;
 //!   dominance on series. Bits: equal on all instruction sets.
 //! - `batch/`, for many flights side by side without loads and energy accounts. Proof: samples of
-//!   w and a bound on w''; dominance in vectors. Bits: independent of the other motions, but not
-//!   those of the kernels above.
+//!   w and a bound on w''; dominance in vectors. Bits: independent of the other motions, but
+//!   different from the bits of the kernels above.
 //!
 //! The first three end in `finish_substep` (`step.rs`), which applies the event's law
 //! (`contact.rs`) and limits the work. `batch/` applies the law of plain impacts in its lanes and

@@ -66,8 +66,8 @@ impl Quadratic {
         (self.alpha.norm_sqr(), 2.0 * self.product().re, self.constant)
     }
 
-    /// b² - 4ac as the product of docs/theory.md (44), which is accurate near the fold, where it is
-    /// zero.
+    /// b² - 4ac as the product of docs/theory.md (44), which is accurate near the fold, where it
+    /// is zero.
     pub fn discriminant(&self) -> f64 {
         let reach = self.alpha.norm() * self.force.abs();
         let turn = self.product().im.abs();
@@ -96,13 +96,13 @@ impl Quadratic {
 mod tests {
     use super::*;
 
-    /// A few roundings: absolute for the root of order one, relative for the small one.
+    /// Tolerance, a few roundings: absolute for the root of order one, relative for the small one.
     const ROUNDING: f64 = 1e-15;
 
     #[test]
     fn closed_form_roots_of_very_different_size() {
-        // With α = 1 the quadratic is (C - 1)(C - 1e-9), whose small root is accurate only if it is
-        // computed from the large one.
+        // With α = 1 the quadratic is (C - 1)(C - 1e-9), whose small root is accurate only if it
+        // is computed from the large one.
         let (x, y) = (1.0_f64, 1e-9_f64);
         let (cross, constant) = (-0.5 * (x + y), x * y);
         let quadratic = Quadratic {

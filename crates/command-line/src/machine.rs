@@ -255,8 +255,8 @@ pub fn record_with(
     Ok(record)
 }
 
-/// The quantities whose extremes are printed or drawn: coordinates of bodies, forces of stops and
-/// friction, rates of bodies.
+/// The quantities whose extremes are printed or drawn: coordinates of bodies, forces of contacts,
+/// rates of bodies.
 fn watched(d: &Description) -> Vec<Quantity> {
     let bodies = |what| {
         (0..d.bodies.len()).filter(|&i| !d.bodies[i].is_inner()).map(move |i| Quantity::of_body(i, what))

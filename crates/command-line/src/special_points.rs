@@ -53,8 +53,8 @@ pub trait PointOfTable: Sized {
     /// Description of the point with its events.
     fn told(&self) -> String;
 
-    /// The point of a row from which a curve can start; `None` if no orbit that a motion leads to
-    /// is next to it.
+    /// The point of a row from which a curve can start; `None` if the table has no orbit next to
+    /// it.
     #[doc(hidden)]
     fn read(row: &PointRow, label: Label) -> Result<Option<Self>>;
 }

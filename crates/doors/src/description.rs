@@ -160,7 +160,7 @@ pub struct Experiment {
     pub step_size: f64,
 }
 
-/// A unit: its exponents of the SI base units and the factor to them.
+/// A unit, made of SI base units without a factor, and its display units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Unit {
     /// Name, e.g. `N.s/m`.

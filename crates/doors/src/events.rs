@@ -14,7 +14,7 @@ pub struct Handled {
 pub struct StepOutcome {
     /// The time reached, s (`lastSuccessfulTime`).
     pub time: f64,
-    /// Whether the host must handle an event there (`eventHandlingNeeded`).
+    /// Whether the host must handle an event at this time (`eventHandlingNeeded`).
     pub event: bool,
     /// Whether the step ended before its requested end (`earlyReturn`; FMI 2.0: Discard).
     pub early: bool,

@@ -18,7 +18,7 @@
 //! Two orders of calls are required. First, a step saves its beginning before it takes over the
 //! values that were set. Second, a whole step calls [`taken_over`](Hybrid::taken_over) after the
 //! run, since the run may fail. A step in pieces calls it immediately, since the host may read
-//! dependent values; the state saved before the step undoes it.
+//! dependent values; if the step fails, the state saved before it is restored.
 //!
 //! To change the behaviour of a step at an event, edit [`AtEvent`], the function `whole` of
 //! `steps.rs` and [`Pieces`]; this changes every component. A new function of [`Hybrid`] gets a
@@ -92,7 +92,8 @@ pub trait Hybrid: Model {
     /// If the motion cannot continue; then [`undo`](Self::undo) is called.
     fn run(&mut self, end: StepEnd, until: Until, log: &mut dyn Log) -> Result<Met, Self::Problem>;
 
-    /// Undoes the step because of `problem`. Returns `problem`, or the problem of undoing it.
+    /// Undoes the step because of `problem`. Returns `problem`, or a problem that states that
+    /// undoing failed.
     fn undo(&mut self, undo: Self::Undo, problem: Self::Problem) -> Self::Problem;
 
     /// Applies the law of the event that is due.

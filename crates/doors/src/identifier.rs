@@ -1,7 +1,7 @@
 //! Identifiers computed from contents.
 
 /// A hash in the form of a globally unique identifier. A library recognizes its model description
-/// by the hash of the description's text, the token.
+/// by this token, made from everything that determines the description.
 pub fn identifier(text: &str) -> String {
     let hash = fnv1a(text.as_bytes());
     format!(

@@ -82,7 +82,7 @@ impl Experiment {
     /// Checks the host's arguments and makes an experiment.
     ///
     /// # Errors
-    /// [`Problem::Value`] if the tolerance is negative, the start is not finite, or the stop is
+    /// [`Problem::Value`] if a number is not finite, the tolerance is negative, or the stop is
     /// before the start.
     pub fn new(tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<Self, Problem> {
         match tolerance {
@@ -158,8 +158,8 @@ impl Life {
         };
     }
 
-    /// Takes over phase and experiment of a saved state. If the state was saved in a phase that
-    /// the present event handling does not have, the motion continues from there.
+    /// Takes over phase and experiment of a saved state. In Co-Simulation without event mode, a
+    /// state that was saved at an event becomes a state at a communication point.
     ///
     /// # Errors
     /// [`Problem::SavedState`] if the state is of the other interface type, or of a phase in which
@@ -186,7 +186,7 @@ impl Life {
     }
 
     /// Refuses a step that does not begin at `own`, the component's time, up to rounding; a step
-    /// of zero length; and a step past the stop time.
+    /// whose length is not positive; and a step past the stop time.
     ///
     /// # Errors
     /// [`Problem::Value`], [`Problem::Time`], [`Problem::StopTime`].
@@ -233,7 +233,7 @@ mod tests {
     }
 
     /// Damaged bytes may contain any phase. A phase that the interface type does not have would
-    /// leave an instance that answers nothing.
+    /// leave an instance that allows no call.
     #[test]
     fn saved_states_of_phases_that_there_are_not_are_refused() {
         for (interface, phases) in [

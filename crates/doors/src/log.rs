@@ -21,7 +21,8 @@ pub const CATEGORIES: [Category; 5] =
 
 /// Destination of a component's messages.
 pub trait Log {
-    /// Whether messages of this category are enabled. A caller need not make other messages.
+    /// Whether messages of this category are enabled. A caller need not compose messages of other
+    /// categories.
     fn wants(&self, category: Category) -> bool;
 
     /// Takes one finished message without trailing line break.

@@ -15,8 +15,8 @@ pub enum Status {
     Ok = 0,
     /// Done, with a warning.
     Warning = 1,
-    /// FMI 2.0: the call was carried out in part. FMI 3.0: the call was not carried out; the
-    /// instance is unchanged, and the simulation may continue.
+    /// FMI 2.0: the call was carried out in part, or a value is not available. FMI 3.0: the call
+    /// was not carried out; the instance is unchanged, and the simulation may continue.
     Discard = 2,
     /// Refused. FMI 2.0: the instance is unchanged. FMI 3.0: it is
     /// [Terminated](crate::fmi3::states::Stage::Terminated).
@@ -105,8 +105,8 @@ pub trait Sink {
     fn send(&mut self, status: Status, category: log::Category, message: &str);
 }
 
-/// A log for one call of the component. It passes on the enabled messages, and puts the function's
-/// name before warnings.
+/// A log for one call of the component. It puts the function's name before all messages except
+/// events. A caller asks `wants` first: `log` passes on any message.
 pub struct Logger<'a> {
     /// Destination of messages.
     pub sink: &'a mut dyn Sink,

@@ -139,8 +139,8 @@ pub trait Model: Sized + Debug + 'static {
         not_offered("dependencies of variables at run time")
     }
 
-    /// Time of the next event, s, if it is known. In Model Exchange it is the next time event, in
-    /// Co-Simulation the next event of any kind.
+    /// Time of the next event, s, if it is known. In Model Exchange it is the next time event; in
+    /// Co-Simulation it may be an event of any kind.
     fn next_event_time(&mut self) -> Option<f64> {
         None
     }

@@ -49,7 +49,7 @@ pub enum Problem {
         reference: u32,
         /// Description of the requested types.
         wanted: &'static str,
-        /// Text about the existing variables.
+        /// Text about the variable with the reference or, without one, about the valid references.
         found: String,
     },
     /// The variable cannot be set in the present phase, or never.

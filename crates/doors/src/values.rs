@@ -67,9 +67,9 @@ pub enum DependencyKind {
     Dependent,
     /// A constant factor.
     Constant,
-    /// A factor of fixed parameters.
+    /// A factor that depends on fixed parameters only.
     Fixed,
-    /// A factor of tunable parameters.
+    /// A factor that depends on parameters, also on tunable ones.
     Tunable,
     /// A factor that changes at events.
     Discrete,

@@ -8,15 +8,17 @@ use vibro_machine::description::{BodyKind, Signal};
 use vibro_machine::mode::StopState;
 use vibro_machine::system::StopRows;
 
-/// Length of the run in periods of the slowest harmonic or natural oscillation.
+/// Length of the run, in units of the longest period (natural, harmonic, swept or of a repeated
+/// signal).
 const PERIODS: f64 = 20.0;
-/// Number of steps per fastest period or contact.
+/// Number of steps in the shortest period or contact time, within the limits [`STEPS`].
 const PARTS: f64 = 10.0;
 /// Length of the run of a machine without periods, contacts and flights, s.
 const DURATION: f64 = 10.0;
-/// Bounds of the number of steps, which is the number of rows of a host's result.
+/// Limits of the number of steps (4096 if a power of two is needed), because a host's result has a
+/// row for each step.
 const STEPS: [f64; 2] = [1000.0, 4000.0];
-/// A squared natural frequency below this fraction of the highest one counts as zero: rounding.
+/// A squared natural frequency below this fraction of the highest squared one counts as zero.
 const NONE: f64 = 1e-12;
 
 /// Returns the default experiment of a machine.
@@ -92,7 +94,7 @@ fn own_periods(assembly: &Assembly) -> Vec<f64> {
     squares.iter().filter(|square| **square > NONE * highest).map(|square| TAU / square.sqrt()).collect()
 }
 
-/// Returns each compliant stop's contact time, undamped and by its own stiffness alone, s.
+/// Returns the contact time of each compliant stop, s, from its stiffness without damping.
 fn contact_times(assembly: &Assembly) -> impl Iterator<Item = f64> {
     let time = |stop: &StopRows| PI / (stop.stiffness() * stop.elongation.column.norm_squared()).sqrt();
     let system = assembly.system();

@@ -10,7 +10,8 @@
 //!
 //! One library serves every machine: the variables follow from the file in the FMU's resources,
 //! which is read when an instance is made. The instantiation token is a hash of this file and of
-//! the library's version. It rejects another machine's file and another version's description.
+//! the library's version. So another machine's file and another version's description are
+//! rejected.
 #![forbid(unsafe_code)]
 
 mod description;

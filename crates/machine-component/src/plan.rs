@@ -135,7 +135,8 @@ impl Plan {
             return Ok(Self::new(text, &name)?.with_arrays());
         }
         request.check_token(&token(&text)).map_err(|token| {
-            // A damaged file is refused with a line; the file of another machine parses.
+            // The refusal of a damaged file names its faulty line; the file of another machine
+            // parses.
             let damage = parse(&text, &name, &no_records).err().map(|refusal| refusal.to_string());
             MachineProblem::Text { place: damage.unwrap_or(name.clone()), token }
         })?;

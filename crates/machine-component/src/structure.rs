@@ -1,9 +1,9 @@
 //! The dependencies of `ModelStructure` (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8). They follow from the
 //! machine's topology and never from its numbers, which a host may change.
 //!
-//! Between events every coordinate, elongation and force is linear in states and inputs, with
-//! factors that depend on the mode. Bodies that links, rigid stops or friction may hold together
-//! form a group: a force on one of them accelerates all.
+//! Between events every coordinate, elongation and force, except of curved springs, is linear in
+//! states and inputs, with factors that depend on the mode. Bodies that links, rigid stops or
+//! friction may hold together form a group: a force on one of them accelerates all.
 
 mod blocks;
 mod energy;
@@ -26,8 +26,9 @@ use vibro_machine::elements::Action;
 use vibro_machine::system::Part;
 use vibro_machine::{Element, Owner, What};
 
-/// Largest number of entries of all dependency lists of one kind, at about 10 bytes each. Beyond
-/// it the longest lists are left out, which in FMI means a dependency on every known.
+/// Largest number of entries of all dependency lists of one kind, at about 10 bytes each. If there
+/// are more, lists longer than the average are left out, which in FMI means a dependency on every
+/// known.
 const ENTRIES: usize = 200_000;
 
 /// The dependencies of a machine's variables.
@@ -41,7 +42,7 @@ pub(crate) struct Structure<'a> {
     references: HashMap<Quantity, u32>,
     inputs: HashMap<&'a str, u32>,
     group_of: Vec<usize>,
-    /// Group of each body under links alone.
+    /// Group of each body if only links hold bodies together.
     linked: Vec<usize>,
     groups: HashMap<usize, Group>,
 }
@@ -84,8 +85,8 @@ impl<'a> Structure<'a> {
         structure
     }
 
-    /// Returns the dependency lists of unknowns, for initialization if `initially`. If all
-    /// together exceed [`ENTRIES`], lists longer than their share are left out.
+    /// Returns the dependency lists of unknowns, for initialization if `initially`. If all lists
+    /// together exceed [`ENTRIES`], lists longer than an equal share of it are left out.
     pub(crate) fn unknowns(&self, unknowns: &[(u32, Quantity)], initially: bool) -> Vec<Unknown> {
         let list = |&(reference, quantity): &(u32, Quantity)| {
             let knowns =
@@ -219,7 +220,8 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// Returns the knowns of a force of elongation and rate, with derivatives of a kind.
+    /// Returns the knowns of a force that depends on elongation and rate; `times` is the kind of
+    /// its derivatives.
     fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         // The force of a damper does not depend on its elongation.

@@ -7,13 +7,14 @@
 //!   `friction.NAME.static.input`
 //! - output: `BODY.s`, `.v`, `.a`; `ELEMENT.e`, `.rate`, `.f`; `LOAD.f`; for springs in series
 //!   `SPRING.slider`, `SPRING.slider.rate`; the enumerations `STOP.state`, `FRICTION.state` and,
-//!   for sliders, `SPRING.state`; for rigid stops `STOP.impacts`, `STOP.impulse`; `SIGNAL`;
-//!   `BLOCK.OUTPUT`; `BLOCK.x[0]` with `.rate`; for sampled blocks, discrete: `BLOCK.x[0]`,
-//!   `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]`; for springs by points `SPRING.line`;
-//!   `energy.kinetic`, `.stored`, `.work`, `.lost`, `.switched`, `.residual`
+//!   for sliders, `SPRING.state`; for rigid stops `STOP.impacts`, `STOP.impulse`; for freewheels
+//!   the same three; `SIGNAL`; `BLOCK.OUTPUT`; `BLOCK.x[0]` with `.rate`; for sampled blocks,
+//!   discrete: `BLOCK.x[0]`, `BLOCK.OUTPUT.held`, `BLOCK.OUTPUT.next[0]`; for springs by points
+//!   `SPRING.line`; `energy.kinetic`, `.stored`, `.work`, `.lost`, `.switched`, `.residual`
 //! - local: the matrices `step.transition`, `step.response`, `step.parameters`, in FMI 3.0 with
 //!   arrays; `STOP.indicator` or, for compliant stops, `STOP.indicator.edge`, `.force`;
 //!   `FRICTION.indicator.up`, `.down`, `.level`; for corners `SPRING.indicator.points[1]`; for
+//!   limits `BLOCK.OUTPUT.indicator.lower`, `.upper`; for freewheels `WHEEL.indicator`; for
 //!   sliders `SPRING.indicator.up`, `.down`
 //!
 //! Bodies have unique names, elements have unique names, and the suffixes of both differ. So no
@@ -60,7 +61,7 @@ pub struct VariableRow {
     pub name: String,
     /// Description.
     pub meaning: String,
-    /// SI unit; `1` for whole numbers.
+    /// SI unit; `1` for dimensionless numbers and counts.
     pub unit: &'static str,
     /// Data type.
     pub base: Base,

@@ -115,7 +115,8 @@ const STOP_STATES: [(&str, &str); 7] = [
     ("Rebounding", "A compliant stop that rebounds with its spring's force alone"),
 ];
 
-/// Names and descriptions of the states of frictions; the value is the index, counted from 1.
+/// Names and descriptions of the states of friction elements; the value is the index, counted from
+/// 1.
 const FRICTION_STATES: [(&str, &str); 4] = [
     ("Off", "Its level is not positive"),
     ("SlippingUp", "The elongation grows"),
@@ -128,7 +129,7 @@ pub(crate) fn stop_state(state: StopState) -> f64 {
     match state {
         StopState::Open => 1.0,
         StopState::Closed => 2.0,
-        // A stop has the state of its part at the present level.
+        // A stop with stepped stiffness has the state of its part at the present level.
         StopState::Below | StopState::Off => 3.0,
         StopState::Pressed => 4.0,
         StopState::Free => 5.0,
@@ -137,7 +138,7 @@ pub(crate) fn stop_state(state: StopState) -> f64 {
     }
 }
 
-/// Returns the enumeration value of a friction's state.
+/// Returns the enumeration value of a friction element's state.
 pub(crate) fn friction_state(state: FrictionState) -> f64 {
     match state {
         FrictionState::Off => 1.0,
@@ -147,7 +148,7 @@ pub(crate) fn friction_state(state: FrictionState) -> f64 {
     }
 }
 
-/// Returns the enumeration value of a slider's state, among the states of frictions.
+/// Returns the enumeration value of a slider's state, among the states of friction elements.
 pub(crate) fn slider_state(state: SliderState) -> f64 {
     match state {
         SliderState::Up => 2.0,
@@ -158,10 +159,11 @@ pub(crate) fn slider_state(state: SliderState) -> f64 {
 
 /// Type name of the states of stops.
 pub(crate) const STOP_STATE: &str = "StopState";
-/// Type name of the states of frictions.
+/// Type name of the states of friction elements.
 pub(crate) const FRICTION_STATE: &str = "FrictionState";
 
-/// Returns the declared enumeration types. `rebounds`: whether stops may have their last state.
+/// Returns the declared enumeration types. `rebounds`: whether stops may have the last state,
+/// `Rebounding`.
 pub(crate) fn enumerations(rebounds: bool) -> [Type; 2] {
     let states = if rebounds { &STOP_STATES[..] } else { &STOP_STATES[..STOP_STATES.len() - 1] };
     let items = |states: &[(&'static str, &'static str)]| {

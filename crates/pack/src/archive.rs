@@ -1,4 +1,5 @@
-//! The `.fmu` archive: the same content gives the same bytes; read as by a host.
+//! The `.fmu` archive: it is written so that equal content gives equal bytes, and read as a host
+//! reads it.
 
 use crate::{Error, Result};
 use std::collections::{BTreeMap, BTreeSet};

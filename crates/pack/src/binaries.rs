@@ -20,7 +20,7 @@ const fn place(folder: &'static str, tuple: &'static str, ending: &'static str) 
     PackedPlatform { folder, tuple, ending }
 }
 
-/// All platforms for which a library may be packed.
+/// Platforms for which libraries are packed; [`PackedPlatform::OWN`] may be a further one.
 pub const PACKED_PLATFORMS: [PackedPlatform; 7] = [
     place("linux64", "x86_64-linux", ".so"),
     place("win64", "x86_64-windows", ".dll"),
@@ -32,7 +32,7 @@ pub const PACKED_PLATFORMS: [PackedPlatform; 7] = [
     place("win32", "x86-windows", ".dll"),
 ];
 
-/// Folder of this platform's binary in an FMI 2.0 archive (2.3), where hosts look for it: it
+/// Folder in which hosts on this platform look for the binary in an FMI 2.0 archive (2.3). It
 /// depends only on operating system and pointer width, not on the processor.
 pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = "macos"), usize::BITS) {
     (true, _, 64) => "win64",
@@ -104,7 +104,8 @@ impl Binaries {
 
     /// Inverse of [`folders`](Self::folders); `None` for an unknown tuple.
     pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
-        // WebAssembly is not a platform of FMUs: in a page, only the platforms below are valid.
+        // WebAssembly is not a platform of FMUs: in a web page, only [`PACKED_PLATFORMS`] are
+        // valid.
         let own = Some(OWN).filter(|_| !cfg!(target_family = "wasm"));
         let known = |name: &str| own.into_iter().chain(PACKED_PLATFORMS).find(|place| place.tuple == name);
         libraries.into_iter().map(|(name, bytes)| Some((known(&name)?, bytes))).collect()

@@ -83,7 +83,7 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
 /// Writes the archive of a machine for an FMI version, atomically.
 ///
 /// # Errors
-/// [`Error::Machine`](crate::Error::Machine) for a machine without a start,
+/// [`Error::Machine`](crate::Error::Machine) for a machine that cannot start,
 /// [`Error::File`](crate::Error::File).
 ///
 /// # Examples

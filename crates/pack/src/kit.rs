@@ -51,7 +51,7 @@ impl Kit {
         date.chain(binaries).chain(licences).collect()
     }
 
-    /// Reads a kit from entries, ignoring others; `None` without a library of a known platform.
+    /// Reads a kit from entries, ignoring others; `None` for a library of an unknown platform.
     pub fn from_entries(entries: Content) -> Option<Self> {
         let (mut binaries, mut licences, mut date) = (Content::new(), Content::new(), None);
         for (name, bytes) in entries {

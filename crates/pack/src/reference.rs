@@ -21,10 +21,10 @@ const VERSION: &str = "1.0.0-alpha.1";
 const REPORTED: u32 = 4;
 /// Largest number of events in the result.
 const EVENTS: usize = 1000;
-/// Relative perturbation of the second motion's start: a few roundings.
+/// Relative perturbation of the second motion's start: some tens of roundings.
 const SHIFT: f64 = 1e-14;
-/// Largest difference of both motions, relative to a column's largest value, for a row to be
-/// written. Other processors then agree as well.
+/// Largest difference of the two motions, relative to a column's largest value so far. The result
+/// ends before a row with a larger difference. Up to that row, other processors agree as well.
 const AGREEMENT: f64 = 1e-9;
 
 /// Explanation of the files for a reader (`documentation/fmi-ls-ref.txt`).
@@ -35,7 +35,7 @@ smoke-test.xml   the default experiment and its result, in the draft's schema of
                  that reproduces default.csv to 1e-8 of each column's largest value runs this FMU correctly\n\
 events.csv       the events, at most 1000: two rows at the time of each, with the states before and after its law\n";
 
-/// The files by name in the folder; empty for a machine whose motion cannot be computed.
+/// The files by name in the folder; empty for a machine whose motion cannot begin.
 pub fn files(plan: &Plan) -> Content {
     let experiment = plan.description().experiment;
     let Ok((rows, end)) = default_result(plan, experiment) else { return Content::new() };
@@ -120,7 +120,7 @@ fn push(text: &mut String, time: f64, states: &[f64]) {
     }
 }
 
-/// A motion whose start differs by a few roundings from the machine's own.
+/// A motion whose start differs by some tens of roundings from the machine's own.
 fn beside(plan: &Plan, motion: &Motion) -> Result<Motion, Error> {
     let states = states(motion);
     let starts =
@@ -165,7 +165,7 @@ fn default_result(plan: &Plan, experiment: Experiment) -> Result<(String, f64), 
     Ok((text, end))
 }
 
-/// Two rows for each event up to `end`: before and after its law.
+/// Two rows for each event up to `end`, at most [`EVENTS`] events: before and after its law.
 fn events(plan: &Plan, end: f64) -> String {
     let mut text = format!("time{}\n", heading(plan));
     let Ok(mut motion) = Motion::new(plan.assembly.clone()) else { return text };

@@ -25,7 +25,8 @@ fn driving_input(body: &Body) -> Option<(String, &'static str)> {
     }
 }
 
-/// The text of the file. The rule is `bus`, since a partner may only have displacement and force.
+/// The text of the file. The matching rule is `bus`, since a connected terminal may have only
+/// displacement and force.
 pub fn xml(plan: &Plan) -> String {
     let machine = &plan.assembly.description;
     let mut text = String::from(

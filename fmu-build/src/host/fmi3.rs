@@ -123,7 +123,7 @@ impl Binary {
     }
 }
 
-/// Receives the log of an instance.
+/// Receives a log message of an instance.
 unsafe extern "C" fn logger(
     log: *const Log,
     _status: c_int,

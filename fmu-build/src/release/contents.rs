@@ -192,7 +192,7 @@ fn metadata(about: &str, version: &str) -> Option<String> {
         .then(|| format!("gives {name} {found}, where vibro-impact {expected} is expected"))
 }
 
-/// Whether the archives in a package equal the archives next to it.
+/// Problems if archives in a package differ from the archives next to it.
 fn same_archives(dist: &Path, content: &Content, folder: &str, place: &str) -> Result<Vec<String>> {
     let mut wrong = Vec::new();
     for edition in Version::USUAL {

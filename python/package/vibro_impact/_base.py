@@ -211,7 +211,7 @@ class AnyMachine:
         raise NotImplementedError
 
     def _repr_svg_(self) -> Optional[str]:
-        """The sketch that a notebook shows; None if no file describes the machine."""
+        """The sketch that a notebook shows; None for a :class:`PaperMachine` that has no file, because its drive has no frequency."""
         try:
             return self.sketch().svg
         except ValueError:

@@ -62,8 +62,8 @@ class Machine(MachineDescription):
     ----------
     machine
         The path of a file, its text (with at least one line break), or a dictionary of the same form; docs/machine-file.md describes the
-        form. Paths of records are relative to the folder of the file; a text or a dictionary has records as lists. Lists and matrices of
-        a dictionary may be NumPy arrays and sparse matrices of SciPy.
+        form. Paths of records are relative to the folder of the file; in a text or a dictionary, records are lists of numbers. In a dictionary, a
+        list may be a NumPy array, and a matrix may be a NumPy array or a sparse matrix of SciPy.
 
     Raises
     ------
@@ -166,7 +166,8 @@ class Machine(MachineDescription):
         """Returns measures of the settled motion by name, like ``vibro sweep FILE``; :attr:`measures` lists all.
 
         `spread` of the result gives, by name, how much a measure scatters between windows of the motion: the standard error of a mean,
-        or rounding if the motion repeats. `unsettled` names a measure that still drifted during the measurement, or is None.
+        or rounding if the motion repeats. `unsettled` names a measure that was still drifting during the measurement, or is ``"the motion"``, or None
+        if all had settled.
 
         Parameters
         ----------
@@ -249,7 +250,7 @@ class Machine(MachineDescription):
         section
             As in :meth:`measure`; at an element's events, the columns have the values just after the event.
         phase
-            Phase of a section of whole periods, rad.
+            Phase of the drive at the points of a section with a period, rad.
         periods, settle
             Number of points of the section, and earlier returns for the transient.
         start
@@ -379,8 +380,8 @@ class Machine(MachineDescription):
         Raises
         ------
         ValueError, TypeError
-            If an argument is out of its range; if a word cannot close; if the motion settles on no periodic orbit (the message gives its
-            class); or if no orbit is found (the message lists the orbits that were).
+            If an argument is out of its range; if the word cannot repeat; if the motion settles on no periodic orbit (the message gives its class);
+            or if no orbit is found (the message lists the orbits that were).
         """
         return find_orbit(self, (word, period, tries), start, settle, section, progress)
 
@@ -407,9 +408,11 @@ class Machine(MachineDescription):
         of
             The measure that is kept for each orbit, such as ``amplitude.box.s``; by default the amplitude of the first free body.
         seeds
-            Number of parameter values whose settled motions start branches, up and down; with a `depth`, from the start too.
+            Number of parameter values at which motions are simulated until they settle: with the parameter increasing, with it decreasing, and, if
+            `depth` is positive, from `start`. Branches begin at the orbits on which these motions settle.
         depth
-            Largest number of branch switches in a row, at bifurcations and at touches of rigid stops; at other touches a branch continues.
+            Largest number of branch switches in a row, at bifurcations and at touches of rigid stops. A branch that continues another one with
+            different events, e.g. after the touch of a compliant stop, does not count as a switch.
         start, settle, section
             As in :meth:`orbit`.
 
@@ -474,8 +477,8 @@ class Machine(MachineDescription):
         Parameters
         ----------
         path
-            The file. In a folder, or without a path in the current folder, it is called ``NAME.fmu`` for FMI 2.0 and ``NAME-FMI3.fmu``
-            for FMI 3.0, after the machine.
+            The file, or a folder; by default the current folder. In a folder the file is called ``NAME.fmu`` for FMI 2.0 and ``NAME-FMI3.fmu`` for
+            FMI 3.0, where NAME is the name of the machine.
         version
             2 for FMI 2.0, 3 for FMI 3.0.
 

@@ -92,7 +92,7 @@ class MachineDescription(AnyMachine, metaclass=_Names):
         Raises
         ------
         ValueError, TypeError
-            For an unknown name (the message suggests the closest one), or a value that a file may not have either.
+            For an unknown name (the message suggests the closest one), or a value that would be invalid in a file.
         """
         parameters = merged(changes, parameters, "changes")
         units = self.units if any(isinstance(value, str) for value in parameters.values()) else {}

@@ -29,7 +29,7 @@ _VALUES = 11
 
 @dataclasses.dataclass(frozen=True)
 class DesignMotion:
-    """A motion of the best design at the parameters of its worst value."""
+    """A motion of the best design, at those values of the parameters in `over` at which its output is worst."""
 
     kind: str
     "Class: 1T, 2T, ..., quasi-periodic, chaotic."
@@ -84,7 +84,7 @@ class Design(Result):
     at_ends: list[str]
     "Parameters at an end of their range."
     limits: dict[str, tuple[Optional[float], str]]
-    "For each limit, as given: the output of the worst motion, and ``met``, ``not met`` or ``undecided``."
+    "For each constraint in `subject_to`: the worst value of its output over the motions, and ``met``, ``not met`` or ``undecided``."
     motions: list[DesignMotion]
     "Coexisting motions where the worst value occurs."
     rivals: list[Rival]
@@ -98,7 +98,7 @@ class Design(Result):
     goals: Floats
     "Output of each design, shape (m,); NaN if a motion has no value."
     within_limits: NDArray[np.bool_]
-    "Whether each design satisfies the limits, shape (m,)."
+    "Whether each design satisfies the constraints, shape (m,)."
     stages: list[str]
     "Stage of the search that requested each design: own, sobol, evolution, gradient, nearby."
 
@@ -147,9 +147,9 @@ def design(
         The output to minimise or maximise for the worst motion, such as ``amplitude.box.s``; :attr:`Machine.measures` lists all.
     over
         The worst value of a design is taken over these parameters. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, where
-        peaks between the values are searched too; a list has single values.
+        peaks between the values are searched too; a list gives separate values.
     subject_to
-        Constraints on the worst motion, such as ``"impact.speed.steel <= 0.5 m/s"``.
+        Constraints that every motion of a design must satisfy, such as ``"impact.speed.steel <= 0.5 m/s"``.
     robust
         Relative tolerance of the varied parameters. The worst value at the corners of the tolerance box counts (at 16 corners for more than
         four parameters); for the best design, at 32 interior points too.
@@ -158,7 +158,7 @@ def design(
     periods, settle, section
         As in :meth:`Machine.measure`.
     again
-        Budget of periods of motion for measuring the best designs for longer.
+        Largest total number of periods that are simulated to measure the best designs again, over longer times.
     start
         As in :meth:`Machine.simulate`, or a list of starts: every design is run from each of them.
     progress

@@ -43,7 +43,7 @@ class Segment:
 
 @dataclasses.dataclass(frozen=True)
 class Suspect:
-    """A parameter that is not free and would reduce the residuals of a fit."""
+    """A parameter that is not free, and that would reduce the residuals of a fit with another value."""
 
     name: str
     "Name of the parameter, or a description of friction that the machine does not have."
@@ -60,7 +60,7 @@ class Fit(Result):
     """A machine of your own fitted to a record; all numbers in SI."""
 
     verdict: str
-    "``fits``; or ``does not fit: …`` or ``undecided: …`` with the reason. Errors are valid only if the motion is the record's."
+    "``fits``; or ``does not fit: …`` or ``undecided: …`` with the reason. Errors are valid only with ``fits``."
     machine: AnyMachine
     "The machine with the fitted parameters."
     start: Start
@@ -82,13 +82,13 @@ class Fit(Result):
     residuals: dict[str, Floats]
     "Fitted motion minus record for each column, shape (m,)."
     contacts: dict[str, Floats]
-    "Fitted motion minus record of each stop's contact times, s; NaN if the motion lacks the contact."
+    "Contact times of the fitted motion minus the recorded ones for each stop, s; NaN if the motion does not have the contact."
     simulations: int
     "Number of simulations."
     near_until: float
     "Time up to which the fitted motion is near the record, s; the last time if it always is."
     persistence: float
-    "Correlation of successive residuals of a column."
+    "Correlation of successive residuals within a column, over all columns."
     segments: list[Segment]
     "Segments after the first, each with its own initial state; empty for a single motion."
     lost: list[str]
@@ -112,7 +112,7 @@ class PaperFit(Fit):
     machine: AnyMachine
     "The machine with the fitted parameters."
     twin: AnyMachine
-    "The same machine as a machine of your own, whose names columns and starts use."
+    "The fitted machine as a :class:`Machine`; columns and starts of this result use its names."
 
 
 def _table(path: Union[str, os.PathLike[str]], machine: MachineDescription, names: Mapping[str, str]) -> dict[str, tuple[Floats, Floats]]:
@@ -224,8 +224,8 @@ def fit(
 ) -> Fit:
     """Fit parameters of a machine to a record, with their standard errors: ``vibro fit FILE``.
 
-    A :class:`PaperMachine` is fitted as the same machine of bodies and elements. `free` has its physical parameters, the columns are ``box.s`` or
-    ``box_s`` and so on, the stops ``upper`` and ``lower``; `start` is as in :meth:`PaperMachine.simulate`. The result is a :class:`PaperFit`.
+    A :class:`PaperMachine` is fitted as the same machine of bodies and elements. `free` names its physical parameters. Columns are called ``box.s``
+    or ``box_s`` and so on, stops ``upper`` and ``lower``; `start` is as in :meth:`PaperMachine.simulate`. The result is a :class:`PaperFit`.
 
     >>> import vibro_impact as vi
     >>> slide = vi.Machine({
@@ -259,10 +259,10 @@ def fit(
     loss
         Loss function of the residuals: ``linear``, ``soft_l1`` or ``huber``.
     segments
-        Division of the motion into segments with their own initial states: ``"auto"``, ``"none"``, or a length in s. ``"auto"`` divides a
-        motion that does not lead to the record otherwise, for example a chaotic one.
+        Division of the motion into segments with their own initial states: ``"auto"``, ``"none"``, or a length in s. ``"auto"`` divides the motion if
+        it cannot be fitted as a whole, for example if it is chaotic.
     starts
-        Number of further starts of the fit, spread over ``within``.
+        Number of further initial guesses, spread over ``within``.
     start
         Start of the motion, as in :meth:`Machine.simulate`; by default the machine's own start. The default start of a :class:`PaperMachine` is
         in units of its initial gap.
@@ -334,13 +334,13 @@ def fit_records(
     Parameters
     ----------
     machines
-        Machine of each record, with the initial parameter values. The machines may differ in parameters that are not free.
+        Machine of each record, with the initial parameter values. The machines may differ in all parameters except those in `free`.
     records
         Records, each as in :func:`fit`.
     free
         Free parameters that all records share.
     own
-        Free parameters that each record has for itself, for example ``body.a.start.v``. ``record.shift`` and ``record.offset.COLUMN``
+        Free parameters that have a separate value for each record, for example ``body.a.start.v``. ``record.shift`` and ``record.offset.COLUMN``
         always belong to one record.
     events, sigma, start
         As in :func:`fit`, one for each record.

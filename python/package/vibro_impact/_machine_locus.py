@@ -40,7 +40,7 @@ class Locus(Result):
     """A curve of special points of periodic orbits over two parameters."""
 
     machine: MachineDescription
-    "The machine with all other parameters."
+    "The machine; along the curve its two parameters `names` vary."
     names: tuple[str, str]
     "The two parameters; the first is the branch's parameter."
     label: str

@@ -17,7 +17,7 @@ from ._progress import Bar
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-#: Section of a motion: a period in s, or the name of a stop or friction.
+#: Section of a motion: a period in s, or the name of a stop or friction element.
 SectionLike = Union[None, float, str]
 
 

@@ -85,16 +85,17 @@ class Orbit(Result):
     def gradient(self, name: str) -> dict[str, Optional[float]]:
         """Returns the derivatives of a measure, as in :meth:`measure`, with respect to every parameter except the start, by name, in SI.
 
-        ``orbit.gradient("amplitude.box.s")["stop.steel.gap"]``. The orbit keeps its word for the derivative. A value is None if no
-        derivative exists: at a fold, or if neither a larger nor a smaller value leaves an orbit, as for a frequency whose multiples are the other
-        frequencies.
+        ``orbit.gradient("amplitude.box.s")["stop.steel.gap"]``. The orbit keeps its word for the derivative. A value is None if no derivative exists:
+        at a fold, or if the machine has no periodic orbit after any change of the parameter, for example of one of several frequencies, which then
+        have no common period.
         """
         if not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected the name of an output, such as 'amplitude.box.s'")
         return {parameter: value for parameter, value, _ in self._solved().gradient(name)}
 
     def energies(self) -> Optional[dict[str, float]]:
-        """Returns the energy that each load supplies and each other element takes, J per period; None if no motion stays on the orbit."""
+        """Returns the energy that each load supplies and each other element takes, J per period; None if the orbit is too unstable for a motion to
+        stay on it."""
         found = self._solved().energies()
         return None if found is None else dict(found)
 
@@ -143,7 +144,7 @@ class Branch(Result):
     """A branch of periodic orbits along a parameter."""
 
     machine: MachineDescription
-    "The machine with all other parameters."
+    "The machine; along the branch its parameter `name` varies."
     name: str
     "Name of the parameter."
     word: str
@@ -167,7 +168,7 @@ class Branch(Result):
     labels: NDArray[np.str_]
     "Kind of special point at each point, shape (n,): a key of :data:`LABELS`, or empty."
     elements: NDArray[np.str_]
-    "Element concerned at each point, shape (n,), or empty."
+    "Element that the special point concerns, shape (n,); empty for other points."
     of: str
     "Name of the recorded output."
     measure: Floats

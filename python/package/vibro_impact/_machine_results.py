@@ -44,7 +44,7 @@ class Run(Result):
     columns: list[str]
     "Names of the columns of `values`."
     values: Floats
-    "Values, shape (n, k), SI; just after an event at that time."
+    "Values, shape (n, k), SI; at the time of an event, just after it."
     events: NDArray[np.void]
     "All events, fields t (s), kind, element, value, stops."
     energy: NDArray[np.void]
@@ -111,7 +111,7 @@ class Ends(Result):
     values: Floats
     "Values, shape (n, k), SI."
     error: Optional[NDArray[Any]] = None
-    "With ``errors='row'`` the reason why a motion has no end state, otherwise None; its values are then masked."
+    "With ``errors='row'`` the reason why a motion has no end state and its values are masked; otherwise None."
 
     def __getitem__(self, name: str) -> Floats:
         return column_of(self.columns, self.values, name)
@@ -148,7 +148,7 @@ class Direction(Result):
     contacts: Floats
     "Number of impacts and first touches per return, shape (n,)."
     rests: NDArray[np.bool_]
-    "Whether a stop stays closed or a friction sticks at some time, shape (n,)."
+    "Whether a stop stays closed or a friction element sticks at some time, shape (n,)."
     maxima: Floats
     "Distinct maxima, or values at the section, shape (k,), SI, to seven digits."
     at: NDArray[np.int64]

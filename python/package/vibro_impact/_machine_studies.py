@@ -37,7 +37,7 @@ class Attractor(Result):
     contacts: float
     "Number of impacts and first touches per return."
     rests: bool
-    "Whether a stop stays closed or a friction sticks at some time."
+    "Whether a stop stays closed or a friction element sticks at some time."
     interval: float
     "Mean time between returns, s."
     word: str
@@ -89,7 +89,7 @@ class Section(Result):
     speed: Optional[Floats]
     "Closing speed at a stop's events, shape (n,), m/s or rad/s; None for other sections."
     values: Floats
-    "Values of all columns of the machine, shape (n, k), just after an event."
+    "Values of all columns of the machine, shape (n, k); at an event, just after it."
 
     def __getitem__(self, column: str) -> Floats:
         names = self.machine.columns
@@ -118,8 +118,8 @@ class Spectrum(Result):
     errors: Floats
     "Standard errors of the exponents, 1/s; for a periodic orbit, the difference between two periods."
     period: Optional[int]
-    """Period in returns of the orbit on which the motion has settled: its exponents are ln|μ|/T with the orbit's multipliers μ. None for
-    a motion without a period, whose exponents are averages."""
+    """Period, in returns, of the orbit on which the motion has settled; the exponents are then ln|μ|/T with the orbit's period T and multipliers μ.
+    None for a motion without a period, whose exponents are averages."""
     t: Floats
     "Times after the start of averaging, shape (n,), s."
     running: Floats

@@ -41,7 +41,7 @@ class PaperEnds(Result):
     v: Floats
     "Velocities, shape (n, 3), m/s."
     error: Optional[NDArray[Any]] = None
-    "With ``errors='row'`` the reason why a motion has no end state, otherwise None; its values are then masked."
+    "With ``errors='row'`` the reason why a motion has no end state and its values are masked; otherwise None."
 
     @property
     def states(self) -> Floats:
@@ -224,13 +224,13 @@ def simulate_many(
     Parameters
     ----------
     machines
-        A machine, or machines of one class. Several described machines with `until` must have the same structure.
+        A machine, or machines of one class. Several described machines with `until` must have the same columns.
     parameters, **more
         Arrays of values of parameters of one machine, SI, broadcast against each other; the results have the broadcast shape.
     starts
         A start for all motions, as in `simulate`, or a sequence of starts; for :class:`PaperMachine` also an array of shape (n, 6).
     periods
-        For :class:`PaperMachine`: number of drive periods, each of its own machine; default 400.
+        For :class:`PaperMachine`: number of drive periods of each motion's own machine; default 400.
     until
         For described machines: end time of the motions, in s or as a text with a unit.
     times, derivatives

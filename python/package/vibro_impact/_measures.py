@@ -48,10 +48,10 @@ class Measures(dict[str, Union[float, str, None]]):
     def __init__(self, values: Mapping[str, Union[float, str, None]], spread: dict[str, Optional[float]], unsettled: Optional[str]) -> None:
         super().__init__(values)
         self.spread = spread
-        """By measure, how much its number would scatter from one window of the motion to the next: the standard error of a mean, rounding where
-        the motion repeats. None where there is no number."""
+        """For each measure, the scatter of its number from one window of the motion to the next: the standard error for a mean, rounding if the
+        motion repeats. None if the measure has no number."""
         self.unsettled = unsettled
-        "The name of a measure that still went one way while it was measured, None where all had settled."
+        "Name of a measure that was still drifting while it was measured, or ``the motion``; None if all had settled."
 
 
 def measured(names: list[str], row: Row) -> Measures:

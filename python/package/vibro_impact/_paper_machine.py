@@ -164,8 +164,8 @@ class PaperMachine(ParameterValues):
 
         A measure is exact for the motion over these periods; it is not computed from samples. `spread` of the result gives, by name, how much
         a measure scatters between windows of the motion: the standard error of a mean, or rounding if the motion repeats. The measure
-        ``class`` is a text; a measure that is undefined for the machine is None. `unsettled` of the result names a measure that still
-        drifted during the measurement, or is None.
+        ``class`` is a text; a measure that is undefined for the machine is None. `unsettled` of the result names a measure that was still drifting
+        during the measurement, or is ``"the motion"``, or None.
 
         Parameters
         ----------
@@ -291,9 +291,9 @@ class PaperMachine(ParameterValues):
             Period of the orbit: ``"2T"`` for two drive periods, or a time, in s or as a text with a unit; default ``"1T"`` with a word.
             Without a word, the settled motion must have this period.
         tries
-            Number of guesses of the phases for Newton's method. If several orbits have the word, the stable one is returned, else the first.
-            If only an orbit of a shorter word, passed several times, or a symmetric orbit is found, it is returned with
-            ``passages``.
+            Number of guesses of the phases for Newton's method. If several orbits have the word, the first stable one is returned, or the first if
+            none is stable. If only an orbit of a shorter word, passed several times, or a symmetric orbit is found, it is returned, and its
+            ``passages`` say how often.
         symmetric
             Whether the word is half of a symmetric orbit and closes with opposite sign, after an odd number of half drive periods.
 
@@ -358,7 +358,8 @@ class PaperMachine(ParameterValues):
         of
             The displacement whose maxima are kept, as in :meth:`bifurcation`.
         seeds
-            Number of parameter values whose settled motions start branches, up and down.
+            Number of parameter values at which motions are simulated until they settle, with the parameter increasing and decreasing. Branches begin
+            at the orbits on which these motions settle.
         depth
             Largest number of branch switches in a row.
         settle
@@ -448,7 +449,7 @@ class PaperMachine(ParameterValues):
     def spectrum(
         self, *, periods: int = 1500, settle: int = 400, start: StartOfMachine = None, progress: bool = False
     ) -> PaperSpectrum:
-        """Computes the seven Lyapunov exponents: six coordinates and the phase of the drive (docs/theory.md, section 11).
+        """Computes the seven Lyapunov exponents, for six state variables and the phase of the drive (docs/theory.md, section 11).
 
         Parameters
         ----------
@@ -506,7 +507,8 @@ class PaperMachine(ParameterValues):
     def described(self) -> Machine:
         """Returns the equivalent described machine: the same bodies, springs, stops, loads and values, started in the middle.
 
-        Its motions agree to round-off. It has everything that needs no groups: a file, a sketch, an FMU, derivatives, joining to other parts.
+        Its motions agree to round-off. It offers everything that requires no groups: a file, a sketch, an FMU, derivatives, and connections to other
+        bodies.
 
         Raises
         ------

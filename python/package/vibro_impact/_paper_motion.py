@@ -121,13 +121,13 @@ class PaperRun(Result):
     s: Floats
     "Displacements x1, x2, x3 of box, block and secondary oscillator, shape (n, 3), m."
     v: Floats
-    "Velocities, shape (n, 3), m/s; just after an impact at that time."
+    "Velocities, shape (n, 3), m/s; at the time of an impact, just after it."
     energy: NDArray[np.void]
     "Energy accounts since the start, shape (n,), fields mechanical, input, damped, impact, J."
     impacts: NDArray[np.void]
     "All impacts from the first to the last time, fields t (s), stop (+1, -1), speed (m/s), impulse (N.s)."
     rests: NDArray[np.void]
-    "Ends of chatter in resting contact, fields t (s), stop."
+    "Beginnings of resting contact, fields t (s), stop."
     releases: NDArray[np.void]
     "Releases of the block from a stop, fields t (s), stop."
 

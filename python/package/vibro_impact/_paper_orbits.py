@@ -57,7 +57,7 @@ class PaperOrbit(Result):
     multipliers: NDArray[np.complex128]
     "Multipliers, largest first, shape (6,), over :attr:`multiplier_periods`."
     multiplier_periods: float
-    "Drive periods that the multipliers cover: the period, or half of it for a symmetric orbit; squares are then the period's multipliers."
+    "Drive periods that the multipliers cover: the period, or half of it for a symmetric orbit; the multipliers of the period are then their squares."
     stable: bool
     "Whether the orbit attracts neighbouring motions."
     _half_periods: int = dataclasses.field(repr=False)
@@ -72,7 +72,7 @@ class PaperOrbit(Result):
         return _native.PaperOrbit(self.machine._system, self.word, closing, self._half_periods, self.phases)
 
     def motion(self, theta: ArrayLike) -> tuple[Floats, Floats]:
-        """Returns displacements (m) and velocities (m/s), shape (n, 3) each, at phases of the drive (rad), shape (n,); just after an impact."""
+        """Returns displacements (m) and velocities (m/s), shape (n, 3) each, at drive phases (rad), shape (n,); at an impact, just after it."""
         return self._handle().motion(array("theta", theta, "an array of shape (n,) of phases in rad"))
 
     @property
@@ -119,7 +119,7 @@ class PaperBranch(Result):
     """A branch of periodic orbits along a parameter."""
 
     machine: ParameterValues
-    "The machine with all other parameters."
+    "The machine; along the branch its parameter `name` varies."
     name: str
     "Name of the parameter."
     word: str

@@ -147,7 +147,7 @@ class ParameterValues(AnyMachine):
         raise NotImplementedError
 
     def _changes_period(self, name: str) -> bool:
-        """Whether a parameter changes the period of the drive."""
+        """Whether a parameter may change the period of the drive."""
         return find(name) in ("drive_frequency", "sigma1", "epsilon", "box_k", "box_m")
 
     def _in_si(self, given: str, values: ArrayLike) -> ArrayLike:

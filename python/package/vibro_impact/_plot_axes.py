@@ -19,7 +19,7 @@ _SMALL_GAP = 0.1
 
 
 def length(machine: ParameterValues) -> tuple[float, str]:
-    """Returns the unit of lengths: its number per metre, and its symbol."""
+    """Returns the number of units of length per metre, and the symbol of the unit."""
     return (1e3, "mm") if machine.stop_gap < _SMALL_GAP else (1.0, "m")
 
 

@@ -24,7 +24,7 @@ class Start(Mapping[str, float]):
 
     @property
     def time(self) -> float:
-        """The time at which signals have their values, s."""
+        """The initial time, s, from which drives and other signals continue."""
         return self._numbers["time"]
 
     @property

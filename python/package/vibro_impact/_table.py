@@ -37,11 +37,11 @@ class Table(Result):
     """Scatter of each measure from one window of the motion to the next: the standard error for a mean, rounding if the motion
     repeats. ``table["impacts.spread"]`` is ``table.spreads["impacts"]``."""
     unsettled: NDArray[Any]
-    "Name of a measure that was still drifting when it was measured; None if all had settled."
+    "Name of a measure that was still drifting while it was measured, or ``the motion``; None if all had settled."
     error: Optional[NDArray[Any]]
     "With ``errors='row'`` the reason why a motion has no measures, otherwise None."
     axes: Optional[tuple[str, ...]]
-    "Parameters of the dimensions of a sweep."
+    "For a sweep, the parameter that varies along each dimension."
     units: dict[str, str] = dataclasses.field(repr=False)
     "SI unit of each column."
     shape: tuple[int, ...]

@@ -16,7 +16,7 @@ from typing import Any, Optional, Protocol, Union
 
 from ._progress import Bar
 
-#: Largest number of parts of a study; smallest and largest number of rows of a part.
+#: Number of parts at which a study aims; smallest and largest number of rows of a part, which take precedence.
 _PARTS, _LEAST, _MOST = 200, 8, 4096
 #: Version of the format of a part; parts of other versions are refused.
 _FORM = 3

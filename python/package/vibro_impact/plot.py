@@ -1,9 +1,9 @@
 """Pictures by matplotlib: each function draws one result into axes and returns the axes.
 
 ``axes`` are the axes to draw into; by default the current axes, as in matplotlib's own functions. Bodies have the same colours as in the
-pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths are drawn in mm if the gap
-is under 0.1 m, else in m; the numbers of the results stay in SI. Results of a :class:`Machine` are drawn in SI, in matplotlib's colours.
-Every function accepts results of both kinds of machine.
+pictures of `vibro`: box blue, block orange, secondary oscillator green, the block in the box purple. Lengths of the paper's machine are drawn in mm
+if the gap is under 0.1 m, else in m (maxima of diagrams and starts of basins in units of L); the numbers of the results stay in SI. Results of a
+:class:`Machine` are drawn in SI, in matplotlib's colours. Every function except :func:`locus` accepts results of both kinds of machine.
 
 >>> from vibro_impact import PaperMachine, plot
 >>> axes = plot.portrait(PaperMachine().simulate(periods=20), of="x2")
@@ -149,7 +149,8 @@ def forces(run: Union[Run, PaperRun], axes: Optional[Axes] = None, *, of: Union[
     Parameters
     ----------
     of
-        For a described machine, some columns that end in ``.f``, by default of all stops; for the paper's machine ``upper`` or ``lower``.
+        For a described machine, some columns that end in ``.f``: by default of all stops with a force, or all if no stop has one. For the paper's
+        machine ``upper`` or ``lower``, by default both.
 
     Raises
     ------
@@ -326,9 +327,11 @@ def _dots(axes: Axes, shown: Union[Direction, PaperDirection], colour: str, labe
 
 
 def basins(basins: Union[Basins, PaperBasins], axes: Optional[Axes] = None) -> Axes:
-    """Draws basins of attraction: a colour for each attractor, lighter for its mirror image; starts outside the stops are white.
+    """Draws basins of attraction: a colour for each attractor (repeated after six), lighter for its mirror image; cells without an attractor are
+    white.
 
-    For a machine of your own, cells whose motion is undecided are grey, and cells whose motion ends are black.
+    For a machine of your own, cells whose start violates a rigid stop are white, undecided ones grey, and cells whose motion ends or comes to rest
+    black.
     """
     require("basins", basins, Basins, PaperBasins)
     axes = axes_of(axes)

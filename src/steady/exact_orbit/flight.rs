@@ -278,7 +278,8 @@ impl Flight {
         })
     }
 
-    /// Time derivative of a state in flight, where the drive's force has the value `force`.
+    /// Derivative of a state in flight with respect to the phase, where the drive's force is
+    /// `force`.
     pub fn rate_of(&self, s: &Vector6, force: f64) -> Vector6 {
         let stretch = s[1] - s[2];
         let a1 = force - self.k1 * s[0] - self.c1 * s[3];

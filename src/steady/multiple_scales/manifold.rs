@@ -98,7 +98,8 @@ impl Manifold {
         (c - 1.0).atan2(-self.rho * c)
     }
 
-    /// m = B dB/dC = (1+ρ²) C - 1, docs/theory.md (38): zero at C_min, negative on the left branch.
+    /// m = B dB/dC = (1+ρ²) C - 1, docs/theory.md (38): zero at C_min, negative on the left
+    /// branch.
     pub(super) fn slope(&self, c: f64) -> f64 {
         (1.0 + self.rho * self.rho) * c - 1.0
     }
@@ -129,8 +130,8 @@ impl Manifold {
         c > 0.0 && self.w_max(c) <= 1.0
     }
 
-    /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07 at
-    /// κ = 0.75.
+    /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07
+    /// at κ = 0.75.
     ///
     /// Where the largest W equals 1, it rises with C, so there is only one such C. The search
     /// starts at the C of docs/theory.md (49).
@@ -155,8 +156,8 @@ impl Manifold {
         self.c_min()
     }
 
-    /// C at which a half-cycle multiplier is -1 (symmetry breaking), docs/theory.md (56): π²/(π²-4)
-    /// for every κ.
+    /// C at which a half-cycle multiplier is -1 (symmetry breaking), docs/theory.md (56):
+    /// π²/(π²-4) for every κ.
     pub fn c_smax(&self) -> f64 {
         PI * PI / (PI * PI - 4.0)
     }
@@ -192,19 +193,19 @@ impl Manifold {
 mod tests {
     use super::*;
 
-    /// Closed forms, a few roundings.
+    /// Tolerance for closed forms: a few roundings.
     const ROUNDING: f64 = 1e-14;
-    /// Half a unit of the last digit of the golden ρ.
+    /// Tolerance: half a unit of the last digit of the golden ρ.
     const GOLDEN_RHO: f64 = 5e-7;
-    /// Half a unit of the last digit of the golden C_min.
+    /// Tolerance: half a unit of the last digit of the golden C_min.
     const GOLDEN_C_MIN: f64 = 5e-6;
-    /// Half a unit of the last digit of the golden C_Smax.
+    /// Tolerance: half a unit of the last digit of the golden C_Smax.
     const GOLDEN_C_SMAX: f64 = 5e-5;
-    /// Half a unit of the last digit of the golden C_Gmax and its B.
+    /// Tolerance: half a unit of the last digit of the golden C_Gmax and its B.
     const GOLDEN_C_MAX: f64 = 5e-3;
-    /// Error of C_Gmax for κ = 1 by minimising on a grid.
+    /// Tolerance for C_Gmax at κ = 1, found by minimising on a grid.
     const GOLDEN_C_ELASTIC: f64 = 1e-8;
-    /// Error of a maximum by dense sampling, which is of the order of the step squared.
+    /// Tolerance for a maximum by dense sampling, whose error is of the order of the step squared.
     const SAMPLING: f64 = 1e-6;
 
     #[test]

@@ -6,25 +6,25 @@ use crate::steady::continuation::{self, Branch, Family, LOCATION, Special};
 use crate::steady::multiple_scales::{Manifold, MultipleScales};
 use crate::steady::{Bifurcation, Sheet, exact_orbit};
 
-/// Half a unit of the last digit of the golden lower end of the exact orbit's stable range.
+/// Tolerance: half a unit of the last digit of the golden lower end of the stable range.
 const GOLDEN_LOW: f64 = 5e-4;
-/// Half a unit of the last digit of the golden upper end of the exact orbit's stable range.
+/// Tolerance: half a unit of the last digit of the golden upper end of the stable range.
 const GOLDEN_HIGH: f64 = 5e-3;
-/// Error of a multiplier at a located special point; it moves at most a hundred times as fast as
-/// the parameter.
+/// Tolerance for a multiplier at a located special point; a multiplier moves at most a hundred
+/// times as fast as the parameter.
 const MULTIPLIER: f64 = 1e-9;
-/// Error of multipliers at a fold, where they move with the square root of the parameter.
+/// Tolerance for multipliers at a fold, where they move with the square root of the parameter.
 const AT_FOLD: f64 = 1e-4;
 
-/// Rounding of an impulse between a fold and its neighbour, where it moves with the square root of
-/// the parameter.
+/// Tolerance for an impulse between a fold and its neighbour, where the impulse moves with the
+/// square root of the parameter.
 const IMPULSE_ROUNDING: f64 = 1e-7;
 /// Largest step of the impulse between the nodes of a curve without jumps.
 const IMPULSE_STEP: f64 = 0.02;
-/// Error of a located complex pair of multipliers that is nearly double, which moves with the
+/// Tolerance for a located complex pair of multipliers that is nearly double and moves with the
 /// square root of the parameter.
 const LOCATED_PAIR: f64 = 1e-7;
-/// Error of a located multiplier -1 that is nearly double.
+/// Tolerance for a located multiplier -1 that is nearly double.
 const LOCATED_BREAKING: f64 = 1e-6;
 
 fn force(f10: f64) -> Result<Parameters> {
@@ -206,7 +206,8 @@ fn wrong_ranges_are_errors() {
         Err(Error::OutOfRange { name: "box.m", .. })
     ));
 }
-/// Quadratic with a known branch: root = shift ± √(size - (v - 1/3)²), a circle about (1/3, shift).
+/// Quadratic with a known branch: root = shift ± √(size - (v - 1/3)²), a circle about (1/3,
+/// shift).
 #[derive(Clone, Copy)]
 struct Circle {
     v: f64,

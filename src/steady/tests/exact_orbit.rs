@@ -8,36 +8,36 @@ use crate::steady::Sheet;
 use crate::steady::exact_orbit::*;
 use std::f64::consts::{PI, TAU};
 
-/// Rounding of the golden p/m2 and radius of the default set, which have nine decimals. All golden
-/// numbers are of an earlier prototype.
+/// Tolerance for the golden p/m2 and radius of the default set, which have nine decimals. All
+/// golden numbers are of an earlier prototype.
 const GOLDEN: f64 = 6e-10;
-/// Rounding of golden amplitudes, which have seven decimals.
+/// Tolerance for golden amplitudes, which have seven decimals.
 const GOLDEN_AMPLITUDE: f64 = 6e-8;
-/// Excess of a maximum over its golden amplitude, which the prototype sampled.
+/// Limit on the excess of a maximum over its golden amplitude, which the prototype sampled.
 const GOLDEN_SAMPLING: f64 = 3e-7;
-/// Rounding of the golden numbers of the second set, which have ten decimals.
+/// Tolerance for the golden numbers of the second set, which have ten decimals.
 const GOLDEN_SECOND: f64 = 6e-11;
-/// Rounding of the golden radius of the second set, which has eight decimals.
+/// Tolerance for the golden radius of the second set, which has eight decimals.
 const GOLDEN_RADIUS: f64 = 6e-9;
-/// Rounding over half a period, with amplitudes of order one.
+/// Tolerance: rounding over half a period, with amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
-/// Error of the classical Runge-Kutta method with 2000 steps per half period: h⁴ ≈ 6e-12.
+/// Tolerance for the classical Runge-Kutta method with 2000 steps per half period: h⁴ ≈ 6e-12.
 const RUNGE_KUTTA: f64 = 1e-10;
-/// Error of products of multipliers. The multipliers of nearly double pairs lose half their
+/// Tolerance for products of multipliers. The multipliers of nearly double pairs lose half their
 /// digits, their products do not.
 const PRODUCT: f64 = 1e-11;
 
-/// Error of a sampled amplitude, which misses the maximum by the square of the spacing.
+/// Tolerance for a sampled amplitude, which misses the maximum by the square of the spacing.
 const SAMPLING: f64 = 1e-5;
 /// Largest excess of a sampled w over the stop that counts as a touch.
 const TOUCH: f64 = 1e-9;
 /// Step of the central differences.
 const STEP: f64 = 1e-5;
-/// Error of the characteristic polynomial by central differences.
+/// Tolerance for the characteristic polynomial by central differences.
 const DIFFERENCE: f64 = 1e-6;
-/// Error of Simpson's rule with 2000 nodes over half a period.
+/// Tolerance for Simpson's rule with 2000 intervals over half a period.
 const QUADRATURE: f64 = 1e-9;
-/// Error of the two multipliers that a plastic impact makes zero: a double one is accurate to the
+/// Limit on the two multipliers that a plastic impact makes zero: a double one is accurate to the
 /// root of the rounding.
 const LOST_MULTIPLIER: f64 = 1e-6;
 

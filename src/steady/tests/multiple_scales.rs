@@ -6,27 +6,28 @@ use crate::steady::multiple_scales::*;
 use crate::steady::{Bifurcation, Roots};
 use std::f64::consts::PI;
 
-/// Rounding of golden numbers, which have nine decimals.
+/// Tolerance for golden numbers, which have nine decimals.
 const GOLDEN: f64 = 5e-10;
-/// Rounding of golden ends of ranges, which have three decimals.
+/// Tolerance for golden ends of ranges, which have three decimals.
 const GOLDEN_RANGE: f64 = 5e-4;
-/// Rounding of closed forms of amplitudes of order one.
+/// Tolerance: rounding of closed forms of amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
-/// Central differences with step 1e-6: rounding 1e-10; third derivatives grow with powers of 1/B,
-/// at least 0.05 here.
+/// Tolerance for central differences with step 1e-6: rounding 1e-10; third derivatives grow with
+/// powers of 1/B, and B is at least 0.05 here.
 const DIFFERENCE: f64 = 1e-6;
-/// nalgebra's QR against closed form; eigenvalues of order one, some nearly double.
+/// Tolerance for nalgebra's QR against closed form; eigenvalues of order one, some nearly double.
 const EIGENVALUE: f64 = 1e-9;
 
 /// Step of the central differences.
 const STEP: f64 = 1e-6;
 /// Phase before an impact at which its left limits are read, rad.
 const BEFORE: f64 = 1e-9;
-/// Change of slopes of order one from there to the impact, with the rounding of the phase.
+/// Tolerance for slopes of order one: their change over [`BEFORE`], with the rounding of the
+/// phase.
 const SLOPE: f64 = 1e-7;
-/// Rounding of an amplitude or of W computed from another phase.
+/// Tolerance: rounding of an amplitude or of W computed from another phase.
 const PHASE_ROUNDING: f64 = 1e-12;
-/// Error of a sampled amplitude, which misses the maximum by the square of the spacing.
+/// Tolerance for a sampled amplitude, which misses the maximum by the square of the spacing.
 const SAMPLING: f64 = 1e-7;
 
 fn basic() -> Roots<FixedPoint> {

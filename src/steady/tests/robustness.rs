@@ -3,7 +3,7 @@
 use crate::parameters::{FIELDS, Groups, Parameters};
 use crate::steady::{exact_orbit, multiple_scales, strong_coupling};
 
-/// Rounding of the gap between large coordinates.
+/// Tolerance: rounding of the gap between large coordinates.
 const GAP_ROUNDING: f64 = 1e-12;
 
 /// Linear congruential generator, random enough to pick parameters.

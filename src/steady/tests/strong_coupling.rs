@@ -7,32 +7,33 @@ use crate::steady::strong_coupling::*;
 use crate::steady::{Roots, multiple_scales};
 use std::f64::consts::PI;
 
-/// Rounding of a closed form computed in two ways, with amplitudes of order one.
+/// Tolerance: rounding of a closed form computed in two ways, with amplitudes of order one.
 const ROUNDING: f64 = 1e-13;
-/// Eigenvalues by QR; a nearly double pair keeps half its digits.
+/// Tolerance for eigenvalues by QR; a nearly double pair keeps half its digits.
 const EIGENVALUE: f64 = 1e-9;
 
-/// A nearly double pair of multipliers keeps half its digits.
+/// Tolerance for multipliers: a nearly double pair keeps half its digits.
 const MULTIPLIER: f64 = 1e-6;
 /// Phase before an impact at which its left limits are read, rad.
 const BEFORE: f64 = 1e-10;
-/// Change of slopes from there to the impact, with the rounding of the phase.
+/// Tolerance for slopes: their change over [`BEFORE`], with the rounding of the phase.
 const SLOPE: f64 = 1e-8;
-/// Change of W from there to the impact, with the rounding of the phase.
+/// Tolerance for W: its change over [`BEFORE`], with the rounding of the phase.
 const RELATIVE: f64 = 1e-9;
 /// Step of second differences.
 const STEP: f64 = 1e-4;
-/// Error of second differences: rounding over the square of the step.
+/// Tolerance for second differences: rounding over the square of the step.
 const SECOND_DIFFERENCE: f64 = 1e-6;
-/// Error of the midpoint rule with 20,000 nodes.
+/// Tolerance for the midpoint rule with 20,000 nodes.
 const QUADRATURE: f64 = 1e-7;
-/// Error of a sampled amplitude, which misses the maximum by the square of the spacing.
+/// Tolerance for a sampled amplitude, which misses the maximum by the square of the spacing.
 const SAMPLING: f64 = 1e-6;
-/// Rounding by which a sampled amplitude may exceed the maximum.
+/// Limit on the rounding by which a sampled amplitude may exceed the maximum.
 const SAMPLE_ROUNDING: f64 = 1e-11;
 /// Distance of β from 1 on either side.
 const NEAR_ONE: f64 = 1e-5;
-/// Difference of the amplitudes on either side of β = 1, where their slope is under fifty.
+/// Limit on the difference of the amplitudes on either side of β = 1, where their slope is under
+/// fifty.
 const LIMIT: f64 = 1e-3;
 
 fn strong() -> Groups {
@@ -111,8 +112,8 @@ fn invariant_impact_law_and_equations_of_strong_coupling() {
 
 #[test]
 fn second_method_balance_of_harmonics_by_quadrature() {
-    // The solvability conditions by numerical Fourier integrals of the motion instead of the closed
-    // form.
+    // The solvability conditions by numerical Fourier integrals of the motion instead of the
+    // closed form.
     let g = strong();
     for p in points(&g) {
         let n = 20_000;

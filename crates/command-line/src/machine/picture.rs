@@ -11,7 +11,7 @@ use vibro_studies::Extreme;
 
 /// Colours of curves; no panel has more curves.
 const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY];
-/// Largest number of points of a curve.
+/// Largest number of samples in a curve; its extremes between samples are added to them.
 const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);

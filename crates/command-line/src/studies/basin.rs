@@ -271,7 +271,8 @@ mod tests {
 
     #[test]
     fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
-        /// Ratio of two luminances with stray light (WCAG) that the eye can distinguish.
+        /// Smallest ratio of two luminances, with stray light (WCAG), that the eye can
+        /// distinguish.
         const APART: f64 = 1.02;
         let mut light: Vec<f64> =
             PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();

@@ -33,10 +33,10 @@ pub fn designed(request: &DesignRequest, found: &Designed) -> Result<Study> {
     })
 }
 
-/// The machine with the numbers of the best design; `None` if no design keeps the limits.
+/// The machine with the parameters of the best design; `None` if none was found.
 ///
 /// # Errors
-/// An error if the machine refuses the numbers.
+/// An error if the machine refuses the parameters.
 pub fn best_machine(request: &DesignRequest, found: &Designed) -> Result<Option<Machine>> {
     let Some(best) = found.best.as_ref().filter(|_| !matches!(found.verdict, Verdict::NoneFound(_))) else {
         return Ok(None);

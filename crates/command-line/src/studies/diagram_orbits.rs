@@ -173,7 +173,7 @@ fn maxima(
     Ok(branches.par_iter().map(along).collect())
 }
 
-/// The curve of a branch's maximum number `k`; NaN if its maxima differ from a neighbour's.
+/// The curve of the k-th largest maximum along a branch (`k` from 0); NaN where there are fewer.
 fn curve(maxima: &[Vec<f64>], k: usize) -> Vec<f64> {
     maxima.iter().map(|all| all.get(k).copied().unwrap_or(f64::NAN)).collect()
 }
@@ -246,7 +246,7 @@ fn row_table(family: &Family, branches: &[Branch], rows: &[Row]) -> Result<Vec<u
     table.text()
 }
 
-/// Number of rows explained, and list of the others.
+/// Number of rows on a stable branch, and list of the others.
 fn remarks(machine: &Machine, parameter: &str, rows: &[Row]) -> Vec<String> {
     let missing: Vec<&Row> = rows.iter().filter(|row| row.branch.is_none()).collect();
     let covered = rows.len() - missing.len();

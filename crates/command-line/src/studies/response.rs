@@ -10,7 +10,7 @@ use vibro_studies::{Machine, Measure};
 
 /// Largest number of branches described on the screen.
 const SHOWN: usize = 12;
-/// Largest number of events spelled out there.
+/// Largest number of events named in the description of a branch.
 const SPELLED: usize = 4;
 
 /// The study of a machine's response: the tables of its curve and of special points, and a picture

@@ -17,7 +17,7 @@ const SAME: f64 = 1e-6;
 /// Number of distinct points up to which they are counted.
 const COUNTED: usize = 64;
 
-/// A number of a point.
+/// A quantity of a point that an axis can show.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Number {
     Time,

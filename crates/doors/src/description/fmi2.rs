@@ -146,7 +146,7 @@ fn variable(v: &Variable, of: &Description) -> Element {
             .maybe("min", v.min.map(|min| min as i32))
             .maybe("max", v.max.map(|max| max as i32))
             .maybe("start", whole),
-        // FMI 2.0 has no clocks; its descriptions leave them out.
+        // FMI 2.0 has no clocks; a component must not put one into a description for it.
         Kind::Boolean | Kind::Clock => {
             Element::new("Boolean").maybe("start", v.start.map(|start| start != 0.0))
         }

@@ -43,7 +43,7 @@ pub enum Variability {
     Tunable,
     /// Changes at events only.
     Discrete,
-    /// Changes any time.
+    /// Changes at any time.
     Continuous,
 }
 

@@ -8,7 +8,7 @@ pub mod library;
 pub mod panics;
 pub mod pointers;
 
-/// Reason why an argument was refused, or the error inside the library.
+/// Reason why an argument was refused, or a panic inside the library.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// A pointer that is null, or misaligned for its type.

@@ -383,7 +383,7 @@ macro_rules! export_fmi2 {
             fmi2CancelStep, CancelStep() |instance, _| instance.cancel_step();
 
             "4.2.3":
-            /// The status of an asynchronous step; there are none.
+            /// The status of an asynchronous step; no step is asynchronous.
             fmi2GetStatus, GetStatus(value s: ::core::ffi::c_int, out value: $crate::fmi2::types::FmiStatus[1])
                 |instance, _| instance.no_status(s);
             /// `fmi2LastSuccessfulTime`.
@@ -395,7 +395,7 @@ macro_rules! export_fmi2 {
             /// `fmi2Terminated`.
             fmi2GetBooleanStatus, GetBooleanStatus(value s: ::core::ffi::c_int, out value: $crate::fmi2::types::FmiBoolean[1])
                 |instance, _| value.give(instance.boolean_status(s).map(Into::into));
-            /// The status of an asynchronous step; there are none.
+            /// The status of an asynchronous step; no step is asynchronous.
             fmi2GetStringStatus, GetStringStatus(value s: ::core::ffi::c_int, out value: *const ::core::ffi::c_char[1])
                 |instance, _| instance.no_status(s);
         }

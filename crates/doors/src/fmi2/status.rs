@@ -9,9 +9,9 @@ use std::ffi::CString;
 /// `fmi2StatusKind` (FMI 2.0, 4.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StatusKind {
-    /// Status of an asynchronous step; there are none.
+    /// Status of an asynchronous step; no step is asynchronous.
     DoStepStatus,
-    /// Pending status of an asynchronous step; there are none.
+    /// Pending status of an asynchronous step; no step is asynchronous.
     PendingStatus,
     /// Time reached by the last step.
     LastSuccessfulTime,
@@ -38,7 +38,7 @@ impl StatusKind {
         }
     }
 
-    /// The message for a status that is read with the wrong function.
+    /// The message for a status that is not available, or is read with the wrong function.
     pub fn not_available(self) -> &'static str {
         match self {
             Self::DoStepStatus => "fmi2DoStepStatus is not available: steps are synchronous",

@@ -36,7 +36,7 @@ pub const fn none(name: &'static str) -> Bases {
     Bases::new(name, &[])
 }
 
-/// The calls that the host may make while its callback runs.
+/// Arguments of the host's callback. They determine the calls that the host may make in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
     /// `intermediateUpdateTime`, s.

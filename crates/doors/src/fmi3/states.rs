@@ -142,7 +142,7 @@ function_table! {
 
     EnterContinuousTimeMode:         E,             0;
     CompletedIntegratorStep:         C,             0;
-    // In Event Mode only to the present time: some hosts repeat it there.
+    // In Event Mode only to the present time: some hosts set the present time again.
     SetTime:                         E | C,         0;
     SetContinuousStates:             C,             0;
     GetContinuousStateDerivatives:   N | E | C | T, 0;

@@ -126,8 +126,8 @@ impl Row {
         Self { name, unit, start, description, role, min: f64::MIN, max: f64::MAX }
     }
 
-    /// Sets the range of allowed values. The lower bound `f64::MIN_POSITIVE` means more than 0;
-    /// the upper bound `f64::MAX` means no bound.
+    /// Sets the range of valid values. The lower bound `f64::MIN_POSITIVE` means more than 0;
+    /// `f64::MIN` and `f64::MAX` mean no bound.
     #[must_use]
     pub const fn within(self, min: f64, max: f64) -> Self {
         Self { min, max, ..self }

@@ -16,12 +16,12 @@ pub(crate) const OUTPUT_ORDER: u32 = 3;
 struct Along {
     states: Vec<f64>,
     inputs: Vec<f64>,
-    /// Index of each varied parameter, with its part.
+    /// Index of each varied parameter, with the component of the direction along it.
     parameters: Vec<(usize, f64)>,
     time: f64,
 }
 
-/// Derivatives by parameters and time, each with its weight.
+/// Derivatives with respect to parameters and time, each with its weight.
 struct Partial {
     of: Differentiated,
     weights: Vec<f64>,
@@ -39,7 +39,8 @@ impl Partial {
 }
 
 impl Machine {
-    /// Returns the row of a variable whose value is linear in states and signals.
+    /// Returns the row of a variable that is a quantity of a body or an element; only these have
+    /// derivatives.
     fn linear(&self, reference: u32, what: &'static str) -> Result<&VariableRow, MachineProblem> {
         let row = self.plan.table.row(reference, Bases::ANY)?;
         match row.quantity {
@@ -141,8 +142,8 @@ impl Machine {
         Ok(along)
     }
 
-    /// Returns the derivatives of a motion's values by parameters and time along a direction, each
-    /// with its weight.
+    /// Returns the derivatives of a motion's values with respect to the parameters and the time in
+    /// a direction, each with its weight.
     fn partial(&self, motion: Motion, along: &Along) -> Result<Option<Partial>, MachineProblem> {
         if along.parameters.is_empty() && along.time == 0.0 {
             return Ok(None);
@@ -156,8 +157,9 @@ impl Machine {
         Ok(Some(Partial { of: Differentiated::at_fixed_state(motion, &columns)?, weights }))
     }
 
-    /// Returns the changes of the machine's numbers for a change of a parameter at a time. A
-    /// harmonic whose frequency changes continues from its present phase.
+    /// Returns the parameters that change with parameter `i` at a time, each with its change per
+    /// change of parameter `i`. If the frequency of a harmonic changes, its phase parameter
+    /// changes too, so that its present phase stays.
     pub(super) fn direction(&self, i: usize, time: f64) -> Vec<(&str, f64)> {
         let name = |i: usize| self.plan.table.parameters[i].name.as_str();
         match name(i).ends_with(".frequency") {
@@ -166,8 +168,8 @@ impl Machine {
         }
     }
 
-    /// Returns the derivative of a variable that is linear in the motion, from a motion that
-    /// represents the derivative. Error if it is not finite.
+    /// Returns the derivative of a quantity of a body or an element, from a motion `of` whose
+    /// states are the derivatives of the states. Error if the derivative is not finite.
     fn derivative(
         &self,
         of: &Motion,

@@ -16,7 +16,7 @@ use vibro_machine::motion::{Event, Reached};
 pub enum Undo {
     /// The motion itself, if another motion has replaced it.
     Other(Box<Moving>),
-    /// The energy's origin; `last_step` holds the other data.
+    /// The origin of the energy balance, J; `last_step` holds the other data.
     Same(f64),
 }
 

@@ -24,18 +24,19 @@ pub(super) struct LastStep {
 /// Derivatives of the states at the end of a step; each matrix is stored row by row.
 #[derive(Clone, Default)]
 pub(super) struct StepMatrices {
-    /// Derivatives by the states at the step's beginning.
+    /// Derivatives with respect to the states at the step's beginning.
     pub(super) transition: Vec<f64>,
-    /// Derivatives by the value and derivatives 1 to 3 of each input, at the step's beginning.
+    /// Derivatives with respect to each input's value and time derivatives 1 to 3 at the
+    /// beginning.
     pub(super) response: Vec<f64>,
-    /// Derivatives by the tunable parameters, once requested.
+    /// Derivatives with respect to the tunable parameters, once requested.
     by_parameters: Option<Vec<f64>>,
 }
 
 impl Machine {
     /// Returns the derivatives over the last step, including the law of an event at its end once
-    /// that is shown. Before the first step, and after a saved state was restored, they are the
-    /// derivatives over a step of length zero.
+    /// the host sees the values after it. Before the first step, and after a saved state was
+    /// restored, they are the derivatives over a step of length zero.
     pub(super) fn step_matrices(&mut self) -> &mut StepMatrices {
         let found = self.matrices.take().or_else(|| self.find_matrices());
         self.matrices.insert(found.unwrap_or_default())
@@ -57,8 +58,9 @@ impl Machine {
         Some(StepMatrices { transition, response, by_parameters: None })
     }
 
-    /// Returns the derivatives over the last step by the tunable parameters, set at its beginning
-    /// with the states kept, row by row. Zeros without a step, and if no derivative exists.
+    /// Returns the derivatives over the last step with respect to the tunable parameters, row by
+    /// row. A parameter changes at the beginning of the step, where the states keep their values.
+    /// Zeros without a step, and if no derivative exists.
     pub(super) fn step_by_parameters(&mut self) -> &[f64] {
         let own = self.step_matrices().by_parameters.take();
         let found = own.unwrap_or_else(|| self.find_by_parameters());
@@ -119,8 +121,8 @@ impl LastStep {
     }
 }
 
-/// Returns the derivatives at the motion's present point by parameters that change at the step's
-/// beginning, through all events between.
+/// Returns the derivatives at the present point of the motion with respect to parameters that
+/// change at the step's beginning, through all events between.
 fn replay_varied(
     begin: Motion,
     parameters: &[&str],
@@ -140,7 +142,7 @@ fn replay_varied(
             varied.advance_before_event(now.max(varied.motion().time()))?;
             break;
         }
-        // The last event counts once its law is shown.
+        // The law of the last event counts once the host sees the values after it.
         if outcome == Reached::End || time >= now - late && reached.motion.is_event_due() {
             break;
         }
@@ -149,8 +151,8 @@ fn replay_varied(
     Ok(varied)
 }
 
-/// Returns the variations at the motion's present point by states and inputs at the step's
-/// beginning, through all events between.
+/// Returns the derivatives at the present point of the motion with respect to states and inputs at
+/// the step's beginning, through all events between.
 fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
     let mut motion = step.motion(reached)?;
     let mut variations = motion.unit_variations();
@@ -170,7 +172,7 @@ fn replay(step: &LastStep, reached: &Moving) -> Result<Vec<Vec<f64>>, Error> {
             break;
         }
         if motion.time() >= now - late {
-            // The last event counts once its law is shown.
+            // The law of the last event counts once the host sees the values after it.
             if reached.motion.is_event_due() {
                 break;
             }

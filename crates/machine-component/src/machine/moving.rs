@@ -173,8 +173,8 @@ impl Moving {
         }
     }
 
-    /// Whether an input set at an event makes prescribed bodies jump. Otherwise a host's solver
-    /// sees the input at once.
+    /// Whether there are prescribed bodies, which an input set at an event may make jump. Without
+    /// them a host's solver sees the input at once.
     pub(super) fn jumps(&self) -> bool {
         self.motion.assembly().system().has_motions
     }
@@ -255,7 +255,7 @@ impl Moving {
 pub struct Shown {
     /// State, number of impacts and last impulse of each stop.
     pub(super) stops: Vec<(f64, f64, f64)>,
-    /// State of each friction.
+    /// State of each friction element.
     pub(super) frictions: Vec<f64>,
     /// Number of corners that each spring has passed.
     pub(super) lines: Vec<f64>,
@@ -318,7 +318,7 @@ mod tests {
         }
     }
 
-    /// The balance at a start is its own origin, whatever its value.
+    /// The energy at the start, whatever its value, is the origin of the balance.
     #[test]
     fn invariant_the_energy_of_a_start_is_no_residual() {
         let own = moving(&Plan::new(PAIR.into(), crate::plan::FILE).unwrap());

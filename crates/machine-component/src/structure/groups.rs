@@ -42,7 +42,8 @@ pub(super) fn holds(action: Action) -> bool {
 pub(super) struct Group {
     /// Knowns of the accelerations.
     pub(super) forces: Knowns,
-    /// Knowns of the bodies' jumps at events, from prescribed bodies tied to or touching them.
+    /// Knowns of the bodies' jumps at events, from prescribed bodies that are tied to them or
+    /// touch them.
     pub(super) jumps: Knowns,
     /// Whether a link ties the bodies to a prescribed body, so that coordinates and rates jump.
     pub(super) is_tied: bool,

@@ -9,8 +9,8 @@ use vibro_machine::elements::Action;
 use vibro_machine::{Element, What};
 
 impl<'a> Structure<'a> {
-    /// Adds the knowns of an event indicator. It is relative to the size of its event function,
-    /// which depends on all parameters and on past inputs.
+    /// Adds the knowns of an event indicator. An indicator is divided by the size of its event
+    /// function, which depends on all parameters and on past inputs.
     pub(super) fn indicator(&self, place: usize, knowns: &mut Knowns) {
         let of_element = |element: &Element<'a>| {
             let (count, first) = match element.action() {

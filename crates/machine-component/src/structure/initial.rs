@@ -15,7 +15,7 @@ impl Structure<'_> {
     pub(super) fn initially(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
         if let Quantity::Column(Column { owner: Owner::Element(i), what: What::SliderRate }) = quantity {
-            // Its start decides whether it slips.
+            // The start of the slider decides whether the slider slips.
             self.start_of_slider(i, &mut knowns);
         }
         for (known, _) in self.of(quantity) {

@@ -33,7 +33,7 @@ impl Structure<'_> {
             BodyKind::Prescribed { motion, rate } => {
                 self.signal(motion, *rate, &format!("body.{name}.motion.input"), order, &mut knowns);
             }
-            // An integral changes with time, and with an input since a solver's last point.
+            // An integral depends on time and, since the last point of a solver, on the input.
             BodyKind::Integrated(own) if order < own.level.order() => {
                 put(&mut knowns, self.references[&Quantity::Time], Dependent);
                 let input = format!("body.{name}.motion.{}.input", own.level.key());

@@ -21,7 +21,7 @@ pub enum Quantity {
     Impacts(usize),
     /// The impulse of a stop's last impact.
     Impulse(usize),
-    /// The state of a friction.
+    /// The state of a friction element.
     FrictionState(usize),
     /// The number of corners that a spring has passed, by the spring's index.
     Line(usize),
@@ -31,11 +31,12 @@ pub enum Quantity {
     Energy(Energy),
     /// An event indicator, by its index.
     Indicator(usize),
-    /// Derivatives of the states at the end of the last step by the states at its start.
+    /// Derivatives of the states at the end of the last step with respect to the states at its
+    /// start.
     Transition,
-    /// Derivatives of the states at the end of the last step by the inputs.
+    /// Derivatives of the states at the end of the last step with respect to the inputs.
     Response,
-    /// Derivatives of the states at the end of the last step by tunable parameters.
+    /// Derivatives of the states at the end of the last step with respect to tunable parameters.
     ByParameters,
 }
 

@@ -17,10 +17,10 @@ use vibro_impact::simulator::{
 use vibro_numerics::double_double::DoubleDouble;
 use vibro_numerics::drive_phase::DrivePhase;
 
-/// Length of a piece of the energies' quadrature, times the fastest rate. Five Gauss nodes on such
-/// a piece have a relative error below 1e-12.
+/// Largest length of a piece of the energies' quadrature, times the fastest rate. Five Gauss nodes
+/// on such a piece have a relative error below 1e-12.
 const PIECE: f64 = 0.5;
-/// Largest number of pieces in half a period. Only modes thousands of times faster than the drive
+/// Largest number of pieces in half a period. Only modes more than 650 times faster than the drive
 /// would need more.
 const MAX_PIECES: f64 = 4096.0;
 
@@ -152,7 +152,8 @@ impl ClosedForm {
         Ok(form)
     }
 
-    /// Returns to given [`data`](Self::data). Solves again only if the parameters differ.
+    /// Returns to given [`data`](Self::data). Solves again only if mode, parameters, beginning or
+    /// drive phase differ.
     ///
     /// # Errors
     /// As [`Solution::new`]; then nothing has changed.

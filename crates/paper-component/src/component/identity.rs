@@ -44,8 +44,8 @@ pub fn default_experiment() -> Experiment {
     Experiment { start_time: 0.0, stop_time: 100.0 * period, tolerance: 1e-8, step_size: period / 200.0 }
 }
 
-/// The number of this build. Computed again on each call, so that the library keeps nothing
-/// between loads.
+/// The number of this build. Computed again on each call, so that the library keeps nothing when a
+/// host unloads it.
 pub fn number() -> u128 {
     fnv1a(text().as_bytes())
 }

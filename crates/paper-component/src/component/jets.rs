@@ -82,7 +82,8 @@ pub(crate) fn jets(course: &MotionJet<'_>) -> OutputValues<Jet> {
     let coupling_force = (x[1] - x[2]).times(p.coupling_stiffness);
     let mut contact_force = Jet::default();
     if values.contact != Contact::Flight {
-        // The force, besides load and coupling, with which the block moves with the box.
+        // Force of the block on the stop: load and coupling force, less the force that accelerates
+        // the block with the box.
         let push = load[1] - coupling_force - acceleration[1].times(p.block_mass);
         contact_force = push.times(values.contact.side());
         contact_force.0[0] = values.contact_force;

@@ -70,7 +70,7 @@ pub enum ComponentProblem {
         events: u64,
         /// Restitution coefficient.
         restitution: f64,
-        /// The block's relative speed there, times a sub-step's length, over the gap.
+        /// The block's relative speed at that time, times a sub-step's length, over the gap.
         path: f64,
     },
     /// The model refuses.

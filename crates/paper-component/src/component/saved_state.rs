@@ -12,9 +12,9 @@
 //!
 //! The payload holds the fields of [`SavedState`] one after the other, each in the order of its
 //! declaration, without names or padding. A double takes its 8 bytes, so that every bit is
-//! restored, also of NaN and -0; a Boolean and the tag of an `Option` take one byte. Other whole
-//! numbers and the numbers of enum variants use 7 bits per byte, the lowest first. The structs
-//! belong to this crate ([`Settings`], the motion) and to `vibro-impact` (`Snapshot`,
+//! restored, also of NaN and -0; a Boolean, an `i8` and the tag of an `Option` take one byte.
+//! Other whole numbers and the numbers of enum variants use 7 bits per byte, the lowest first. The
+//! structs belong to this crate ([`Settings`], the motion) and to `vibro-impact` (`Snapshot`,
 //! `Parameters`, `DoubleDouble`, …): **whoever changes one of their fields, or their order,
 //! changes the layout and must raise [`VERSION`]**; the test `golden_file_of_the_layout` detects
 //! it.

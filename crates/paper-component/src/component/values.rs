@@ -65,7 +65,7 @@ pub struct OutputValues<T = f64> {
     /// Force in the coupling spring, N.
     pub coupling_force: T,
     /// Event indicators, dimensionless: distances to the upper and the lower stop, and the
-    /// acceleration that presses the block on in rest.
+    /// acceleration that presses the block on the stop in rest.
     pub indicators: [T; 3],
     /// Kinetic and elastic energy, J.
     pub mechanical: T,
@@ -135,7 +135,7 @@ pub(crate) struct Approach {
     pub gap: f64,
     /// The relative displacement, m.
     pub w: f64,
-    /// The free relative acceleration that presses the block on, m/s².
+    /// The free relative acceleration that presses the block on the stop, m/s².
     pub pressing: f64,
     /// k1/m1 + k23/m2, 1/s².
     pub spring: f64,

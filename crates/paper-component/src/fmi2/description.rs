@@ -76,8 +76,8 @@ pub fn variables() -> impl Iterator<Item = (u32, &'static Variable)> {
     NUMBERING.variables()
 }
 
-/// `guid`: a hash of the whole model description and of the crate's version (FMI 2.0, 2.2.1).
-/// Computed again on each call, so that the library keeps nothing between loads.
+/// `guid`: a hash of the variables, capabilities and log categories of the model description, and
+/// of the crate's version (FMI 2.0, 2.2.1). Computed again on each call, as [`identity::number`].
 pub fn guid() -> String {
     let own = format!("{MODEL_IDENTIFIER} {CAPABILITIES:?} {MODEL_EXCHANGE} {LOG_CATEGORIES:?}\n");
     identity::identifier(&(own + &identity::text()))

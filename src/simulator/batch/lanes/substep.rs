@@ -24,7 +24,7 @@ pub(super) struct Progress {
 }
 
 /// Advances each of the `active` motions by a sub-step, to its end or through its first impact.
-/// `starts` receives the starts of the moving ones in `reading`.
+/// `starts` receives the starts of those motions in `reading` that move.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,

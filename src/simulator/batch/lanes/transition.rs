@@ -1,14 +1,14 @@
-//! Transition matrices over a whole sub-step, of all motions in lanes, without the entries that are
-//! zero.
+//! Transition matrices over a whole sub-step, of all motions in lanes, without the entries that
+//! are zero.
 
 use crate::model::{
     Augmented, BOX, BOX_RATE, DRIVE_COS, DRIVE_SIN, RELATIVE, RELATIVE_RATE, SECONDARY, SECONDARY_RATE,
 };
 use crate::simulator::batch::vectors::LaneRow;
 
-/// Nonzero entries of the matrix that gives the state after a whole sub-step; for each body one row
-/// for its displacement and one for its rate. In free flight, docs/theory.md (6), the box depends
-/// only on itself and the drive, w = x2 - x1 depends on all coordinates, and the secondary
+/// Nonzero entries of the matrix that gives the state after a whole sub-step; for each body one
+/// row for its displacement and one for its rate. In free flight, docs/theory.md (6), the box
+/// depends only on itself and the drive, w = x2 - x1 depends on all coordinates, and the secondary
 /// oscillator does not depend on the drive.
 pub(super) struct LaneTransitions {
     /// x1 and v1, from x1, v1, cos θ and sin θ.
@@ -77,7 +77,7 @@ mod tests {
             + sum(secondary.as_flattened())
             + sum(drive.as_flattened());
         let all: f64 = columns.as_flattened().iter().map(|entry| entry.abs()).sum();
-        /// Rounding of sums in another order.
+        /// Tolerance: rounding of sums in another order.
         const ROUNDING: f64 = 1e-12;
         assert!((kept - all).abs() <= ROUNDING * all, "{kept} {all}");
     }

@@ -50,7 +50,8 @@ pub(crate) use start_help;
 /// Form of the value of `--start`.
 pub const START_VALUE: &str = "NAME=VALUE,…";
 
-/// The names in lists with commas. A comma within brackets is part of a name: `block.pid.a[0,1]`.
+/// The names in lists that are separated by commas. A comma within brackets is part of a name:
+/// `block.pid.a[0,1]`.
 pub fn names(lists: &[String]) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for part in lists.iter().flat_map(|list| list.split(',')) {

@@ -174,8 +174,8 @@ struct Asked<'a> {
     of: Option<&'a String>,
     settling: &'a Settling,
     step: f64,
-    /// Number of values at which motions settle and number of switches; `None` for the single
-    /// branch of the settled motion.
+    /// Number of values at which motions settle, and largest number of branch switches in a row;
+    /// `None` for the single branch of the settled motion.
     tree: Option<(u32, u32)>,
 }
 
@@ -269,7 +269,7 @@ pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
 /// The curves over the parameters of two families.
 impl Curves for [Family; 2] {
     type Point = PointOfFile;
-    /// The special point in the word of its row, and in its shortest word.
+    /// The special point with the word of its row, and with its shortest word.
     type Start = (LocusStart, LocusStart);
     type Shown = LocusStart;
 

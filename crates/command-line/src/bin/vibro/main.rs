@@ -64,7 +64,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Carries out the command. Returns `false` if a motion was interrupted.
+/// Carries out the command. Returns `false` if the computation was interrupted.
 fn run(arguments: &mut Arguments, file: Option<&Path>) -> Result<bool> {
     if let Some(threads) = arguments.common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());

@@ -22,8 +22,9 @@ const TRIES: u32 = 400;
 const SETTLE: u32 = 2000;
 
 impl Which {
-    /// The orbits of the word: first the ones without a shorter word, the one nearest to stability
-    /// first. Without a word, the orbit of the settled motion.
+    /// The orbits of the word: orbits without a shorter word come before the others, and in both
+    /// groups the orbit nearest to stability comes first. Without a word, the orbit of the settled
+    /// motion.
     fn orbits(&self, system: &System) -> Result<Vec<Orbit>> {
         let Some(text) = &self.word else {
             let state = settle(system, &moving_block(system.parameters()), SETTLE)?;

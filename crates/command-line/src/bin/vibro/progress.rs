@@ -14,10 +14,10 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub const TIME: &str = "s";
 /// Steps of a bar over a length of time.
 const PARTS: f64 = 1e6;
-/// Interval at which a clock is drawn, and shortest one between two fractions of a length of time.
+/// Interval at which a clock is drawn, and shortest interval between two shown fractions.
 const TICK: Duration = Duration::from_millis(250);
 
-/// Time of a fraction that was never shown.
+/// Value of [`Progress::told`] before a fraction is shown.
 const NEVER: u64 = u64::MAX;
 
 /// The clock of the command, while it is on the terminal, and the number of bars there.
@@ -28,8 +28,8 @@ struct Terminal {
     bars: usize,
 }
 
-/// Shows the time that a command has taken, from [`PATIENCE`] on, until it is dropped. It makes
-/// way for bars, so that no command is silent before, between or after them.
+/// Shows the time that a command has taken, from [`PATIENCE`] on, until it is dropped. It is
+/// hidden while bars are shown, so that no command is silent before, between or after bars.
 pub struct Clock {
     over: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -71,7 +71,8 @@ impl Drop for Clock {
     }
 }
 
-/// Takes the clock off the terminal before something is printed. It returns at its next tick.
+/// Takes the clock off the terminal before something is printed. The clock reappears at its next
+/// tick.
 pub fn clear() {
     if let Ok(mut terminal) = TERMINAL.lock() {
         terminal.clock.take().into_iter().for_each(|clock| clock.finish_and_clear());
@@ -145,7 +146,7 @@ impl Progress {
         let since = (gone.as_millis() as u64).saturating_sub(self.told.load(Ordering::Relaxed));
         let is_due = self.told.load(Ordering::Relaxed) == NEVER || since >= TICK.as_millis() as u64;
         if gone > self.patience && is_due {
-            // The first time left is shown at once.
+            // The first estimate of the time left is shown at once.
             if part > 0.0 {
                 self.told.store(gone.as_millis() as u64, Ordering::Relaxed);
             }

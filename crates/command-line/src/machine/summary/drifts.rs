@@ -50,8 +50,8 @@ pub(super) fn drifts(assembly: &Assembly) -> Vec<String> {
     d.bodies.iter().zip(&system.bodies).filter_map(line).collect()
 }
 
-/// Time over which the mean speed of a body is taken, s, and its name: the body's record or sweep,
-/// which does not repeat, otherwise the machine's common period.
+/// Time over which the mean speed of a body is taken, s, and the name of this time: the body's
+/// record or sweep, which does not repeat, otherwise the machine's common period.
 fn span(own: &Integrated, d: &Description) -> Option<(f64, &'static str)> {
     if own.level != Level::Acceleration {
         return None;

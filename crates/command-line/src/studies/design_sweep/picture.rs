@@ -11,7 +11,7 @@ use vibro_studies::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 
 /// Largest number of panels of a picture.
 const PANELS: usize = 6;
-/// Relative difference below which values are equal.
+/// Relative difference up to which values count as equal.
 const SAME: f64 = 1e-9;
 
 /// The picture; `None` for a single design and for too many designs.
@@ -93,7 +93,7 @@ fn changing<'a, M: Labelled>(
     (changing, (!told.is_empty()).then(|| format!("Not drawn, since it is the same at all designs: {told}.")))
 }
 
-/// Kind and unit of a measure. Measures with equal ones share a panel.
+/// Kind and unit of a measure. Measures of equal kind and unit share a panel.
 fn kind<M: Labelled>(set: &M, measure: &M::Measure) -> (String, &'static str) {
     let name = measure.to_string();
     let kind = name.split('.').next().unwrap_or_default().to_owned();

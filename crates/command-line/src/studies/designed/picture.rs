@@ -1,4 +1,4 @@
-//! Picture of a design search: the goal over the evaluations, and over each varying number.
+//! Picture of a design search: the goal over the evaluations, and over the varied parameters.
 
 use crate::studies::design_sweep::Labelled;
 use crate::studies::orbits::shown_axis;
@@ -6,9 +6,10 @@ use vibro_design::{DesignRequest, Designed, Evaluation, Stage};
 use vibro_figures::canvas::palette::{BLUE, GREY, ORANGE, PURPLE, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path};
 
-/// Largest number of panels over varying numbers.
+/// Largest number of panels over varied parameters.
 const NUMBERS: usize = 5;
-/// Multiple of the best goal up to which designs are drawn; the rest would hide the differences.
+/// When minimising, designs up to this multiple of the best goal are drawn; worse ones would hide
+/// the differences.
 const WORST: f64 = 6.0;
 
 const STAGES: [(Stage, Colour, Mark); 5] = [

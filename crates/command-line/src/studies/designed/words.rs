@@ -16,7 +16,7 @@ fn value(request: &DesignRequest, measure: &Measure, own: &Value) -> String {
     format!("{}{symbol}", with_spread(factor * own.value, factor * own.error()))
 }
 
-/// The numbers of a design in the units of the file.
+/// The parameters of a design in the units of the file.
 fn numbers(request: &DesignRequest, values: &[f64]) -> String {
     let told = |(name, value): (String, &f64)| format!("{name} = {}", request.machine.told(&name, *value));
     request.names().into_iter().zip(values).map(told).collect::<Vec<_>>().join(", ")

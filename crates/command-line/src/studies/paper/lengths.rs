@@ -9,7 +9,7 @@ const SMALL_GAP: f64 = 0.1;
 /// Numbers from this value on are shown in a larger unit of rate.
 const LARGE_RATE: f64 = 500.0;
 
-/// A unit of length: its number per metre, and its symbol.
+/// A unit of length: number of units per metre, and symbol.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::studies) struct LengthUnit {
     pub per_metre: f64,

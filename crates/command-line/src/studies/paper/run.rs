@@ -249,7 +249,7 @@ mod tests {
     use vibro_impact::load::{Body, Interpolation};
     use vibro_impact::steady::exact_orbit;
 
-    /// Error of interpolation between the steps of a run, in gaps.
+    /// Tolerance for the interpolation between the steps of a run, in gaps.
     const INTERPOLATION: f64 = 1e-7;
 
     fn recorded(p: &Parameters, start: &State, loads: &[Load], duration: f64) -> History {

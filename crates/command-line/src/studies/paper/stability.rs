@@ -33,7 +33,7 @@ fn steps(from: f64, to: f64, count: u32) -> Vec<f64> {
     (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect()
 }
 
-/// The smallest and largest C (A2 in units of C) of stable exact orbits along the force. `None` if
+/// The smallest and largest C, here A2/(1-ε+ε²), of stable exact orbits along the force. `None` if
 /// there is no such orbit.
 fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     let along = find_group("f10")?;

@@ -123,7 +123,7 @@ pub fn spectra(
         page.header.push("stable orbit between".into());
     }
     let mut remarks = Vec::new();
-    // In a coarse sweep, several values may have one nearest point, which is listed once.
+    // In a coarse sweep, several values may have the same nearest point, which is listed once.
     let mut points: Vec<_> = values.iter().filter_map(|value| diagram.nearest(*value)).collect();
     points.dedup_by_key(|point| point.value);
     for point in points {

@@ -45,8 +45,8 @@ impl Continuous {
     }
 
     /// Applies the law at stop `side`: an impact if the block approaches the stop, rest if the
-    /// block is pressed on and the bounce is low. A block that leaves from the position where the
-    /// last call placed it is not changed, so a further call at an event does nothing.
+    /// block is pressed on the stop and the bounce is low. A block that leaves from the position
+    /// where the last call placed it is not changed, so a further call at an event does nothing.
     fn touch(&mut self, side: f64, report: &mut dyn FnMut(&Event)) {
         let (time, stop) = (self.data.time, side as i8);
         let mut z = self.augmented();

@@ -27,8 +27,8 @@ const SLOWEST: f64 = 1e-2;
 /// Smallest scale of the drive's frequency, relative to the fastest rate, and of its amplitude,
 /// relative to the forces on the box. A slow drive's steady state hardly depends on fast modes.
 const FAINT: (f64, f64) = (1e-6, 1e-3);
-/// Largest change of the drive's phase since time 0 by a change of its frequency by its scale,
-/// rad.
+/// Limit on the change of the drive's phase since time 0, rad, if its frequency changes by the
+/// scale of the frequency.
 const TURN: f64 = 10.0;
 /// Attempts at a difference: the factor of the step, and the distance in time of the samples from
 /// now, in periods. If impacts lie within the step on both sides, a shorter step is tried, with a
@@ -130,7 +130,8 @@ impl Instance {
                 variation(&model, p, simulator.contact(), &simulator.state(), drive, &along)
             }
             Present::Continuous(continuous) => continuous.variation(&along),
-            // A closed form depends on time, and on parameters by `samples_of_form`.
+            // The derivative of a closed form with respect to parameters comes from
+            // `samples_of_form`.
             Present::Closed(_) if time != 0.0 => self.jets()?.rates(time),
             Present::Closed(_) | Present::None => OutputValues::default(),
         };

@@ -71,8 +71,9 @@ impl Hybrid for Instance {
         self.settings.stop_at_impact
     }
 
-    /// A release or a rest caused by a changed input is a separate event. Loads that the host's
-    /// callback has set in a step so short that their slopes are excessive are held constant.
+    /// A release or a rest caused by a changed input is a separate event. If a step is so short
+    /// that the slopes of the loads from the host's callback are excessive, these loads are held
+    /// constant.
     #[inline]
     fn take_over(&mut self, _: StepEnd, log: &mut dyn Log) -> Outcome<(Undo, bool)> {
         let changes = Changes::of(&self.settings, (self.parameters_set, self.loads_set));

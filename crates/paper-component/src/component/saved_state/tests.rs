@@ -141,7 +141,7 @@ fn bytes_of_others_are_refused_with_the_reason() {
 /// each byte the lowest bit, which flips Booleans and enumerations, and one other bit are altered.
 #[test]
 fn invariant_no_bit_of_a_saved_state_makes_a_panic() {
-    /// A step ends within a second or two, also on a busy machine.
+    /// Limit, s: a step ends within a second or two, also on a busy machine.
     const LONGEST: f64 = 10.0;
     let mut found = Vec::new();
     for (name, state) in states() {

@@ -90,7 +90,7 @@ proptest! {
         close in any::<bool>(),
         divide in any::<bool>(),
     ) {
-        /// Rounding of a zero where the slope may be a hundredth of the coefficients.
+        /// Tolerance: rounding of a zero where the slope may be a hundredth of the coefficients.
         const ROOT: f64 = 1e-12;
         let divide = close && divide;
         let from = if close { 0.0 } else { -1.0 };
@@ -115,10 +115,11 @@ proptest! {
 
 /// Path u - z + c (u⁴ - z⁴) with the zero z, from straight to the strongest bend with which lanes
 /// seek a zero. The starting value, from three orders, ignores the fourth, so that depending on c
-/// one, two or three Newton steps are just enough, or none are.
+/// one, two or three Newton steps are just enough, or even three are too few.
 #[test]
 fn closed_form_zeros_that_count_as_found_are_exact() {
-    /// Rounding of the polynomial over its slope, and half a unit in the last place of u.
+    /// Tolerance: rounding of the polynomial over its slope, and half a unit in the last place of
+    /// u.
     const EXACT: f64 = 8.0 * f64::EPSILON;
     let (mut proved, mut given_up) = (0, 0);
     for z in [-0.9f64, -0.3, 0.4, 0.8, 1.0, 1.15] {
@@ -141,8 +142,8 @@ fn closed_form_zeros_that_count_as_found_are_exact() {
 }
 
 /// Path without a zero in reach whose iterates go far out, where nothing is bounded, and come back
-/// into reach, so that the steps' lengths alone would pass for a proof. It is straight within 1e-11
-/// in reach and bends at 2e5, for which its ninth order is tuned.
+/// into reach, so that the steps' lengths alone would pass for a proof. It is straight within
+/// 1e-11 in reach and bends at 2e5, for which its ninth order is tuned.
 #[test]
 fn invariant_no_zero_is_found_by_way_of_iterates_out_of_reach() {
     const FAR: f64 = 2e5;
@@ -155,8 +156,8 @@ fn invariant_no_zero_is_found_by_way_of_iterates_out_of_reach() {
 }
 
 /// Path u - b (u² - z²) - z, which rises up to [`REACH`] for b < 5/12 with the least slope
-/// 1 - 2.4 b. A zero counts as found only if this is more than twice the curvature 2 b, so that the
-/// sums of sizes do not cancel (docs/numerics.md, section 7).
+/// 1 - 2.4 b. A zero counts as found only if this is more than twice the curvature 2 b, so that
+/// the sums of sizes do not cancel (docs/numerics.md, section 7).
 #[test]
 fn closed_form_no_zero_is_found_where_the_slope_nearly_cancels() {
     for (bend, straight) in [(0.1, true), (0.15, true), (0.16, false), (0.3, false), (0.41, false)] {
@@ -200,7 +201,7 @@ impl pulp::WithSimd for States<'_> {
 
 #[test]
 fn second_method_flights_are_the_series() {
-    /// Rounding of coordinates of order one.
+    /// Tolerance: rounding of coordinates of order one.
     const ROUNDING: f64 = 1e-15;
     let p = Parameters::default();
     let simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();

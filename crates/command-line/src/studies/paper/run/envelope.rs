@@ -10,7 +10,7 @@ pub(super) const COLUMNS: usize = 1500;
 /// Relative change below which a quantity counts as constant: a panel has fewer pixels.
 const CHANGE: f64 = 1e-3;
 
-/// A point of an envelope: time, and the smallest and largest value from then on.
+/// A point of an envelope: time, and the smallest and largest value of its window.
 pub(super) type Extremes = (f64, f64, f64);
 
 /// Whole drive periods in a window of a run that ends at `end`.

@@ -60,8 +60,8 @@ fn second_method_announced_events_of_a_plastic_block_happen_by_each_protocol() {
     assert!(found.iter().all(|other| *other == found[0]), "{found:?}");
 }
 
-/// Near the time 0 times are rounded by far less than a step's sums, so the own time may be past
-/// the end of a step that stops.
+/// Near the time 0 times are rounded by far less than a step's sums, so the component's own time
+/// may be past the end of a step that stops.
 #[test]
 fn a_step_to_an_announced_impact_near_the_time_zero_is_carried_out() {
     let start = [
@@ -148,7 +148,7 @@ fn a_release_by_an_input_is_logged_by_each_protocol() {
 #[test]
 fn announced_impacts_of_a_closed_form_are_behind_the_step_by_each_protocol() {
     const BEGIN: f64 = 7244.0;
-    /// Rounding of a drive's phase after thousands of turns.
+    /// Tolerance: rounding of a drive's phase after thousands of turns.
     const SAME: f64 = 1e-11;
     for frequency in 0..20 {
         for stop in [0.0, 1.0] {

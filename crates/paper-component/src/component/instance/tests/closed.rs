@@ -305,7 +305,7 @@ fn a_step_over_any_number_of_played_impacts_lists_a_thousand_and_counts_the_othe
 /// reported speed. Rounding of the relative velocity does not decide which of the two is shown.
 #[test]
 fn closed_form_both_limits_of_a_plastic_impact_are_shown() {
-    /// Rounding of speeds of order one.
+    /// Tolerance: rounding of speeds of order one, m/s.
     const SAME: f64 = 1e-9;
     for mode in [2.0, 3.0] {
         let plastic =
@@ -342,8 +342,8 @@ fn an_impact_of_a_refused_update_is_logged_when_it_is_carried_out() {
     assert_eq!(messages.0.len(), 1, "{:?}", messages.0);
 }
 
-/// A host that does not handle events does not have the side of an impact: saving again gives the
-/// same bytes.
+/// The side of the last impact is not kept for a host that does not handle events: a restored
+/// state is saved again as the same state.
 #[test]
 fn a_steady_state_is_saved_again_as_it_was_restored() {
     for mode in [2.0, 3.0] {

@@ -41,7 +41,7 @@ fn starts() -> Vec<Start> {
     let orbit: Vec<_> = loaded.iter().copied().chain([("startOnOrbit", 1.0)]).collect();
     let scales: Vec<_> = moving.iter().copied().chain([("mode", 2.0)]).collect();
     let exact: Vec<_> = moving.iter().copied().chain([("mode", 3.0)]).collect();
-    // Only spring and drive press the block on, so that a closed form can be chosen.
+    // Only spring and drive press the block on the stop, so that a closed form can be chosen.
     let resting = vec![
         ("time", 0.3),
         ("box.s", 0.5),
@@ -54,8 +54,8 @@ fn starts() -> Vec<Start> {
     // No load presses: the secondary oscillator's motion decides the direction of the block.
     let balanced = vec![("drive.amplitude", 0.0), ("block.s", 1.0), ("secondary.s", 1.0)];
     let pushed: Vec<_> = balanced.iter().copied().chain([("secondary.f", 0.1)]).collect();
-    // x3' of the block's own kind of motion, so that the third order vanishes and dampers act with
-    // the fourth.
+    // With this x3' the accelerations of box and block change at the same rate: the third
+    // derivative of w is zero, and the dampers act in the fourth.
     let driven = vec![
         ("drive.amplitude", 0.25),
         ("drive.frequency", 1.0),
@@ -70,8 +70,8 @@ fn starts() -> Vec<Start> {
     let singular = vec![("secondary.c", 0.0), ("coupling.k", 0.008)];
     let nearly = vec![("secondary.c", 1e-18), ("coupling.k", 0.008)];
     let detuned = vec![("secondary.k", 0.12)];
-    // An orbit of plastic impacts that passes through the stops would rest, and is started just
-    // then.
+    // This orbit of plastic impacts passes through the stops: a motion that starts on it at an
+    // impact comes to rest.
     let parameters = Parameters { stop_restitution: 0.0, drive_amplitude: 0.4, ..Parameters::default() };
     let phase = exact_orbit::solve(&parameters).unwrap().upper.unwrap().drive_phase();
     let plastic = vec![
@@ -287,7 +287,8 @@ fn second_method_outputs_move_with_the_parameters_they_list_alone() {
             }
         }
     }
-    // Multiple scales have x3'' = -ω1² x3 with the frequency, unlike the simulation.
+    // In multiple scales x3'' = -ω1² x3 depends on the drive's frequency, unlike in the
+    // simulation.
     let values = closed(&standard).unwrap();
     let square = standard.drive_frequency * standard.drive_frequency;
     assert!((values.acceleration[2] + square * values.x[2]).abs() < ROUNDING);
@@ -390,7 +391,7 @@ fn second_method_kinds_by_second_derivatives() {
             for contact in [Contact::Flight, Contact::RestUpper, Contact::RestLower] {
                 for (is_tuned, parameters) in [(false, &standard), (true, &tuned)] {
                     for mut base in [here, there] {
-                        // In rest the block is pressed on: a stop's force never pulls.
+                        // In rest the block is pressed on the stop: a stop's force never pulls.
                         base.forces[1] +=
                             PRESSED * if contact == Contact::Flight { 0.0 } else { contact.side() };
                         let middle = *base.of(name).unwrap();

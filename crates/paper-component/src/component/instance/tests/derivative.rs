@@ -77,7 +77,7 @@ fn model_exchange_in_flight_and_in_rest() {
         set(fmu, "block.f", 0.2).unwrap();
     });
     assert_eq!(get(&mut rest, "stop.state"), 2.0);
-    // λ is clipped at zero outside rest, so stay where it presses.
+    // λ is clipped at zero where the stop would pull, so the load presses the block on the stop.
     set(&mut rest, "block.f", 2.0).unwrap();
     against_differences(&mut rest);
 }
@@ -130,7 +130,7 @@ fn initialization_mode_by_parameters_and_start_values() {
         set(&mut fmu, "stop.restitution", restitution).unwrap();
         get(&mut fmu, "steady.impulse")
     };
-    const H: f64 = 1e-4; // the one-sided second-order difference has an error of about its square
+    const H: f64 = 1e-4; // the one-sided second-order difference has an error of about H²
     let expected = (impulse(1.0 - 2.0 * H) - 4.0 * impulse(1.0 - H) + 3.0 * impulse(1.0)) / (2.0 * H);
     let got = derivative(&mut fmu, &["steady.impulse"], &["stop.restitution"], &[1.0])[0];
     assert!(
@@ -317,7 +317,7 @@ fn dependencies_are_those_of_the_derivatives() {
 #[test]
 fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
     const STEP: f64 = 1e-3; // s
-    /// Truncation error of a central difference, for powers of 0.1 W.
+    /// Tolerance: truncation error of a central difference, for powers of 0.1 W.
     const SAME: f64 = 1e-6;
     let protocol = Protocol { edition: Edition::Extended, ..Protocol::default() };
     let mut fmu = Instance::of_protocol(Interface::ModelExchange, protocol);
@@ -356,7 +356,7 @@ fn second_method_the_damped_energy_varies_with_time_at_an_accepted_point_too() {
 /// to the motion on this side, and change continuously with time.
 #[test]
 fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
-    /// Difference between two moments 10 ms apart, for derivatives of order one.
+    /// Tolerance between two moments 10 ms apart, for derivatives of order one.
     const SAME: f64 = 0.1;
     let protocol = with_events();
     let known = ["box.k", "stop.restitution", "drive.amplitude", "drive.frequency"];
@@ -388,7 +388,7 @@ fn second_method_derivatives_of_a_closed_form_do_not_reach_over_an_impact() {
 /// limit.
 #[test]
 fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
-    /// Difference between the impact and 1 ms before, for derivatives of order one.
+    /// Tolerance between the impact and 1 ms before, for derivatives of order one.
     const SAME: f64 = 0.02;
     let names = ["box.s", "block.v", "box.v", "stop.v"];
     for mode in [2.0, 3.0] {
@@ -417,7 +417,7 @@ fn second_method_derivatives_before_the_law_of_an_impact_are_those_before_it() {
 /// before and after the start of a motion.
 #[test]
 fn second_method_derivatives_at_an_impact_at_the_end_of_a_range() {
-    /// Difference between the impact and 10 ms later, for derivatives of order one.
+    /// Tolerance between the impact and 10 ms later, for derivatives of order one.
     const SAME: f64 = 0.1;
     let protocol = with_events();
     let unknowns = ["block.v", "box.v", "block.s"];

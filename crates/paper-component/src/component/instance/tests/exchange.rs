@@ -21,7 +21,7 @@ fn plus(x: &[f64; 6], h: f64, k: &[f64; 6]) -> [f64; 6] {
     std::array::from_fn(|i| x[i] + h * k[i])
 }
 
-/// A Runge–Kutta step of `h` from `x` at `time`, with the point set in the FMU.
+/// A Runge–Kutta step of `h` from `x` at `time`; the FMU is left at the end of the step.
 fn runge_kutta(fmu: &mut Instance, time: f64, x: &[f64; 6], h: f64) -> [f64; 6] {
     let k1 = derivatives(fmu, time, x);
     let k2 = derivatives(fmu, time + 0.5 * h, &plus(x, 0.5 * h, &k1));
@@ -93,8 +93,9 @@ fn compare(prepare: impl Fn(&mut Instance), stop: f64, bound: f64) -> (usize, us
     assert_eq!(host.phase(), Phase::Event);
     let events = run(&mut host, stop, &mut messages);
     step(&mut own, 0.0, stop).unwrap();
-    // A chatter run ends at bounces of 1e-9 gaps here and at round-off there: then the counts
-    // differ, and so does the division into impulse and contact force.
+    // A chatter run ends at bounces of 1e-9 gaps in Model Exchange and at round-off in
+    // co-simulation: then the counts differ, and so does the division into impulse and contact
+    // force.
     let count = |part: &str| messages.0.iter().filter(|(_, text)| text.contains(part)).count();
     let (rests, releases) = (count("comes to rest"), count("leaves"));
     let chatters = rests > 0;
@@ -114,7 +115,7 @@ fn compare(prepare: impl Fn(&mut Instance), stop: f64, bound: f64) -> (usize, us
 /// by definition (docs/theory.md, section 12). The true work of drive and loads is another number.
 #[test]
 fn invariant_the_input_is_what_the_balance_leaves() {
-    /// Rounding of a sum of energies of order one, J.
+    /// Tolerance: rounding of a sum of energies of order one, J.
     const ROUNDING: f64 = 1e-15;
     /// Euler's rule adds far more than this within 20 of these steps, J.
     const ERROR: f64 = 1e-4;
@@ -191,8 +192,8 @@ fn chatter_far_from_the_origin_agrees_with_co_simulation() {
             set(fmu, name, value).unwrap();
         }
     };
-    /// Energies of 5 J in the box's soft spring are rounded to 1e-15 J; forces follow
-    /// displacements to 1e-10 m.
+    /// Tolerance for all outputs, in SI units: displacements are rounded to 1e-11 m, and energies
+    /// of 5 J in the box's soft spring to 1e-15 J.
     const SAME: f64 = 1e-7;
     let (events, rests, _) = compare(start, 6.0, SAME);
     assert!(rests == 1 && events < 20, "{events} {rests}");
@@ -203,10 +204,10 @@ fn chatter_far_from_the_origin_agrees_with_co_simulation() {
 /// their height, though each begins slightly inside the stop.
 #[test]
 fn low_bounces_of_an_elastic_block_end_in_rest() {
-    /// Fraction of the speed that the damper of the box removes in 0.1 s.
+    /// Limit on the fraction of the speed that the damper of the box removes in 0.1 s.
     const DAMPED: f64 = 2e-3;
-    // Pressed on with 0.44 m/s², bounces of these speeds are 1.1e-10 and 2.8e-9 gaps high. A host
-    // that finds impacts late lets the block pass the stop, and it is put back.
+    // At a pressing acceleration of 0.44 m/s², bounces of these speeds are 1.1e-10 and 2.8e-9 gaps
+    // high. If a host finds impacts late, the block passes the stop and is put back.
     for (speed, late, rests) in [(1e-5, 1e-13, true), (5e-5, 1e-13, false), (5e-5, 1e-7, false)] {
         let mut fmu = exchange();
         for (name, value) in [
@@ -347,8 +348,8 @@ fn nominals_follow_gap_and_frequency() {
 }
 
 /// docs/theory.md (115): Euler's rule preserves damping up to the step c/k for a body on a spring
-/// and a damper. The default step is below half of it, for the box and for the secondary
-/// oscillator with its coupling.
+/// and a damper. The default step is below 0.6 of it, for the box and for the secondary oscillator
+/// with its coupling.
 #[test]
 fn closed_form_the_default_step_is_within_the_limit_of_eulers_rule() {
     let (p, step) = (Parameters::default(), crate::component::identity::default_experiment().step_size);
@@ -425,7 +426,7 @@ fn invariant_changed_nominal_values_are_told_after_a_restored_state_too() {
 }
 
 /// One call carries out all events of an instant: wherever a host puts the block at a stop, and
-/// however it is pressed, a second call does nothing, and a resting block is pressed on.
+/// however it is pressed, a second call does nothing, and a resting block is pressed on its stop.
 #[test]
 fn invariant_a_second_call_at_an_event_does_nothing() {
     const CASES: usize = 20_000;

@@ -22,7 +22,7 @@ fn assert_finite(fmu: &mut Instance, when: &str) {
     }
 }
 
-/// From a tiny to a huge number, with the ordinary ones as likely as all others.
+/// Zero, or a number from tiny to huge; ordinary numbers are more likely than all others together.
 fn magnitude() -> impl Strategy<Value = f64> {
     let scale = prop_oneof![4 => -2.0..2.0, 1 => -20.0..20.0, 1 => -307.0..308.0];
     prop_oneof![8 => scale.prop_map(|exponent: f64| 10.0_f64.powf(exponent)), 1 => Just(0.0)]

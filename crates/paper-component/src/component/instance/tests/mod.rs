@@ -65,8 +65,8 @@ fn initialize(mut instance: Instance) -> Instance {
     instance
 }
 
-/// A component with the given start values, for a host that handles events, accepts early returns,
-/// or neither; in Step Mode.
+/// A component with the given start values, for a host that may handle events and may accept early
+/// returns; in Step Mode.
 fn with_handling(event_mode: bool, early_return: bool, start: &[(&str, f64)]) -> Instance {
     let handling = EventHandling { event_mode, early_return };
     stepping(Protocol { handling, ..Protocol::default() }, start)

@@ -4,7 +4,8 @@
 use super::*;
 use crate::component::variables::Numbering;
 
-/// Rounding of some dozens of impulses of 0.1 N·s and momenta of 1 N·s, propagated by the impacts.
+/// Tolerance, N·s: rounding of some dozens of impulses of 0.1 N·s and momenta of 1 N·s, propagated
+/// by the impacts.
 const ROUNDING: f64 = 1e-12;
 const BOX_MASS: f64 = 1.0;
 const BLOCK_MASS: f64 = 0.1;
@@ -221,7 +222,7 @@ fn invariant_impulses_of_model_exchange_are_the_jumps_of_momentum() {
     }
 }
 
-/// A closed form has the same counts as the simulation that settles on it.
+/// A closed form has the same impulses as the simulation that starts on its orbit.
 #[test]
 fn second_method_impulses_of_the_played_orbit() {
     let mut played = instance();

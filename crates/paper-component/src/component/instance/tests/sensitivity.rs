@@ -57,8 +57,8 @@ fn norm(a: &Matrix) -> f64 {
     a.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Truncation error of fourth-order differences, the fourth power of the step times a fifth
-/// derivative, and rounding divided by the step.
+/// Step and tolerance of fourth-order differences. Their error is the fourth power of the step
+/// times a fifth derivative, and the rounding divided by the step.
 const STEP: f64 = 3e-5;
 const DIFFERENCE: f64 = 1e-7;
 
@@ -135,8 +135,8 @@ fn second_method_response_to_loads_by_differences() {
     }
 }
 
-/// Steps that end before each law: read after the event, their product is the matrix of the whole
-/// step; read before it, the jump is missing.
+/// Steps that end before each law: the product of the matrices read after the events is the matrix
+/// of the whole step; a matrix read before an event lacks the jump.
 #[test]
 fn invariant_products_of_steps_between_impacts() {
     const ROUNDING: f64 = 1e-9;
@@ -192,8 +192,8 @@ fn second_method_spectral_radius_of_the_exact_orbit() {
     }
 }
 
-/// In resting contact only motion of both together remains, also through release and the flight
-/// after it.
+/// In resting contact only the joint motion of box and block remains, also through release and the
+/// flight after it.
 #[test]
 fn second_method_through_rest_and_release() {
     let rest = [

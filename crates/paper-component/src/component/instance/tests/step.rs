@@ -194,7 +194,7 @@ fn an_input_with_derivatives_is_held_after_its_step() {
 /// without the stop.
 #[test]
 fn an_input_with_derivatives_goes_on_after_an_impact_in_its_step() {
-    /// Rounding of loads and positions of order one after a few impacts.
+    /// Tolerance: rounding of loads and positions of order one after a few impacts.
     const SAME: f64 = 1e-9;
     let [mut whole, mut stopping] = [0.0, 1.0].map(|stop| {
         let mut fmu = instance();
