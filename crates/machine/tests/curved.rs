@@ -18,6 +18,8 @@ const ROUNDINGS: f64 = 1e-13;
 
 /// Rounding of a state after twenty periods, relative to its amplitudes.
 const RETURNED: f64 = 1e-12;
+/// Rounding of the energy accounts of order 100 J over a thousand events.
+const BALANCED: f64 = 1e-11;
 /// Series in a period of a spring without a linear part are about 20. Without a time scale of the
 /// motion's own they are thousands.
 const SERIES: u64 = 60;
@@ -187,6 +189,28 @@ fn refusals_name_the_element() {
     assert!(found.contains("spring.k.cubic = 5.0: cannot be combined with `slip`"), "{found}");
     let found = refused("cubic = 5.0", "cubik = 5.0");
     assert!(found.contains("cubic"), "{found}");
+}
+
+/// Stops, friction and a drive over many events: no event is missed, as zero tolerances do not
+/// grow with the slope of the curved forces.
+#[test]
+fn invariant_energy_balances_over_many_events() {
+    let text = "name = \"Chain\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.3 }\n\
+        spring.a = { between = [\"ground\", \"a\"], stiffness = 40.0, cubic = 300.0, damping = 0.4 }\n\
+        spring.b = { between = [\"a\", \"b\"], stiffness = 5.0, quadratic = 10.0, cubic = 200.0, damping = 0.1 }\n\
+        damper.c = { between = [\"ground\", \"b\"], damping = 0.05, cubic = 0.3 }\n\
+        stop.wall = { between = [\"ground\", \"b\"], gap = 0.3, restitution = 0.6 }\n\
+        stop.soft = { between = [\"a\", \"ground\"], gap = 0.2, stiffness = 500.0, damping = 1.0 }\n\
+        friction.f = { between = [\"ground\", \"a\"], force = 0.1 }\n\
+        load.l = { on = \"a\", amplitude = 6.0, frequency = 1.1 }\n";
+    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let mut events = 0;
+    for k in 1..=2000 {
+        motion.advance_observed(0.05 * f64::from(k), &mut |_| events += 1).expect("an end");
+    }
+    let (kinetic, stored) = motion.kinetic_and_stored();
+    let off = kinetic + stored - motion.energy().balance();
+    assert!(events > 500 && off.abs() < BALANCED, "{events} events, off by {off:e} J");
 }
 
 /// A softening spring lets its body go: the motion ends in finite time, which is an error with the

@@ -1,4 +1,5 @@
-//! The motion over a period for given event times, which is linear in the initial state.
+//! The motion over a period for given event times, which is linear in the initial state unless
+//! forces are curved.
 //!
 //! An event at a given time is a linear map of the augmented state, whatever it does to the
 //! velocities. The motion over a word therefore follows from its start and its event times. It is
@@ -11,7 +12,7 @@ use super::corners::Piece;
 use super::place::{Place, with_signals};
 use super::word::{Cause, Chatter, Letter, Word};
 use crate::obstacle::Obstacle;
-use nalgebra::{DMatrix, DVectorView};
+use nalgebra::DMatrix;
 use std::sync::Arc;
 use vibro_machine::Motion;
 use vibro_machine::mode::StopState;
@@ -34,7 +35,8 @@ pub struct Leg {
     pub(super) knots: Vec<KnotWithin>,
     /// Its linear system.
     pub flow: Arc<Flow>,
-    /// exp(A span).
+    /// Derivative of the state at its end with respect to the one at its start: exp(A span) without
+    /// curved forces.
     pub(super) propagator: DMatrix<f64>,
     /// z' at its end.
     pub(super) rate: Vec<f64>,
@@ -100,35 +102,59 @@ impl Leg {
     }
 }
 
-/// Augmented state at the end of a flight between two events, and the knots of signals within it.
-/// A flight that ends at a fixed time keeps the signals before this time.
+/// The end of a flight between two events.
+struct Flown {
+    /// Augmented state.
+    end: Vec<f64>,
+    /// Knots of signals within the flight.
+    knots: Vec<KnotWithin>,
+    /// Derivative of the end with respect to the start.
+    propagator: DMatrix<f64>,
+}
+
+/// Flies between two events. A flight that ends at a fixed time keeps the signals before this
+/// time.
 ///
 /// A knot changes only the signals, whose rows in the linear system are the same on every piece.
-/// The propagator of the whole flight therefore gives the derivatives with respect to states.
-fn flown(
+/// Without curved forces, the propagator of the whole flight therefore gives the derivatives with
+/// respect to states.
+fn fly(
     system: &System,
     flow: &Flow,
-    (z, propagator): (&[f64], &DMatrix<f64>),
+    (z, span): (&[f64], f64),
     ([begin, end], is_timed): ([Piece; 2], bool),
-) -> (Vec<f64>, Vec<KnotWithin>) {
+) -> Flown {
+    // With curved forces: the product of the parts' derivatives.
+    let mut product: Option<DMatrix<f64>> = None;
+    let mut part = |from: &[f64], span: f64| {
+        if !flow.is_curved() {
+            return flow.stretches(from, span, &mut |_, _| ());
+        }
+        let (end, own) = flow.transition(from, span);
+        product = Some(product.take().map_or_else(|| own.clone(), |before| &own * before));
+        end
+    };
     let mut knots: Vec<KnotWithin> = Vec::new();
     let mut time = begin.time;
     for knot in begin.knots(system, &end) {
-        let begin = knots.last().map_or(z, |(_, states)| &states[1]);
-        let before = flow.stretches(begin, knot - time, &mut |_, _| ());
+        let before = part(knots.last().map_or(z, |(_, states)| &states[1]), knot - time);
         let mut after = before.clone();
         with_signals(system, knot, &mut after);
+        flow.fill(&mut after);
         knots.push((knot, [before, after]));
         time = knot;
     }
-    let mut there = match knots.last() {
-        Some((_, states)) => flow.stretches(&states[1], end.time - time, &mut |_, _| ()),
-        None => (propagator * DVectorView::from_slice(z, z.len())).as_slice().to_vec(),
+    let (mut there, propagator) = match knots.last() {
+        None => flow.transition(z, span),
+        Some((_, states)) => {
+            let there = part(&states[1], end.time - time);
+            (there, product.unwrap_or_else(|| flow.propagator(span)))
+        }
     };
     if !is_timed {
         end.renew(system, &mut there);
     }
-    (there, knots)
+    Flown { end: there, knots, propagator }
 }
 
 impl Cycle {
@@ -180,10 +206,11 @@ impl Cycle {
                 begin = Piece::fixed(time);
             }
             let (next, letter) = ((k + 1) % m.max(1), word.letters.get((k + 1) % m.max(1)));
-            let propagator = flow.propagator(until - time);
+            flow.fill(&mut z);
             let is_timed = letter.is_some_and(|letter| letter.timed().is_some());
             let end = word.piece(system, next, until, if next == 0 { word.turns() } else { 0 });
-            let (end, knots) = flown(system, &flow, (&z, &propagator), ([begin, end], is_timed));
+            let Flown { end, knots, propagator } =
+                fly(system, &flow, (&z, until - time), ([begin, end], is_timed));
             let place_of = letter.map(|letter| ending(&flow, letter)).transpose()?.flatten();
             let by_time = column_of(next).filter(|_| with_derivatives && m > 0);
             let rate = flow.derivative(&end);

@@ -380,8 +380,7 @@ pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
     let time = leg.time + part * leg.span;
     let begin = leg.parts().take_while(|own| own.time <= time).last();
     let (from, start) = begin.map_or((leg.time, &leg.states[0][..]), |own| (own.time, own.start));
-    let there = leg.flow.propagator(time - from) * DVector::from_column_slice(start);
-    let mut z = there.as_slice().to_vec();
+    let mut z = leg.flow.after(start, time - from);
     let system = place.assembly.system();
     with_signals(system, time, &mut z);
     keep(system, &leg.flow.mode, &mut z);
@@ -393,6 +392,7 @@ fn has_losses(place: &Place) -> bool {
     let system = place.assembly.system();
     !system.blocks.is_empty()
         || system.springs.iter().any(|spring| spring.damping != 0.0)
+        || system.curved.iter().any(|curved| curved.is_of_rate)
         || !system.frictions.is_empty()
         || system.stops.iter().any(|stop| match stop.restitution() {
             Some(restitution) => restitution < 1.0,

@@ -66,7 +66,6 @@ impl Place {
             return Err(Error::Described { problem });
         }
         let assembly = Arc::new(Assembly::new(description)?);
-        assembly.check_straight("a periodic orbit with its branches")?;
         require_free(&assembly)?;
         Ok(Self { assembly, period, flows: Mutex::default() })
     }

@@ -188,6 +188,14 @@ fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
 impl Observer for Record {
     fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
         let part = flight.span / SAMPLES as f64;
+        if flight.flow.is_curved() {
+            let mut z = flight.start.to_vec();
+            for _ in 0..SAMPLES {
+                self.include(&z);
+                z = flight.flow.after(&z, part);
+            }
+            return self.include(&z);
+        }
         let propagator = flight.flow.propagator(part);
         let mut z = nalgebra::DVector::from_column_slice(flight.start);
         for _ in 0..SAMPLES {

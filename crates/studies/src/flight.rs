@@ -5,7 +5,7 @@
 //! [`follow`]: the engine decides where flights end, and within a flight the states are a power
 //! series.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use std::collections::HashMap;
 use std::sync::Arc;
 use vibro_machine::flow::{Ahead, FlowTable, ORDERS, Sparse, SparseMatrix};
@@ -131,6 +131,14 @@ impl Flow {
     /// beginning. The system varies as well: `beside` are the systems at parameter values that are
     /// `width` apart. All systems must number their states alike.
     pub fn varied(&self, beside: [&Self; 2], width: f64, [z, v]: [&[f64]; 2], span: f64) -> Vec<f64> {
+        if self.is_curved() {
+            let [below, above] = beside.map(|flow| flow.after(z, span));
+            let mut variation =
+                (self.transition(z, span).1 * DVectorView::from_slice(v, v.len())).as_slice().to_vec();
+            let sources = above.iter().zip(&below).map(|(above, below)| (above - below) / width);
+            variation.iter_mut().zip(sources).for_each(|(v, source)| *v += source);
+            return variation;
+        }
         let (count, size) = (self.stretches_of(span), z.len());
         let part = span / count;
         let (mut state, mut variation) = (z.to_vec(), v.to_vec());
@@ -209,6 +217,40 @@ impl Flow {
         }
     }
 
+    /// State after a span of either sign, and its derivative with respect to the state at the start:
+    /// exp(A t) without curved forces.
+    pub fn transition(&self, z: &[f64], span: f64) -> (Vec<f64>, DMatrix<f64>) {
+        let Some(table) = &self.curved else {
+            let matrix = self.propagator(span);
+            let end = &matrix * DVectorView::from_slice(z, z.len());
+            return (end.as_slice().to_vec(), matrix);
+        };
+        let unit = |i: usize| (0..z.len()).map(|k| f64::from(u8::from(k == i))).collect();
+        let (mut end, mut columns) = (z.to_vec(), (0..z.len()).map(unit).collect::<Vec<Vec<f64>>>());
+        table.carry_along(&mut end, &mut columns, span);
+        (end, DMatrix::from_iterator(z.len(), z.len(), columns.into_iter().flatten()))
+    }
+
+    /// State after a span of either sign.
+    pub fn after(&self, z: &[f64], span: f64) -> Vec<f64> {
+        match &self.curved {
+            Some(_) => self.stretches(z, span, &mut |_, _| ()),
+            None => self.transition(z, span).0,
+        }
+    }
+
+    /// Writes the curved forces into a state.
+    pub fn fill(&self, z: &mut [f64]) {
+        if let Some(table) = &self.curved {
+            table.fill_curves(z);
+        }
+    }
+
+    /// Whether the machine has curved forces.
+    pub fn is_curved(&self) -> bool {
+        self.curved.is_some()
+    }
+
     /// exp(A t) over a span of either sign: the series over a fraction of it, repeatedly squared.
     /// E - 1 is squared, so that a short span keeps its digits.
     pub fn propagator(&self, span: f64) -> DMatrix<f64> {
@@ -252,7 +294,8 @@ fn curved_stretches(
     span: f64,
     visit: &mut dyn FnMut(&Series, f64),
 ) -> Vec<f64> {
-    let (mut state, mut ahead, mut left) = (z.to_vec(), Ahead::default(), span);
+    let (mut state, mut ahead, mut left) = (z.to_vec(), Ahead::default(), span.abs());
+    let part = CURVED_PART.copysign(span);
     let mut series = Series { size: z.len(), terms: Vec::new() };
     while left > 0.0 {
         ahead.find(table, &state, left / CURVED_PART, |_| (0, 0.0));
@@ -264,11 +307,11 @@ fn curved_stretches(
         let mut power = 1.0;
         for term in ahead.series.terms().take(ORDERS) {
             series.terms.extend(term.iter().map(|x| x * power));
-            power *= CURVED_PART;
+            power *= part;
         }
         let length = if is_last { left } else { ahead.span * CURVED_PART };
-        visit(&series, length);
-        ahead.series.at(CURVED_PART, &mut state);
+        visit(&series, length.copysign(span));
+        ahead.series.at(part, &mut state);
         table.fill_curves(&mut state);
         left = if is_last { 0.0 } else { left - length };
     }

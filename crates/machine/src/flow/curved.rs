@@ -5,8 +5,9 @@ mod pace;
 pub(crate) use pace::{GroupNorms, halvings, part};
 
 use super::ahead::{Ahead, HeadAhead, Series};
-use super::{FlowTable, ORDERS};
+use super::{FlowTable, ORDERS, RADIUS};
 use crate::curved::{CurveSeries, CurveSizes, CurveTerms, Curved, Remainder};
+use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix, largest_product};
 use crate::law::ZERO;
 use crate::system::System;
@@ -59,11 +60,11 @@ impl CurveInMode {
         (reach, (self.effects[0] / faster).max(self.effects[1]))
     }
 
-    /// The rate that the force adds to the norm of A at a state, 1/s.
+    /// The rate that the force adds to the norm of A for an argument of this size, 1/s.
     #[inline(always)]
-    fn rate(&self, z: &[f64], faster: f64) -> f64 {
-        let (reach, effect) = self.norms(faster);
-        effect * reach * self.curved.force.majorant().derivative(self.curved.argument.at(z).abs())
+    fn rate(&self, argument: f64) -> f64 {
+        let (reach, effect) = self.norms(1.0);
+        effect * reach * self.curved.force.majorant().derivative(argument)
     }
 
     /// The force with its series, for the bound of the remainder.
@@ -74,17 +75,24 @@ impl CurveInMode {
     }
 }
 
-/// The rate of z' = A z with the slopes of the curved forces at a state, 1/s, in the norm in which
-/// z' = A z has the given rate.
+/// The rate of z' = A z with the slopes of the curved forces, 1/s, in the norm in which z' = A z
+/// has the given rate. `size` returns the size of an argument.
 #[inline(always)]
-pub(crate) fn rate_at(rate: f64, curves: &[CurveInMode], z: &[f64]) -> f64 {
+fn with_slopes(rate: f64, curves: &[CurveInMode], size: impl Fn(&Functional) -> f64) -> f64 {
     let (mut stiffness, mut damping) = (0.0, 0.0);
     for curve in curves {
-        *if curve.curved.is_of_rate { &mut damping } else { &mut stiffness } += curve.rate(z, 1.0);
+        let own = curve.rate(size(&curve.curved.argument));
+        *if curve.curved.is_of_rate { &mut damping } else { &mut stiffness } += own;
     }
     // A factor of at least 1 times the weights of velocities raises the norm of A at most by itself.
     let faster = (stiffness / rate).sqrt().max(1.0);
     faster * rate + stiffness / faster + damping
+}
+
+/// The rate with the slopes of the curved forces at a state, 1/s.
+#[inline(always)]
+pub(crate) fn rate_at(rate: f64, curves: &[CurveInMode], z: &[f64]) -> f64 {
+    with_slopes(rate, curves, |argument| argument.at(z).abs())
 }
 
 /// The norms of a term with the weights of velocities `faster` times larger: without the
@@ -168,6 +176,15 @@ impl FlowTable {
         !self.curves.is_empty()
     }
 
+    /// Length of a sub-step in which forces count in the sizes of rates, s. With curved forces it
+    /// follows from the slopes at the largest sizes: a longer one would raise the sizes again.
+    pub fn length_for(&self, sizes: &[f64]) -> f64 {
+        if !self.is_curved() {
+            return self.length;
+        }
+        RADIUS / with_slopes(self.rate, &self.curves, |argument| argument.size(sizes))
+    }
+
     /// Replaces a state by its time derivative of an order below `TERMS`.
     pub fn derivative(&self, order: usize, z: &mut [f64]) {
         let mut series = Series::default();
@@ -198,21 +215,22 @@ impl FlowTable {
         remainder.longest(most)
     }
 
-    /// Advances a state by a time within the mode, and variations with it. The time must be within
-    /// the motion's: a state that reaches the end of its motion stays there.
+    /// Advances a state by a time of either sign within the mode, and variations with it. The time
+    /// must be within the motion's: a state that reaches the end of its motion stays there.
     pub fn carry_along(&self, z: &mut [f64], variations: &mut [Vec<f64>], time: f64) {
-        let (mut ahead, mut left) = (Ahead::default(), time);
+        let (mut ahead, mut left, sign) = (Ahead::default(), time.abs(), time.signum());
         let mut terms = vec![vec![0.0; z.len()]; LAST_CURVE_ORDER + 1];
         while left > 0.0 {
             ahead.find_curved(self, z, left);
             if ahead.span == 0.0 {
                 break;
             }
-            let part = ahead.span / ahead.expanded;
+            let part = sign * ahead.span / ahead.expanded;
             for variation in variations.iter_mut() {
                 self.vary(&ahead, variation, &mut terms, part);
             }
-            ahead.series.at(1.0, z);
+            // The bound of the remainder holds for both signs of time.
+            ahead.series.at(sign, z);
             self.fill_curves(z);
             variations.iter_mut().for_each(|variation| self.vary_curves(z, variation));
             left = if ahead.span >= left { 0.0 } else { left - ahead.span };
@@ -264,7 +282,7 @@ impl FlowTable {
         doubt: f64,
     ) -> Vec<Option<(usize, f64)>> {
         let mut series = Series::default();
-        let length = CURVE_REACH / rate_at(self.rate, &self.curves, z);
+        let length = self.length_for(sizes);
         series.expand(self, z, length, ORDERS - 1);
         let all = self.sizes_of_terms(z, sizes, (length, ORDERS - 1));
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;

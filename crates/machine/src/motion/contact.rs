@@ -126,8 +126,10 @@ impl Motion {
         }
         rates.resize(start.len(), 0.0);
         let flight_sizes = &mut rates[..one - n];
-        self.tables.at(self.place).table.flight_sizes(start, time - hybrid.since, second, flight_sizes);
-        let flight = STANDING * (time - hybrid.since).min(self.tables.at(self.place).table.length);
+        let table = &self.tables.at(self.place).table;
+        let flight = (time - hybrid.since).min(table.length_for(sizes));
+        table.flight_sizes(start, flight, second, flight_sizes);
+        let flight = STANDING * flight;
         let (places, rates) = sizes.split_at_mut(n);
         for (place, flight_sizes) in places.iter_mut().zip(&*flight_sizes) {
             *place = place.max(flight * *flight_sizes);

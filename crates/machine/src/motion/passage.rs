@@ -281,7 +281,7 @@ impl PassageSearch<'_> {
         if hybrid.time.plus(part * ahead.span).value() >= knot {
             return true;
         }
-        if (end - part) * ahead.span > AT_KNOT * table.length {
+        if (end - part) * ahead.span > AT_KNOT * table.length_for(hybrid.sizes.0.as_slice()) {
             return false;
         }
         let mut there = hybrid.z.as_slice().to_vec();

@@ -4,6 +4,7 @@
 mod between;
 mod closed_forms;
 mod closing;
+mod curved;
 mod curves;
 mod freewheels;
 mod kept;
