@@ -46,6 +46,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "shaken_rig" "shaken_rig.csv",
     "run_up",
     "impact_damper",
+    "duffing_stop",
     "shaken_box" "shaken_box.csv",
 };
 

@@ -49,6 +49,7 @@ const EXAMPLES: &[(&str, &str)] = examples![
     "cantilever.toml",
     "gear_mesh.toml",
     "iwan_joint.toml",
+    "duffing_stop.toml",
     "run_up.toml",
     "servo.toml",
     "shaken_rig.toml",

@@ -10,6 +10,9 @@ use vibro_machine::Start;
 const POINTS: usize = 101;
 /// Tolerance for states of order 1: rounding of the collocation's second derivatives.
 const COLLOCATED: f64 = 1e-10;
+/// Tolerance for the frequency at which the plate grazes, Hz: the search of the largest
+/// displacement.
+const GRAZED: f64 = 1e-7;
 /// Tolerance for the moduli of multipliers, and for an orbit that is simulated again.
 const ROUNDING: f64 = 1e-9;
 /// Tolerance for a column, relative: rounding of the difference that it is compared with.
@@ -26,68 +29,120 @@ fn chain(frequency: f64, more: &str) -> Machine {
     ))
 }
 
-/// Displacements of both bodies at [`POINTS`] times of a period, by Newton's method on the
+/// Numbers of two bodies for the collocation.
+struct Chain {
+    masses: [f64; 2],
+    /// Stiffness, cubic and damping of the spring between ground and a.
+    ground: [f64; 3],
+    /// Stiffness, quadratic, cubic and damping of the spring between a and b.
+    between: [f64; 4],
+    /// Damping and cubic of the dashpot between ground and b.
+    damper: [f64; 2],
+}
+
+/// [`chain`].
+const CHAIN: Chain = Chain {
+    masses: [1.0, 0.3],
+    ground: [40.0, 300.0, 0.4],
+    between: [5.0, 10.0, 200.0, 0.1],
+    damper: [0.05, 0.3],
+};
+
+/// Newton's method for the displacements of both bodies at [`POINTS`] times of a period, by the
 /// equations of motion at these times, with derivatives of the trigonometric interpolation.
-fn collocated(frequency: f64) -> DVector<f64> {
+fn collocate(chain: &Chain, frequency: f64, force: f64, x: &mut DVector<f64>) {
     let n = POINTS;
+    let Chain { masses: [ma, mb], ground: [ka, ca, da], between: [k, q, c, d], damper: [db, cb] } = chain;
     let slope = DMatrix::from_fn(n, n, |i, j| match i as i64 - j as i64 {
         0 => 0.0,
         k => PI * frequency * (-1f64).powi(k as i32) / (PI * k as f64 / n as f64).sin(),
     });
     let bend = &slope * &slope;
-    let mut x = DVector::zeros(2 * n);
-    for force in (1..=20).map(|k| 0.3 * f64::from(k)) {
-        for _ in 0..30 {
-            let (a, b) = (x.rows(0, n).into_owned(), x.rows(n, n).into_owned());
-            let (va, vb, aa, ab) = (&slope * &a, &slope * &b, &bend * &a, &bend * &b);
-            let (mut residual, mut matrix) = (DVector::zeros(2 * n), DMatrix::zeros(2 * n, 2 * n));
-            matrix.view_mut((0, 0), (n, n)).copy_from(&(&bend + &slope * 0.5));
-            matrix.view_mut((0, n), (n, n)).copy_from(&(&slope * -0.1));
-            matrix.view_mut((n, 0), (n, n)).copy_from(&(&slope * -0.1));
-            matrix.view_mut((n, n), (n, n)).copy_from(&(&bend * 0.3 + &slope * 0.15));
-            for i in 0..n {
-                let (e, rate) = (b[i] - a[i], vb[i] - va[i]);
-                let inner = 5.0 * e + 10.0 * e * e + 200.0 * e.powi(3) + 0.1 * rate;
-                let stiffness = 5.0 + 20.0 * e + 600.0 * e * e;
-                let load = force * (TAU * i as f64 / n as f64).sin();
-                residual[i] = aa[i] + 40.0 * a[i] + 300.0 * a[i].powi(3) + 0.4 * va[i] - inner - load;
-                residual[n + i] = 0.3 * ab[i] + inner + 0.05 * vb[i] + 0.3 * vb[i].powi(3);
-                matrix[(i, i)] += 40.0 + 900.0 * a[i] * a[i] + stiffness;
-                matrix[(i, n + i)] -= stiffness;
-                matrix[(n + i, i)] -= stiffness;
-                matrix[(n + i, n + i)] += stiffness;
-                for j in 0..n {
-                    matrix[(n + i, n + j)] += 0.9 * vb[i] * vb[i] * slope[(i, j)];
-                }
-            }
-            let step = matrix.lu().solve(&residual).expect("a regular matrix");
-            x -= &step;
-            if step.amax() < 1e-14 {
-                break;
+    for _ in 0..30 {
+        let (a, b) = (x.rows(0, n).into_owned(), x.rows(n, n).into_owned());
+        let (va, vb, aa, ab) = (&slope * &a, &slope * &b, &bend * &a, &bend * &b);
+        let (mut residual, mut matrix) = (DVector::zeros(2 * n), DMatrix::zeros(2 * n, 2 * n));
+        matrix.view_mut((0, 0), (n, n)).copy_from(&(&bend * *ma + &slope * (da + d)));
+        matrix.view_mut((0, n), (n, n)).copy_from(&(&slope * -d));
+        matrix.view_mut((n, 0), (n, n)).copy_from(&(&slope * -d));
+        matrix.view_mut((n, n), (n, n)).copy_from(&(&bend * *mb + &slope * (d + db)));
+        for i in 0..n {
+            let (e, rate) = (b[i] - a[i], vb[i] - va[i]);
+            let inner = k * e + q * e * e + c * e.powi(3) + d * rate;
+            let stiffness = k + 2.0 * q * e + 3.0 * c * e * e;
+            let load = force * (TAU * i as f64 / n as f64).sin();
+            residual[i] = ma * aa[i] + ka * a[i] + ca * a[i].powi(3) + da * va[i] - inner - load;
+            residual[n + i] = mb * ab[i] + inner + db * vb[i] + cb * vb[i].powi(3);
+            matrix[(i, i)] += ka + 3.0 * ca * a[i] * a[i] + stiffness;
+            matrix[(i, n + i)] -= stiffness;
+            matrix[(n + i, i)] -= stiffness;
+            matrix[(n + i, n + i)] += stiffness;
+            for j in 0..n {
+                matrix[(n + i, n + j)] += 3.0 * cb * vb[i] * vb[i] * slope[(i, j)];
             }
         }
+        let step = matrix.lu().solve(&residual).expect("a regular matrix");
+        *x -= &step;
+        if step.amax() < 1e-15 {
+            break;
+        }
     }
-    x
+}
+
+/// The trigonometric interpolation of a body's displacement at a time in periods.
+fn interpolated(x: &DVector<f64>, body: usize, time: f64) -> f64 {
+    let n = POINTS as f64;
+    let weight = |i: usize| {
+        let turn = PI * (time - i as f64 / n);
+        (n * turn).sin() / (n * turn.sin())
+    };
+    (0..POINTS).map(|i| weight(i) * x[body * POINTS + i]).sum()
 }
 
 #[test]
 fn second_method_fourier_collocation_of_curved_chains() {
     for frequency in [0.5, 3.0, 4.0] {
         let orbit = Orbit::settled(&chain(frequency, ""), &Start::default(), 200).unwrap();
-        let x = collocated(frequency);
+        let mut x = DVector::zeros(2 * POINTS);
+        (1..=20).for_each(|k| collocate(&CHAIN, frequency, 0.3 * f64::from(k), &mut x));
         let (time, state) = orbit.middle_state();
-        // The trigonometric interpolation at this time.
-        let n = POINTS as f64;
-        let weight = |i: usize| {
-            let turn = PI * (time * frequency - i as f64 / n);
-            (n * turn).sin() / (n * turn.sin())
-        };
-        for body in 0..2 {
-            let there: f64 = (0..POINTS).map(|i| weight(i) * x[body * POINTS + i]).sum();
-            let off = (there - state[body]).abs();
+        for (body, own) in state[..2].iter().enumerate() {
+            let there = interpolated(&x, body, time * frequency);
+            let off = (there - own).abs();
             assert!(off < COLLOCATED, "{frequency} Hz, body {body}: {there} by collocation, off by {off:e}");
         }
     }
+}
+
+/// The gallery's plate touches its rail at the frequency at which the largest displacement is the
+/// gap.
+#[test]
+fn second_method_fourier_collocation_of_the_plate_that_grazes_its_rail() {
+    let family = Family::new(&example("duffing_stop.toml"), "load.coil.frequency", (30.0, 45.0)).unwrap();
+    let branches = grown(&family, 6, 0);
+    let grazes = specials(&branches, 0, "GR");
+    // The second body has no part in it.
+    let plate = Chain { masses: [0.5, 1.0], ground: [2e4, 2e9, 4.0], between: [0.0; 4], damper: [1.0, 0.0] };
+    let largest = |x: &DVector<f64>| {
+        // At the turn the slope of the interpolation is zero: three parabolas find it.
+        let (mut at, mut step) = (x.rows(0, POINTS).argmax().0 as f64 / POINTS as f64, 0.01);
+        for _ in 0..8 {
+            let [a, b, c] = [-step, 0.0, step].map(|by| interpolated(x, 0, at + by + 1e-9));
+            at += 0.5 * step * (a - c) / (a - 2.0 * b + c);
+            step *= 0.5;
+        }
+        interpolated(x, 0, at)
+    };
+    let mut x = DVector::zeros(2 * POINTS);
+    (0..=30).for_each(|k| collocate(&plate, 25.0 + 0.497 * f64::from(k), 6.0, &mut x));
+    let (mut low, mut high) = (39.91, 39.95);
+    while high - low > 0.1 * GRAZED {
+        let middle = 0.5 * (low + high);
+        let mut there = x.clone();
+        collocate(&plate, middle, 6.0, &mut there);
+        *if largest(&there) < 3e-3 { &mut low } else { &mut high } = middle;
+    }
+    assert!(nearest(&grazes, low) < GRAZED, "{grazes:?} {low}");
 }
 
 #[test]
