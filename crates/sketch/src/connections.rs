@@ -6,8 +6,9 @@ use vibro_machine::{Description, Element};
 /// The symbol of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Symbol {
-    /// A zigzag, a dashpot, or both in parallel.
-    Spring { zigzag: bool, dashpot: bool },
+    /// A zigzag, a dashpot, or both in parallel; `curved`: with an arrow across, as its law is no
+    /// straight line.
+    Spring { zigzag: bool, dashpot: bool, curved: bool },
     /// A zigzag in series with a dashpot or a slider; `dashpot`: one in parallel to both.
     Series { slides: bool, dashpot: bool },
     /// Two plates with a gap; a zigzag behind one of them if it is compliant.
@@ -68,10 +69,12 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
         }
         Element::Spring(spring) => {
             let dashpot = spring.damping > 0.0;
-            let acts = spring.stiffness > 0.0 || !spring.points.is_empty() || spring.stepped.is_some();
-            Symbol::Spring { zigzag: acts || !dashpot, dashpot }
+            let curved = spring.is_curved();
+            let acts =
+                curved || spring.stiffness > 0.0 || !spring.points.is_empty() || spring.stepped.is_some();
+            Symbol::Spring { zigzag: acts || !dashpot, dashpot, curved }
         }
-        Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true },
+        Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true, curved: element.is_curved() },
         Element::Stop(stop) => Symbol::Stop { compliant: matches!(stop.law, StopLaw::Compliant { .. }) },
         Element::Friction(_) => Symbol::Friction,
         Element::Freewheel(_) => Symbol::Freewheel,

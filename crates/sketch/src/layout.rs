@@ -85,7 +85,9 @@ pub(crate) struct Layout {
 /// Height of a symbol without the name above it.
 pub(crate) fn height_of(symbol: Option<Symbol>) -> f64 {
     match symbol {
-        Some(Symbol::Spring { zigzag: true, dashpot: true } | Symbol::Series { dashpot: true, .. }) => 132.0,
+        Some(Symbol::Spring { zigzag: true, dashpot: true, .. } | Symbol::Series { dashpot: true, .. }) => {
+            132.0
+        }
         Some(Symbol::Link) => 36.0,
         None => 44.0,
         Some(Symbol::Stop { .. }) => 84.0,

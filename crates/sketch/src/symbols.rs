@@ -186,7 +186,7 @@ impl Hand<'_> {
         self.write((middle, name), &placed.name, FONT, Along::Middle);
         match placed.symbol {
             Some(
-                symbol @ (Symbol::Spring { zigzag: true, dashpot: true }
+                symbol @ (Symbol::Spring { zigzag: true, dashpot: true, .. }
                 | Symbol::Series { dashpot: true, .. }),
             ) => {
                 let (upper, lower) = (y - 34.0, y + 34.0);
@@ -198,13 +198,25 @@ impl Hand<'_> {
                 self.line(vec![(ends.1, upper), (ends.1, lower)]);
                 match symbol {
                     Symbol::Series { slides, .. } => self.series(ends.0, ends.1, upper, slides),
+                    Symbol::Spring { curved: true, .. } => {
+                        self.zigzag(ends.0, ends.1, upper);
+                        self.across(middle, upper);
+                    }
                     _ => self.zigzag(ends.0, ends.1, upper),
                 }
                 self.dashpot(ends.0, ends.1, lower);
             }
             Some(Symbol::Series { slides, .. }) => self.series(from, to, y, slides),
-            Some(Symbol::Spring { zigzag: true, .. }) => self.zigzag(from, to, y),
-            Some(Symbol::Spring { .. }) => self.dashpot(from, to, y),
+            Some(Symbol::Spring { zigzag, curved, .. }) => {
+                if zigzag {
+                    self.zigzag(from, to, y);
+                } else {
+                    self.dashpot(from, to, y);
+                }
+                if curved {
+                    self.across(middle, y);
+                }
+            }
             Some(Symbol::Stop { compliant }) if faces => self.plates((from, to), y, compliant, opening),
             Some(Symbol::Stop { compliant }) => self.clasp((from, to), y, compliant, opening),
             Some(Symbol::Friction) => self.bars(from, to, y, 60.0),
@@ -223,6 +235,11 @@ impl Hand<'_> {
         if let Some(arm) = &placed.arms[1] {
             self.write((to - 12.0, below), arm, ARM_FONT, Along::End);
         }
+    }
+
+    /// The arrow across a symbol whose law is curved.
+    fn across(&mut self, x: f64, y: f64) {
+        self.arrow((x - 34.0, y + 28.0), (x + 30.0, y - 25.0));
     }
 
     fn zigzag(&mut self, from: f64, to: f64, y: f64) {

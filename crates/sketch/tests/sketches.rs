@@ -53,3 +53,25 @@ fn invariant_every_body_and_element_is_named_once() {
         std::fs::write(folder.join(format!("{name}-icon.png")), icon).unwrap();
     }
 }
+
+/// A curved spring or dashpot has an arrow across; a spring without stiffness is still a zigzag.
+#[test]
+fn invariant_curved_elements_have_an_arrow_across() {
+    // An arrow is a line and its head.
+    let strokes = |element: &str| {
+        let text =
+            format!("name = \"M\"\nbody.b = {{ mass = 1.0 }}\n{element}, between = [\"ground\", \"b\"] }}\n");
+        let machine = file::parse(&text, "m.toml", &file::no_records).unwrap();
+        let (svg, _) = canvas::svg_and_png(&Sketch::new(&machine)).unwrap();
+        svg.matches("<path").count()
+    };
+    let straight = strokes("spring.s = { stiffness = 1.0, damping = 1.0");
+    for curved in [
+        "spring.s = { stiffness = 1.0, cubic = 1.0, damping = 1.0",
+        "spring.s = { cubic = 1.0, damping = 1.0",
+    ] {
+        assert_eq!(strokes(curved), straight + 2, "{curved}");
+    }
+    let straight = strokes("damper.s = { damping = 1.0");
+    assert_eq!(strokes("damper.s = { damping = 1.0, cubic = 1.0"), straight + 2);
+}
