@@ -42,6 +42,12 @@ impl Polynomial {
         x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
     }
 
+    /// φ''(x).
+    pub fn second_derivative(&self, x: f64) -> f64 {
+        let [c2, c3, c4, c5] = self.coefficients;
+        2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
+    }
+
     /// The integral of φ from 0 to x.
     pub fn integral(&self, x: f64) -> f64 {
         let [c2, c3, c4, c5] = self.coefficients;

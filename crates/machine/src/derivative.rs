@@ -15,6 +15,8 @@ mod branches;
 mod by;
 mod columns;
 mod crossing;
+mod curved;
+mod curved_flight;
 mod differentiated;
 mod extremes;
 mod flight;

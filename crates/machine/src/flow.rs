@@ -34,7 +34,7 @@ use crate::norm::{norm, rate_bound};
 use crate::signals::SMALL;
 use crate::system::{DENSE, STIFF, System};
 use apart::Apart;
-use curved::CurveInMode;
+pub(crate) use curved::{CURVE_OVERFLOW, CURVE_REACH, CurveInMode, LAST_CURVE_ORDER, balance};
 use exponential::series_orders;
 use kept::Kept;
 use std::sync::Arc;

@@ -41,6 +41,11 @@ impl CurveSeries {
         sum
     }
 
+    /// Coefficient of order `k` of another polynomial of x, up to the highest power of the force.
+    pub fn at_order(&self, force: &Polynomial, k: usize) -> f64 {
+        force.coefficients.iter().zip(&self.powers).map(|(c, power)| c * power[k]).sum()
+    }
+
     /// Coefficient of order `k` of φ'(x).
     pub fn slope(&self, force: &Polynomial, k: usize) -> f64 {
         let [c2, c3, c4, c5] = force.coefficients;

@@ -152,6 +152,11 @@ impl Crossing<'_> {
             self.one_by_one(p, own, &mut delta);
             deltas.put(p, &delta);
         }
+        for &p in alive.iter().filter(|_| !self.machine.system.curved.is_empty()) {
+            let mut delta = deltas.column(p);
+            self.machine.vary_curved(p, self.after.z, &mut delta);
+            deltas.put(p, &delta);
+        }
         for p in alive {
             if let Err(found) = self.finish(p, deltas, scales, lost[p].take()) {
                 (lost[p], all[p]) = (Some(found), None);
@@ -186,6 +191,7 @@ impl Crossing<'_> {
         machine.keep(p, &mut delta, &scale, after)?;
         let moved = |i: usize| machine.system.was_moved(i, self.before.z.as_slice(), after.z.as_slice());
         machine.keep_levels(p, &mut delta, after, moved);
+        machine.vary_curved(p, after.z, &mut delta);
         deltas.put(p, &delta);
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
     }

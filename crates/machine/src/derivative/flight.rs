@@ -215,6 +215,9 @@ impl WithSimd for Make<'_> {
 impl VariedMode {
     /// Carries a state and its derivatives over a time without events.
     pub fn carry(&self, arch: Arch, z: &mut Columns, memory: &mut Memory, mut time: f64) {
+        if !self.curves.is_empty() {
+            return self.carry_curved(z, time);
+        }
         if self.is_by_rungs(time) {
             let parts = time / (PART * self.length);
             let longest = (parts.log2() as usize).min(RUNGS - 1);

@@ -120,7 +120,9 @@ impl Gradient {
         let (machine, motion) = begun.into_parts();
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, false);
-        let is_doubtful = !motion.mode().is_independent()
+        // Curved forces are differentiated by columns.
+        let is_doubtful = !machine.system.curved.is_empty()
+            || !motion.mode().is_independent()
             || throughout(&mode, &motion).next().is_some()
             || !machine.system.blocks.is_empty();
         Ok(Self {

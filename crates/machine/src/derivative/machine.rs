@@ -83,9 +83,6 @@ pub(super) struct Varied<'a> {
 
 impl Machine {
     pub fn new(assembly: Arc<Assembly>, columns: Vec<By>) -> Result<Self, Error> {
-        if !columns.is_empty() {
-            assembly.check_straight("a derivative by a parameter")?;
-        }
         let d = &assembly.description;
         let columns = columns.into_iter().map(|by| by.by_usual_name(d)).collect::<Result<Vec<_>, _>>()?;
         let follow = columns.iter().flat_map(|by| d.named.numbers_of(by.parameter()));
@@ -132,7 +129,9 @@ impl Machine {
             Matrices::Known(_) => Cow::Borrowed(z),
             Matrices::Own(_, places) => {
                 let all = places.iter().map(|place| place.map_or(0.0, |j| z[j]));
-                Cow::Owned(DVector::from_iterator(places.len(), all))
+                let mut all = DVector::from_iterator(places.len(), all);
+                self.system.fill_curved(all.as_mut_slice());
+                Cow::Owned(all)
             }
         }
     }
@@ -161,6 +160,11 @@ impl Machine {
     pub fn fill(&self, p: usize, time: f64, z: &DVector<f64>, delta: &mut DVector<f64>) {
         let one = self.system.signals.one;
         self.tangents[p].signals.fill(one, time, z.as_slice(), delta.as_mut_slice());
+    }
+
+    /// Writes the derivatives of the curved forces into the derivative of a state.
+    pub fn vary_curved(&self, p: usize, z: &DVector<f64>, delta: &mut DVector<f64>) {
+        self.tangents[p].vary_curved(&self.system, z, delta);
     }
 
     /// Whether knots of signals leave all columns unchanged while no contact is held and no event
@@ -279,6 +283,7 @@ impl Machine {
         let stops = basis.iter().take_while(|contact| self.system.keeps_place(**contact)).count();
         self.project(p, &basis[..stops], false, delta, at);
         self.project(p, basis, true, delta, at);
+        self.vary_curved(p, at.z, delta);
         self.keep_levels(p, delta, at, |_| None);
         for contact in at.mode.mode.contacts().filter(|contact| !basis.contains(contact)) {
             if self.turns_away(p, at.mode, contact) {

@@ -1,6 +1,7 @@
 //! The derivative of a mode by each parameter: of A in z' = A z, of contact forces and of event
 //! functions (docs/assembly-law.md (A34)).
 
+use super::curved::CurvesInMode;
 use super::series::{Rung, Sources, Varied, orders};
 use super::tangent::Tangent;
 use crate::flow::{FlowTable, Ladder, RADIUS};
@@ -47,6 +48,8 @@ pub(super) struct VariedMode {
     pub by: Vec<InMode>,
     /// Entries of A that vary, with their derivatives by all columns.
     pub sources: Sources,
+    /// Curved forces.
+    pub curves: CurvesInMode,
     /// Flights over 2^k times an eighth of `length`, made on first use.
     pub flights: Ladder<Rung>,
     /// Work that the flights in `flights` would have saved so far. Missing flights are made once
@@ -111,9 +114,11 @@ impl VariedMode {
         let (by, sources) = (Vec::new(), Sources::default());
         let (flights, saved) = (Ladder::default(), AtomicU64::new(0));
         let shared = shared(system, mode, &triangle);
+        let curves = tangents.iter().map(|tangent| tangent.curves.clone()).collect();
+        let curves = CurvesInMode::of(system, curves, &a);
         let mode = mode.clone();
         let mut made =
-            Self { mode, a, length, lambda, watched, triangle, shared, by, sources, flights, saved };
+            Self { mode, a, length, lambda, watched, triangle, shared, by, sources, curves, flights, saved };
         let mut acceleration = DMatrix::zeros(system.coordinates, size);
         for k in 0..system.coordinates {
             made.a.row(system.coordinates + k).iter().for_each(|&(j, x)| acceleration[(k, j)] = x);
@@ -166,14 +171,19 @@ impl VariedMode {
 
     /// Returns z' at a state.
     pub fn rates(&self, z: &DVector<f64>) -> DVector<f64> {
-        self.a.rows_times(0..z.len(), z.as_slice())
+        let mut rates = self.a.rows_times(0..z.len(), z.as_slice());
+        self.curves.add_rates(z, &mut rates);
+        rates
     }
 
     /// Returns the derivative of z' by parameter `p`. `delta` is the derivative of the state `z`
     /// by this parameter.
     pub fn rates_by(&self, p: usize, z: &DVector<f64>, delta: &DVector<f64>) -> DVector<f64> {
-        let mut rates = self.rates(delta);
+        let mut rates = self.a.rows_times(0..z.len(), delta.as_slice());
         self.by[p].a.iter().for_each(|(i, row)| rates[*i] += row.dot(z.as_slice()));
+        if !self.curves.is_empty() {
+            self.curves.add_rates_by(p, [z, &self.rates(z), delta], &mut rates);
+        }
         rates
     }
 

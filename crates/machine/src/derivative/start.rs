@@ -127,6 +127,7 @@ impl Start<'_> {
             }
         }
         machine.take_given(p, at.z, &mut delta);
+        machine.vary_curved(p, at.z, &mut delta);
         Ok(delta)
     }
 

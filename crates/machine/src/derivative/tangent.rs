@@ -1,9 +1,11 @@
 //! The derivative of a machine's rows and matrices by one parameter (docs/assembly-law.md (A32)).
 
 use super::bodies::bodies;
+use super::curved::CurveTangent;
 use super::rows::{
     BlockTangents, BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
 };
+use crate::curved::Polynomial;
 use crate::description::{Arms, BodyKind, Description, Follows, Free, Signal, StopLaw};
 use crate::functional::{Functional, StateRow};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
@@ -33,6 +35,8 @@ pub(super) struct Tangent {
     pub stops: Vec<StopTangent>,
     pub frictions: Vec<FrictionTangent>,
     pub branches: Vec<BranchTangent>,
+    /// Derivative of each curved force.
+    pub curves: Vec<CurveTangent>,
     /// Derivative of each load's force.
     pub loads: Vec<StateRow>,
     /// Derivatives of the start values of place and rate, by coordinate.
@@ -105,6 +109,7 @@ impl Tangent {
             stops: Vec::new(),
             frictions: Vec::new(),
             branches: Vec::new(),
+            curves: Vec::new(),
             loads: Vec::new(),
             starts: system.bodies_of.iter().map(start).collect(),
             inner: Vec::new(),
@@ -199,6 +204,28 @@ impl Tangent {
             self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
             self.forces.ger(-1.0, &e.w, &force, 1.0);
             self.springs.push((own, force));
+        }
+        self.put_curves(system, along);
+    }
+
+    /// Adds the curved forces of springs and dashpots.
+    fn put_curves(&mut self, system: &System, along: &Description) {
+        let springs = along.springs.iter().map(|spring| spring.curve.map(Option::unwrap_or_default));
+        let dampers = along.dampers.iter().map(|own| [0.0, own.cubic.unwrap_or_default(), 0.0, 0.0]);
+        let moved: Vec<[f64; 4]> = springs.chain(dampers).collect();
+        for (k, spring) in system.springs.iter().enumerate() {
+            let Some(curved) = spring.curve.map(|i| &system.curved[i]) else { continue };
+            let own = &self.springs[k].0;
+            let argument = Functional::of(if curved.is_of_rate { own.rate.clone() } else { own.e.clone() });
+            let force = Polynomial { coefficients: moved[k] };
+            self.curves.push(CurveTangent { argument, force });
+        }
+    }
+
+    /// Writes the derivatives of the curved forces into the derivative of a state.
+    pub fn vary_curved(&self, system: &System, z: &DVector<f64>, delta: &mut DVector<f64>) {
+        for (own, by) in system.curved.iter().zip(&self.curves) {
+            delta[own.place] = by.derivative(own, z, delta);
         }
     }
 

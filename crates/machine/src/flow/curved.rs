@@ -3,52 +3,104 @@
 use super::ahead::{Ahead, HeadAhead, Series};
 use super::{FlowTable, ORDERS};
 use crate::curved::{CurveSeries, CurveSizes, CurveTerms, Curved, Remainder};
-use crate::kernel::{Sparse, SparseMatrix};
+use crate::kernel::{Sparse, SparseMatrix, largest_product};
 use crate::law::ZERO;
 use crate::system::System;
 
 /// Order of the last term of a series with curved forces. High orders are cheap with vector
 /// instructions. The number is fixed, so that every span takes the same operations.
-const LAST_ORDER: usize = 28;
+pub(crate) const LAST_CURVE_ORDER: usize = 28;
 /// Rate times the longest span over which coefficients are computed. The proved span of the series
 /// may be longer or shorter.
-const REACH: f64 = 4.0;
+pub(crate) const CURVE_REACH: f64 = 4.0;
 /// Factor by which the span of a series is shortened if its terms overflow.
-const OVERFLOW: f64 = 1e-3;
+pub(crate) const CURVE_OVERFLOW: f64 = 1e-3;
 
 /// A curved force in a mode.
 #[derive(Clone, Debug)]
-pub(super) struct CurveInMode {
+pub(crate) struct CurveInMode {
     /// The force.
-    pub(super) curved: Curved,
+    pub(crate) curved: Curved,
     /// Norm of the argument's row: Σ |ℓᵢ| wᵢ.
     pub(super) reach: f64,
-    /// Norm of the column by which φ acts on z': max |yᵢ| / wᵢ.
-    pub(super) effect: f64,
+    /// Norm of the column by which φ acts on the accelerations, and on other rates: max |yᵢ| / wᵢ.
+    pub(super) effects: [f64; 2],
 }
 
 impl CurveInMode {
     /// The curved forces in a mode with matrix A. `weights` are the 1/wᵢ of the norm (A6).
-    pub(super) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
+    pub(crate) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
         let columns = if system.curved.is_empty() { SparseMatrix::default() } else { a.transpose() };
+        let velocities = system.coordinates..2 * system.coordinates;
         let in_mode = |curved: &Curved| {
             let reach = curved.argument.terms().iter().map(|&(j, x)| x.abs() / weights[j]).sum();
-            let column = columns.row(curved.place).iter();
-            let effect = column.map(|&(i, y)| y.abs() * weights[i]).fold(0.0, f64::max);
-            Self { curved: curved.clone(), reach, effect }
+            let mut effects = [0.0f64; 2];
+            for &(i, y) in columns.row(curved.place) {
+                let effect = &mut effects[usize::from(!velocities.contains(&i))];
+                *effect = effect.max(y.abs() * weights[i]);
+            }
+            Self { curved: curved.clone(), reach, effects }
         };
         system.curved.iter().map(in_mode).collect()
     }
 
+    /// For a norm whose weights of velocities are `faster` times larger: the norms of the row of the
+    /// argument and of the column of φ.
+    #[inline(always)]
+    fn norms(&self, faster: f64) -> (f64, f64) {
+        let reach = if self.curved.is_of_rate { faster * self.reach } else { self.reach };
+        (reach, (self.effects[0] / faster).max(self.effects[1]))
+    }
+
+    /// The rate that the force adds to the norm of A at a state, 1/s.
+    #[inline(always)]
+    fn rate(&self, z: &[f64], faster: f64) -> f64 {
+        let (reach, effect) = self.norms(faster);
+        effect * reach * self.curved.force.majorant().derivative(self.curved.argument.at(z).abs())
+    }
+
     /// The force with its series, for the bound of the remainder.
     #[inline(always)]
-    fn with<'a>(&self, series: &'a CurveSeries) -> CurveTerms<'a> {
-        let Self { curved, reach, effect } = self;
-        CurveTerms { force: curved.force, series, reach: *reach, effect: *effect, scale: 0.0, most: 0.0 }
+    fn with<'a>(&self, series: &'a CurveSeries, faster: f64) -> CurveTerms<'a> {
+        let (reach, effect) = self.norms(faster);
+        CurveTerms { force: self.curved.force, series, reach, effect, scale: 0.0, most: 0.0 }
     }
 }
 
+/// The factor of the weights of velocities that suits the slopes of curved forces at a state, and
+/// the rate of z' = A z with these slopes in the norm with this factor, 1/s.
+///
+/// Where springs are steeper than at the amplitude that the start suggests, the motion is faster,
+/// and its velocities are larger than the weights of (A6) expect. A factor of at least 1 times the
+/// weights of velocities raises the norm of A at most by itself.
+#[inline(always)]
+pub(crate) fn balance(rate: f64, curves: &[CurveInMode], z: &[f64]) -> (f64, f64) {
+    let mut steepest = 0.0;
+    for curve in curves {
+        if !curve.curved.is_of_rate {
+            steepest += curve.rate(z, 1.0);
+        }
+    }
+    let faster = (steepest / rate).sqrt().max(1.0);
+    let mut all = faster * rate;
+    for curve in curves {
+        all += curve.rate(z, faster);
+    }
+    (faster, all)
+}
+
 impl Series {
+    /// The norms of (A6) of a term with the weights of velocities `faster` times larger: without the
+    /// coordinates of curved forces, and of the states alone.
+    #[inline(always)]
+    fn norms_faster(&self, table: &FlowTable, k: usize, faster: f64) -> (f64, f64) {
+        let (n, one, straight) = (table.coordinates, table.one, table.a.len() - table.curves.len());
+        let term = self.term(k);
+        let part = |from: usize, to: usize| largest_product(&term[from..to], &table.weights[from..to]);
+        let states = part(0, n).max(part(n, 2 * n) / faster).max(part(2 * n, one));
+        (states.max(part(one, straight)), states)
+    }
+
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
     #[inline(always)]
     pub(super) fn curve(&mut self, table: &FlowTable, k: usize) {
@@ -66,27 +118,26 @@ impl Ahead {
     /// remainder of the series is proved to be rounding.
     #[inline(always)]
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
-        let mut slope = table.rate;
-        for curve in &table.curves {
-            let x = curve.curved.argument.at(z).abs();
-            slope += curve.effect * curve.reach * curve.curved.force.majorant().derivative(x);
-        }
-        let mut scale = most.min(REACH / slope);
+        let (faster, rate) = balance(table.rate, &table.curves, z);
+        let mut scale = most.min(CURVE_REACH / rate);
         let series = &mut self.series;
         loop {
-            series.expand(table, z, scale, LAST_ORDER);
-            if scale < f64::MIN_POSITIVE || series.term(LAST_ORDER).iter().all(|x| x.is_finite()) {
+            series.expand(table, z, scale, LAST_CURVE_ORDER);
+            if scale < f64::MIN_POSITIVE || series.term(LAST_CURVE_ORDER).iter().all(|x| x.is_finite()) {
                 break;
             }
-            scale *= OVERFLOW;
+            scale *= CURVE_OVERFLOW;
         }
-        let part = table.proved_part(series, scale, most / scale);
+        let longest = most / scale;
+        let part = table.proved_part(series, (scale, faster), longest);
         let mut power = 1.0;
-        for k in 1..=LAST_ORDER {
+        for k in 1..=LAST_CURVE_ORDER {
             power *= part;
             series.scale(k, power);
         }
-        self.span = if part * scale >= most { most } else { part * scale };
+        // Not by `part * scale`, whose rounding may end just before `most`, at which a knot would
+        // then be missed.
+        self.span = if part == longest { most } else { (part * scale).min(most) };
         self.expanded = scale;
         self.heads.clear();
         for w in &table.watched {
@@ -115,16 +166,15 @@ impl FlowTable {
     /// The longest fraction of the span of a series, at most `most`, over which its remainder is
     /// proved to be rounding.
     #[inline(always)]
-    fn proved_part(&self, series: &Series, span: f64, most: f64) -> f64 {
-        let straight = self.a.len() - self.curves.len();
-        let (mut norms, mut sizes) = ([0.0; LAST_ORDER + 1], [0.0; LAST_ORDER + 1]);
-        for k in 0..=LAST_ORDER {
-            (norms[k], sizes[k]) = (series.norm(self, k, straight), series.norm(self, k, self.one));
+    fn proved_part(&self, series: &Series, (span, faster): (f64, f64), most: f64) -> f64 {
+        let (mut norms, mut sizes) = ([0.0; LAST_CURVE_ORDER + 1], [0.0; LAST_CURVE_ORDER + 1]);
+        for k in 0..=LAST_CURVE_ORDER {
+            (norms[k], sizes[k]) = series.norms_faster(self, k, faster);
         }
         let pairs = self.curves.iter().zip(&series.curves);
-        let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series)).collect();
+        let mut curves: Vec<CurveTerms> = pairs.map(|(own, series)| own.with(series, faster)).collect();
         let mut remainder =
-            Remainder { span, rate: self.rate, norms: &norms, sizes: &sizes, curves: &mut curves };
+            Remainder { span, rate: faster * self.rate, norms: &norms, sizes: &sizes, curves: &mut curves };
         remainder.longest(most)
     }
 
@@ -132,7 +182,7 @@ impl FlowTable {
     /// the motion's: a state that reaches the end of its motion stays there.
     pub fn carry_along(&self, z: &mut [f64], variations: &mut [Vec<f64>], time: f64) {
         let (mut ahead, mut left) = (Ahead::default(), time);
-        let mut terms = vec![vec![0.0; z.len()]; LAST_ORDER + 1];
+        let mut terms = vec![vec![0.0; z.len()]; LAST_CURVE_ORDER + 1];
         while left > 0.0 {
             ahead.find_curved(self, z, left);
             if ahead.span == 0.0 {
@@ -153,7 +203,7 @@ impl FlowTable {
     /// coefficients were computed. `terms` is memory for the variation's coefficients.
     fn vary(&self, ahead: &Ahead, variation: &mut [f64], terms: &mut [Vec<f64>], part: f64) {
         terms[0].copy_from_slice(variation);
-        for k in 0..=LAST_ORDER {
+        for k in 0..=LAST_CURVE_ORDER {
             let (known, later) = terms.split_at_mut(k + 1);
             for (curve, series) in self.curves.iter().zip(&ahead.series.curves) {
                 let product =
@@ -165,8 +215,8 @@ impl FlowTable {
                 self.rows_times_to(0, &known[k], ahead.expanded / (k + 1) as f64, next);
             }
         }
-        variation.copy_from_slice(&terms[LAST_ORDER]);
-        for term in terms[..LAST_ORDER].iter().rev() {
+        variation.copy_from_slice(&terms[LAST_CURVE_ORDER]);
+        for term in terms[..LAST_CURVE_ORDER].iter().rev() {
             variation.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
         }
     }

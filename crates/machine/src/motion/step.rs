@@ -197,8 +197,8 @@ impl Motion {
                 }
             }
             // Knots and resets of signals are finite in number and do not count as work.
-            // Series with curved forces are as long as their remainder allows: however short they
-            // are, a flight without an event is not work without progress.
+            // The length of a series with curved forces follows from its remainder. A flight without
+            // an event makes progress, however short its series are.
             let is_series = self.table().is_curved() && !is_event;
             work -= f64::from(u8::from(!is_knot && !is_series));
             work += WORK.1 * (self.time() - from) / self.table().length;

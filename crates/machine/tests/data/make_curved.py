@@ -1,15 +1,19 @@
 """Motions of chains with curved springs and dashpots in 40 digits, for `tests/curved.rs`.
 
     python3 crates/machine/tests/data/make_curved.py 40 > crates/machine/tests/data/curved.txt
+    python3 crates/machine/tests/data/make_curved.py 6 by > crates/machine/tests/data/curved_by.txt
 
 Each machine is a chain of bodies with springs whose forces are polynomials of e, dashpots with a
 cubic term, a harmonic force and a rigid stop between the last two bodies or at the ground. The
 motion is a Taylor series in mpmath with steps that leave out less than 1e-42, and impacts are
 roots of the series. Nothing is taken from the engine. A row holds the machine as TOML (line breaks
 as `|`), the end, the number of impacts, the coordinates and rates at the end, and the factor by
-which the motion magnifies a change of the start.
+which the motion magnifies a change of the start. With `by`, a row holds the machine, the end, a
+number of the machine, and the derivatives of coordinates and rates at the end by this number, from
+motions that differ by 1e-25 of it.
 """
 
+import copy
 import random
 import sys
 
@@ -19,6 +23,11 @@ mp.dps = 50
 ORDERS = 44
 LEFT_OUT = mpf(10) ** -42
 END = mpf(3)
+
+
+def exact(x):
+    """A number of the file as it is written there, or a varied number."""
+    return x if isinstance(x, mpf) else mpf(repr(x))
 
 
 def machine(chance):
@@ -81,7 +90,7 @@ def series(chain, t, s, v):
     """Taylor coefficients in time of coordinates and rates."""
     count = len(s)
     s, v = [[x] for x in s], [[x] for x in v]
-    omega = 2 * pi * mpf(repr(chain["load"][1]))
+    omega = 2 * pi * exact(chain["load"][1])
     wave = [sin(omega * t), cos(omega * t)]
     springs = [(x, []) for x in chain["spring"]]
     powers = [{1: [], **{m: [] for m in range(2, 6)}} for _ in springs]
@@ -97,20 +106,20 @@ def series(chain, t, s, v):
             powers[i][1].append(e)
             for m in range(2, 6):
                 powers[i][m].append(product(powers[i][m - 1], powers[i][1], k))
-            f = sum(mpf(repr(c)) * powers[i][m][k] for m, c in curve.items()) + mpf(repr(damping)) * rate
-            f += mpf(repr(preload)) if k == 0 else 0
+            f = sum(exact(c) * powers[i][m][k] for m, c in curve.items()) + exact(damping) * rate
+            f += exact(preload) if k == 0 else 0
             force[i] -= f
             if i:
                 force[i - 1] += f
         if chain["cubic"] is not None:
             speed2.append(product(v[-1], v[-1], k))
             speed3.append(product(speed2, v[-1], k))
-            force[-1] -= mpf(repr(chain["cubic"])) * speed3[k]
+            force[-1] -= exact(chain["cubic"]) * speed3[k]
         turn = [wave[0], wave[1], -wave[0], -wave[1]][k % 4]
-        force[0] += mpf(repr(chain["load"][0])) * turn * omega**k / factorial
+        force[0] += exact(chain["load"][0]) * turn * omega**k / factorial
         for i in range(count):
             s[i].append(v[i][k] / (k + 1))
-            v[i].append(force[i] / mpf(repr(chain["mass"][i])) / (k + 1))
+            v[i].append(force[i] / exact(chain["mass"][i]) / (k + 1))
     return s, v
 
 
@@ -144,12 +153,12 @@ def first_root(c, h):
 def follow(chain, shift):
     """End state and number of impacts of a motion whose start is shifted."""
     t = mpf(0)
-    s = [mpf(repr(x[0])) for x in chain["start"]]
-    v = [mpf(repr(x[1])) for x in chain["start"]]
+    s = [exact(x[0]) for x in chain["start"]]
+    v = [exact(x[1]) for x in chain["start"]]
     s[0] += shift
     impacts = 0
     gap, restitution, inner = chain["stop"]
-    gap, restitution = mpf(repr(gap)), mpf(repr(restitution))
+    gap, restitution = exact(gap), exact(restitution)
     while t < END:
         ss, vs = series(chain, t, s, v)
         size = max(max(abs(x) for x in s), max(abs(x) for x in v))
@@ -169,7 +178,7 @@ def follow(chain, shift):
         if impacts > 60:
             return None
         if inner:
-            a, b = mpf(repr(chain["mass"][-2])), mpf(repr(chain["mass"][-1]))
+            a, b = exact(chain["mass"][-2]), exact(chain["mass"][-1])
             impulse = (1 + restitution) * (v[-1] - v[-2]) * a * b / (a + b)
             v[-1] -= impulse / b
             v[-2] += impulse / a
@@ -178,6 +187,53 @@ def follow(chain, shift):
             v[-1] = -restitution * v[-1]
             s[-1] = gap
     return s, v, impacts
+
+
+def numbers_of(chain):
+    """Numbers of a chain by their names in a file: the object and the key that hold each."""
+    powers = {1: "stiffness", 2: "quadratic", 3: "cubic", 4: "quartic", 5: "quintic"}
+    last = len(chain["mass"]) - 1
+    found = {"body.b0.mass": (chain["mass"], 0), "body.b0.start.v": (chain["start"], (0, 1))}
+    for m in chain["spring"][last][0]:
+        found[f"spring.k{last}.{powers[m]}"] = (chain["spring"][last][0], m)
+    found[f"spring.k{last}.damping"] = (chain["spring"], (last, 1))
+    found["spring.k0.preload"] = (chain["spring"], (0, 2))
+    if chain["cubic"] is not None:
+        found["damper.d.cubic"] = (chain, "cubic")
+    found["stop.s.gap"], found["stop.s.restitution"] = (chain, ("stop", 0)), (chain, ("stop", 1))
+    found["load.l.amplitude"], found["load.l.frequency"] = (chain, ("load", 0)), (chain, ("load", 1))
+    return found
+
+
+def varied(chain, name, part):
+    """A copy of a chain with one number changed by a part of it (of 1, if it is 0), and the change."""
+    chain = copy.deepcopy(chain)
+    holder, key = numbers_of(chain)[name]
+    place, i = key if isinstance(key, tuple) else (key, None)
+    before = exact(holder[place] if i is None else holder[place][i])
+    change = part * before if before else part
+    if i is None:
+        holder[place] = before + change
+    else:
+        numbers = list(holder[place])
+        numbers[i] = before + change
+        holder[place] = tuple(numbers)
+    return chain, change
+
+
+def print_derivatives(chain, end):
+    """A row for each number of a chain."""
+    rows = []
+    for name in numbers_of(chain):
+        other, change = varied(chain, name, mpf(10) ** -25)
+        beside = follow(other, mpf(0))
+        if beside is None or beside[2] != end[2]:
+            return False
+        both = zip([*end[0], *end[1]], [*beside[0], *beside[1]])
+        numbers = ",".join(nstr((b - a) / change, 22) for a, b in both)
+        rows.append(f"{text(chain)};{nstr(END, 5)};{name};{numbers}")
+    print("\n".join(rows), flush=True)
+    return True
 
 
 def main():
@@ -191,6 +247,9 @@ def main():
         shift = mpf(10) ** -25
         beside = follow(chain, shift)
         if beside is None or beside[2] != end[2]:
+            continue
+        if "by" in sys.argv:
+            made += print_derivatives(chain, end)
             continue
         own = [*end[0], *end[1]]
         factor = max(abs(a - b) for a, b in zip(own, [*beside[0], *beside[1]])) / shift

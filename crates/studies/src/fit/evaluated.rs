@@ -27,6 +27,15 @@ impl From<Vec<f64>> for Point {
 /// Change of a [`Point`], or a scale for each of its components.
 pub(super) type Change = Point;
 
+impl std::ops::Mul<f64> for &Change {
+    type Output = Change;
+
+    fn mul(self, factor: f64) -> Change {
+        let of = |own: &Vec<f64>| own.iter().map(|x| x * factor).collect();
+        Change { values: of(&self.values), states: self.states.iter().map(of).collect() }
+    }
+}
+
 impl Point {
     /// Shortens a change to at most a fraction of each value; values of 0 set no limit.
     pub fn limit(&mut self, values: &[f64], part: f64) {

@@ -106,6 +106,11 @@ impl<'a> Joint<'a> {
         std::iter::once(0).chain(next.map(|(k, _)| k + 1)).collect()
     }
 
+    /// One record's values among the joint values.
+    pub fn values_of(&self, k: usize, values: &[f64]) -> Vec<f64> {
+        self.places[k].iter().map(|&place| values[place]).collect()
+    }
+
     /// Point and reach of one record.
     pub fn local(&self, k: usize, point: &Point, reach: &Reach) -> (Point, Reach) {
         let begins = self.begins(reach);
@@ -113,7 +118,7 @@ impl<'a> Joint<'a> {
         let before: usize = self.states[..k].iter().sum();
         let weights = reach.weights.get(before..before + self.states[k]).unwrap_or_default();
         let own = Point {
-            values: self.places[k].iter().map(|&place| point.values[place]).collect(),
+            values: self.values_of(k, &point.values),
             states: point.states.get(nodes.clone()).unwrap_or_default().to_vec(),
         };
         let end = reach.end.min(self.models[k].end());
@@ -207,10 +212,8 @@ impl<'a> Joint<'a> {
 
     /// Whether the motion of a record is chaotic.
     pub fn is_chaotic(&self, values: &[f64]) -> bool {
-        self.models.iter().zip(&self.places).any(|(model, places)| {
-            let values: Vec<f64> = places.iter().map(|&place| values[place]).collect();
-            model.is_chaotic(&values)
-        })
+        let mut models = self.models.iter().enumerate();
+        models.any(|(k, model)| model.is_chaotic(&self.values_of(k, values)))
     }
 
     /// Sets the standard deviations of columns and contacts from the residuals at a point.
@@ -345,8 +348,7 @@ impl Problem for Joint<'_> {
     fn size_of_start(&self, j: usize, values: &[f64]) -> Option<f64> {
         let own = |k: usize| {
             let place = self.places[k].iter().position(|place| *place == j)?;
-            let values: Vec<f64> = self.places[k].iter().map(|&place| values[place]).collect();
-            self.models[k].size_of_start(place, &values)
+            self.models[k].size_of_start(place, &self.values_of(k, values))
         };
         (0..self.models.len()).find_map(own)
     }

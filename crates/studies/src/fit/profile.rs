@@ -5,7 +5,7 @@
 use super::bounds::Bounds;
 use super::directions::Directions;
 use super::elimination::Triangle;
-use super::evaluated::{Point, Solved};
+use super::evaluated::{Change, Point, Solved};
 use super::problem::Problem;
 use super::solver::{Convergence, solve};
 use crate::error::Result;
@@ -74,14 +74,9 @@ impl Errors {
     /// Point with one parameter moved by `away` standard errors; `None` beyond its bounds.
     fn moved(&self, bounds: &Bounds, best: &Point, j: usize, away: f64) -> Option<Point> {
         let change = self.changes[j].as_ref()? * away;
-        let mut next = best.clone();
         let states = self.triangle.states_of(&change, 0.0)?;
-        for (i, value) in next.values.iter_mut().enumerate() {
-            *value = (*value + change[i]).clamp(bounds.low[i], bounds.high[i]);
-        }
-        for (state, change) in next.states.iter_mut().zip(&states) {
-            state.iter_mut().zip(change).for_each(|(x, dx)| *x += dx);
-        }
+        let mut moved = Change { values: change.as_slice().to_vec(), states };
+        let next = bounds.moved(best, &mut moved);
         let reached = (next.values[j] - best.values[j]) / change[j];
         ((reached - 1.0).abs() < 1e-9).then_some(next)
     }

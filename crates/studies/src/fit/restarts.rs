@@ -40,12 +40,10 @@ const ONE_PART: f64 = 1e-3;
 
 /// Result of restarts near a point.
 pub(super) enum Found {
-    /// All lead back to the point or to worse ones.
-    Same,
     /// A better point.
     Better(Solved),
-    /// Other minima that are as good.
-    Others(Vec<Other>),
+    /// No better point, but these other minima that are as good.
+    NoBetter(Vec<Other>),
 }
 
 /// Another minimum that is as good.
@@ -86,8 +84,22 @@ pub(super) fn from_rest(
     Ok(all.into_iter().fold(best, |best, own| if own.cost < best.cost { own } else { best }))
 }
 
-/// Restarts some standard errors away from a point. `factors` are the ratios of the standard
-/// errors to the ones from the curvature.
+/// Number of points of a scanned line to each side, and their distance in standard errors.
+const SCAN: (i32, f64) = (12, 1.0);
+/// Largest number of valleys from which a scan descends.
+const VALLEYS: usize = 12;
+
+/// Where restarts begin.
+#[derive(Clone, Copy)]
+enum From {
+    /// In the valleys of the cost on lines through the point.
+    Valleys,
+    /// At a distance in standard errors along combinations, or along pairs of them.
+    Away(f64, bool),
+}
+
+/// Restarts near a point. `factors` are the ratios of the standard errors to the ones from the
+/// curvature.
 pub(super) fn restarted(
     model: &dyn Problem,
     bounds: &Bounds,
@@ -95,155 +107,134 @@ pub(super) fn restarted(
     factors: &[f64],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Found> {
-    let is_whole = best.reach.is_whole();
-    let mut others = Vec::new();
-    if model.has_stops() && is_whole {
-        match scanned(model, bounds, best, factors, go_on)? {
-            Found::Same => {}
-            Found::Others(found) => others.extend(found),
-            found @ Found::Better(_) => return Ok(found),
-        }
-    }
-    let ways = AWAY[usize::from(model.has_stops() && is_whole)].iter().map(|away| (*away, false));
+    let has_valleys = model.has_stops() && best.reach.is_whole();
+    let valleys = has_valleys.then_some(From::Valleys);
+    let aways = AWAY[usize::from(has_valleys)].iter().map(|away| From::Away(*away, false));
     // Residuals above noise indicate that a better point exists.
-    let is_better = model.has_stops() && is_whole && model.misses(&best.point, &best.reach)?;
-    let more = MORE.iter().filter(|_| is_better).map(|away| (*away, true));
-    for (away, is_paired) in ways.chain(more) {
-        match restarted_from(model, bounds, best, (factors, away, is_paired), go_on)? {
-            Found::Same => {}
-            Found::Others(found) => others.extend(found),
-            found @ Found::Better(_) => return Ok(found),
-        }
-    }
-    Ok(if others.is_empty() { Found::Same } else { Found::Others(others) })
-}
-
-/// Number of points of a scanned line to each side, and their distance in standard errors.
-const SCAN: (i32, f64) = (12, 1.0);
-/// Largest number of valleys from which a scan descends.
-const VALLEYS: usize = 12;
-
-/// Restarts from the valleys of the cost on lines through a point: along each parameter, and along
-/// the combinations. The cost of a motion with impacts has narrow valleys side by side, which a
-/// restart at a fixed distance misses.
-fn scanned(
-    model: &dyn Problem,
-    bounds: &Bounds,
-    best: &Solved,
-    factors: &[f64],
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Found> {
+    let is_better = has_valleys && model.misses(&best.point, &best.reach)?;
+    let more = MORE.iter().filter(|_| is_better).map(|away| From::Away(*away, true));
     let at = model.evaluate(&best.point, &best.reach)?;
-    let Some((jacobian, mut lines)) = along(model, best, &at, (1.0, false)) else { return Ok(Found::Same) };
     let own = (model.loss(), model.has_sigma());
     let errors = Uncertainty::of(&at, &bounds.names, &best.point.values, own).errors;
-    for (j, error) in errors.iter().enumerate() {
-        let mut line = Point::from(vec![0.0; best.point.values.len()]);
-        line.values[j] = error.unwrap_or(0.0);
-        lines.push(line);
-    }
-    let (count, step) = SCAN;
-    let place = |line: &Point, k: i32| {
-        let mut next = best.point.clone();
-        for (j, value) in next.values.iter_mut().enumerate() {
-            let moved = *value + step * f64::from(k) * line.values[j];
-            *value = moved.clamp(bounds.low[j], bounds.high[j]);
+    let restarts = Restarts { model, bounds, best, at, errors, factors, go_on };
+    let mut others = Vec::new();
+    for from in valleys.into_iter().chain(aways).chain(more) {
+        match restarts.from(from) {
+            Found::NoBetter(found) => others.extend(found),
+            better @ Found::Better(_) => return Ok(better),
         }
-        next
-    };
-    let valleys = |(line, sign): (&Point, i32)| {
-        let points: Vec<Point> = (0..=count).map(|k| place(line, sign * k)).collect();
-        let cost = |point: &Point| {
-            let at = Solved { point: point.clone(), ..best.clone() };
-            if go_on() { model.cost(&at).unwrap_or(f64::INFINITY) } else { f64::INFINITY }
-        };
-        let costs: Vec<f64> = points.par_iter().map(cost).collect();
-        let is_valley =
-            |k: &usize| costs[*k] < costs[k - 1] && costs.get(k + 1).is_none_or(|next| costs[*k] <= *next);
-        (1..costs.len()).filter(is_valley).map(|k| (costs[k], points[k].clone())).collect::<Vec<_>>()
-    };
-    let sides: Vec<(&Point, i32)> = lines.iter().flat_map(|line| [(line, 1), (line, -1)]).collect();
-    let mut all: Vec<(f64, Point)> = sides.into_par_iter().flat_map(valleys).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    all.truncate(VALLEYS);
-    let starts: Vec<Point> = all.into_iter().map(|own| own.1).collect();
-    descended(model, bounds, best, (factors, &jacobian, &at), &starts, go_on)
+    }
+    Ok(Found::NoBetter(others))
 }
 
-/// Restarts at one distance from a point.
-fn restarted_from(
-    model: &dyn Problem,
-    bounds: &Bounds,
-    best: &Solved,
-    (factors, away, is_paired): (&[f64], f64, bool),
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Found> {
-    let at = model.evaluate(&best.point, &best.reach)?;
-    let p = best.point.values.len();
-    let mut starts = nudged(model, bounds, &best.point, &at);
-    let Some((jacobian, along)) = along(model, best, &at, (away, is_paired)) else { return Ok(Found::Same) };
-    for change in &along {
-        starts.extend([1.0, -1.0].map(|sign| {
-            let mut next = best.point.clone();
-            for j in 0..p {
-                let moved = next.values[j] + sign * change.values[j];
-                next.values[j] = moved.clamp(bounds.low[j], bounds.high[j]);
-            }
-            for (state, change) in next.states.iter_mut().zip(&change.states) {
-                state.iter_mut().zip(change).for_each(|(x, dx)| *x += sign * dx);
-            }
-            next
-        }));
-    }
-    descended(model, bounds, best, (factors, &jacobian, &at), &starts, go_on)
+/// A point near which a fit restarts.
+struct Restarts<'a> {
+    model: &'a dyn Problem,
+    bounds: &'a Bounds,
+    best: &'a Solved,
+    /// Residuals and derivatives there.
+    at: Evaluated,
+    /// Standard errors from the curvature.
+    errors: Vec<Option<f64>>,
+    /// Ratios of the standard errors to these.
+    factors: &'a [f64],
+    go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// Descends from several points, and compares the minima with the best point.
-fn descended(
-    model: &dyn Problem,
-    bounds: &Bounds,
-    best: &Solved,
-    (factors, jacobian, at): (&[f64], &DMatrix<f64>, &Evaluated),
-    starts: &[Point],
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Found> {
-    let p = best.point.values.len();
-    let variance = model.variance(best.cost, p);
-    // Without contacts there is one valley: its minimum need not be found again.
-    let enough = if model.has_stops() { f64::NEG_INFINITY } else { best.cost + variance };
-    let by =
-        |start: &Point| solve(model, bounds, start, (&best.reach, Convergence::Back(enough)), go_on).ok();
-    let all: Vec<Solved> = starts.par_iter().filter_map(by).collect();
-    let least = all.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let better = BETTER[usize::from(!best.reach.is_whole())];
-    if let Some(own) = least.filter(|own| own.cost < best.cost - better * variance) {
-        return Ok(Found::Better(own.clone()));
-    }
-    let own = (model.loss(), model.has_sigma());
-    let mut uncertainty = Uncertainty::of(at, &bounds.names, &best.point.values, own);
-    uncertainty.widen(factors);
-    let errors = uncertainty.errors;
-    let is_other = |own: &&Solved| {
-        let mut near = errors.iter().zip(&best.point.values).zip(&own.point.values);
-        let is_one = |((error, a), b): ((&Option<f64>, &f64), &f64)| {
-            (a - b).abs() <= error.map_or(ONE_PART * a.abs(), |error| ONE * error)
+impl Restarts<'_> {
+    fn from(&self, from: From) -> Found {
+        let Self { model, bounds, best, at, .. } = self;
+        let (away, is_paired) = match from {
+            From::Valleys => (1.0, false),
+            From::Away(away, is_paired) => (away, is_paired),
         };
-        let is_one = near.all(is_one);
-        let off = own.point.values.iter().zip(&best.point.values).map(|(a, b)| a - b);
-        let rise = (jacobian * DVector::from_iterator(p, off)).norm_squared();
-        own.cost < best.cost + AS_GOOD * variance && rise > ELSEWHERE * variance && !is_one
-    };
-    let other = |own: &Solved| {
-        let away = ((own.cost - best.cost) / variance).max(1.0).sqrt();
-        let mut wider = factors.to_vec();
-        for (j, wider) in wider.iter_mut().enumerate() {
-            let off = (own.point.values[j] - best.point.values[j]).abs();
-            *wider *= errors[j].map_or(f64::INFINITY, |error| off / (error * away)).max(1.0);
+        let along = along(*model, best, at, (away, is_paired));
+        let Some((jacobian, along)) = along else { return Found::NoBetter(Vec::new()) };
+        let starts = match from {
+            From::Valleys => self.valleys(along),
+            From::Away(..) => {
+                let both = |change| [1.0, -1.0].map(|sign| bounds.moved(&best.point, &mut (change * sign)));
+                nudged(*model, bounds, &best.point, at)
+                    .into_iter()
+                    .chain(along.iter().flat_map(both))
+                    .collect()
+            }
+        };
+        self.descended(&starts, &jacobian)
+    }
+
+    /// The lowest valleys of the cost on lines through the point: along combinations, and along
+    /// each parameter. The cost of a motion with impacts has narrow valleys side by side, which a
+    /// restart at a fixed distance misses.
+    fn valleys(&self, mut lines: Vec<Point>) -> Vec<Point> {
+        let Self { model, bounds, best, errors, go_on, .. } = self;
+        for (j, error) in errors.iter().enumerate() {
+            let mut line = Point::from(vec![0.0; errors.len()]);
+            line.values[j] = error.unwrap_or(0.0);
+            lines.push(line);
         }
-        Other { values: own.point.values.clone(), factors: wider }
-    };
-    let others: Vec<Other> = all.iter().filter(is_other).map(other).collect();
-    Ok(if others.is_empty() { Found::Same } else { Found::Others(others) })
+        let (count, step) = SCAN;
+        let on_side = |(line, sign): (&Point, f64)| {
+            let point = |k: i32| bounds.moved(&best.point, &mut (line * (sign * step * f64::from(k))));
+            let points: Vec<Point> = (1..=count).map(point).collect();
+            let cost = |point: &Point| {
+                let at = Solved { point: point.clone(), ..(*best).clone() };
+                if go_on() { model.cost(&at).unwrap_or(f64::INFINITY) } else { f64::INFINITY }
+            };
+            let costs: Vec<f64> = points.par_iter().map(cost).collect();
+            let before = |k: usize| k.checked_sub(1).map_or(best.cost, |before| costs[before]);
+            let is_valley =
+                |k: &usize| costs[*k] < before(*k) && costs.get(k + 1).is_none_or(|next| costs[*k] <= *next);
+            (0..costs.len()).filter(is_valley).map(|k| (costs[k], points[k].clone())).collect::<Vec<_>>()
+        };
+        let sides: Vec<(&Point, f64)> = lines.iter().flat_map(|line| [(line, 1.0), (line, -1.0)]).collect();
+        let mut all: Vec<(f64, Point)> = sides.into_par_iter().flat_map(on_side).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.into_iter().take(VALLEYS).map(|own| own.1).collect()
+    }
+
+    /// Descends from several points, and compares the minima with the best point.
+    fn descended(&self, starts: &[Point], jacobian: &DMatrix<f64>) -> Found {
+        let Self { model, bounds, best, go_on, .. } = *self;
+        let variance = model.variance(best.cost, best.point.values.len());
+        // Without contacts there is one valley: its minimum need not be found again.
+        let enough = if model.has_stops() { f64::NEG_INFINITY } else { best.cost + variance };
+        let convergence = Convergence::Back(enough);
+        let by = |start: &Point| solve(model, bounds, start, (&best.reach, convergence), go_on).ok();
+        let all: Vec<Solved> = starts.par_iter().filter_map(by).collect();
+        let least = all.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let better = BETTER[usize::from(!best.reach.is_whole())];
+        if let Some(own) = least.filter(|own| own.cost < best.cost - better * variance) {
+            return Found::Better(own.clone());
+        }
+        let is_as_good = |own: &&Solved| own.cost < best.cost + AS_GOOD * variance;
+        let others = all.iter().filter(is_as_good).filter(|own| self.is_apart(own, jacobian, variance));
+        Found::NoBetter(others.map(|own| self.other(own, variance)).collect())
+    }
+
+    /// Whether a minimum is another one than the best point.
+    fn is_apart(&self, own: &Solved, jacobian: &DMatrix<f64>, variance: f64) -> bool {
+        let (here, there) = (&self.best.point.values, &own.point.values);
+        let off = DVector::from_iterator(here.len(), there.iter().zip(here).map(|(a, b)| a - b));
+        let errors = self.errors.iter().zip(self.factors);
+        let is_one = |((a, b), (error, factor)): ((&f64, &f64), (&Option<f64>, &f64))| {
+            (a - b).abs() <= error.map_or(ONE_PART * a.abs(), |error| ONE * error * factor)
+        };
+        let rise = (jacobian * off).norm_squared();
+        rise > ELSEWHERE * variance && !here.iter().zip(there).zip(errors).all(is_one)
+    }
+
+    /// Another minimum, with the ratios of the errors that reach it.
+    fn other(&self, own: &Solved, variance: f64) -> Other {
+        let away = ((own.cost - self.best.cost) / variance).max(1.0).sqrt();
+        let mut factors = self.factors.to_vec();
+        for (j, factor) in factors.iter_mut().enumerate() {
+            let off = (own.point.values[j] - self.best.point.values[j]).abs();
+            let reached = self.errors[j].map_or(f64::INFINITY, |error| off / (error * away));
+            *factor = factor.max(reached);
+        }
+        Other { values: own.point.values.clone(), factors }
+    }
 }
 
 /// Jacobian of all residuals, and parameter changes of `away` standard errors along the least

@@ -205,7 +205,7 @@ impl Search<'_, '_> {
     /// Best point of one record by its schedule, from joint values.
     fn of_record(&self, k: usize, start: &[f64]) -> Result<Solved> {
         let places = &self.joint.places[k];
-        let begin: Vec<f64> = places.iter().map(|&place| start[place]).collect();
+        let begin = self.joint.values_of(k, start);
         let bounds = self.bounds.local(places, &begin);
         best_from(&self.joint.models[k], &bounds, &begin, self.segments, self.go_on)
     }
@@ -298,8 +298,7 @@ fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Res
             }
         };
         match found {
-            Found::Same => break,
-            Found::Others(others) => {
+            Found::NoBetter(others) => {
                 let own = factors.clone();
                 let is_far = |other: &&Other| other.factors.iter().zip(&own).any(|(a, b)| *a > WIDER * b);
                 let far = others.iter().find(is_far);

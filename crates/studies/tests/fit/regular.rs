@@ -109,6 +109,19 @@ fn made_record_of_a_machine_that_a_record_drives_from_ten_starts() {
 }
 
 #[test]
+fn made_record_of_a_hardening_spring_and_a_stop_from_ten_starts() {
+    let text = "name = \"Duffing\"\nbody.a = { mass = 1.0 }\n\
+                spring.k = { between = [\"ground\", \"a\"], stiffness = 60.0, cubic = 3e4, damping = 0.8 }\n\
+                damper.d = { between = [\"ground\", \"a\"], cubic = 2.0 }\n\
+                stop.wall = { between = [\"ground\", \"a\"], gap = 0.07, restitution = 0.6 }\n\
+                load.shaker = { on = \"a\", amplitude = 9.0, frequency = 2.1 }\n";
+    let m = Machine::parse(text, "duffing.toml", &no_records).unwrap();
+    let measured = record(&m, &[("a.s", 1e-4)], 2.0, 100, &mut Noise(21));
+    let free = ["spring.k.stiffness", "spring.k.cubic", "spring.k.damping", "stop.wall.restitution"];
+    check_ten_starts(&m, &measured, &free);
+}
+
+#[test]
 fn made_record_of_the_papers_machine_from_5_and_20_percent_off() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/paper_machine.toml");
     let text = std::fs::read_to_string(folder).unwrap();
