@@ -132,6 +132,7 @@ pub fn fit<'py>(
             PyResult::Ok((name, values.as_slice()?.to_vec()))
         };
         PyResult::Ok(FitRequest {
+            name: String::new(),
             start: machine.start_of(&start)?,
             machine: machine.machine(None),
             measured: Measured {

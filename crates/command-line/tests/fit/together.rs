@@ -59,7 +59,7 @@ fn refused_records_that_do_not_go_together() {
         ),
         (
             "--data one.csv,two.csv --free spring.k.stiffness --set-in two:spring.k.stiffness=80",
-            "spring.k.stiffness begins at 90 in record 1 and at 80 in record 2",
+            "spring.k.stiffness begins at 90 in record one and at 80 in record two",
         ),
         (
             "--data one.csv,two.csv --events one.csv --free spring.k.stiffness",

@@ -57,8 +57,13 @@ impl Bounds {
     }
 
     /// Bounds of `count` joint parameters. `places` has the joint indices of each record's
-    /// parameters; `rows` is the number of residuals of all records.
-    pub fn joint(all: &[Self], (places, count): (&[Vec<usize>], usize), rows: usize) -> Result<Self> {
+    /// parameters, `names` has the names of the records, and `rows` is the number of residuals of all
+    /// records.
+    pub fn joint(
+        all: &[Self],
+        (places, count): (&[Vec<usize>], usize),
+        (names, rows): (&[String], usize),
+    ) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         if count > MOST_FREE {
             return refused(format!("{count} free parameters of all records: expected at most {MOST_FREE}"));
@@ -82,12 +87,9 @@ impl Bounds {
             let differs = |(k, there): &&(usize, usize)| all[*k].begin[*there] != own.begin[place];
             if let Some((other, there)) = records.iter().find(differs) {
                 return refused(format!(
-                    "{name} begins at {} in record {} and at {} in record {}; expected the same \
+                    "{name} begins at {} in {} and at {} in {}; expected the same \
                      value in all records, or a parameter that each record has for itself (--own)",
-                    own.begin[place],
-                    record + 1,
-                    all[*other].begin[*there],
-                    other + 1
+                    own.begin[place], names[record], all[*other].begin[*there], names[*other]
                 ));
             }
             let is_one_of_many = records.len() < all.len();
@@ -95,7 +97,11 @@ impl Bounds {
             found.low.push(own.low[place]);
             found.high.push(own.high[place]);
             found.given.push(own.given[place]);
-            found.names.push(if is_one_of_many { in_record(name, record) } else { name.clone() });
+            found.names.push(if is_one_of_many {
+                format!("{name} of {}", names[record])
+            } else {
+                name.clone()
+            });
         }
         Ok(found)
     }
@@ -206,11 +212,6 @@ impl Bounds {
     pub fn holds(&self, i: usize, value: f64, step: f64) -> bool {
         (value <= self.low[i] && step < 0.0) || (value >= self.high[i] && step > 0.0)
     }
-}
-
-/// Name of a parameter that belongs to one record.
-pub(super) fn in_record(name: &str, record: usize) -> String {
-    format!("{name} of record {}", record + 1)
 }
 
 #[cfg(test)]

@@ -60,6 +60,7 @@ type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
 /// let names = ["spring.k.stiffness", "body.a.start.s"];
 /// let free = names.map(|name| Free { name: name.into(), within: None, is_own: false }).to_vec();
 /// let request = FitRequest {
+///     name: String::new(),
 ///     machine,
 ///     measured,
 ///     free,

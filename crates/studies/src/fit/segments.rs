@@ -245,6 +245,7 @@ mod tests {
                     spring.k = { between = [\"ground\", \"a\"], points = [[-1.0, 1.0], [1.0, -1.0]] }\n";
         let is_chaotic = |until: f64| {
             let request = FitRequest {
+                name: String::new(),
                 machine: Machine::parse(text, "tilting.toml", &no_records).unwrap(),
                 start: Start::default(),
                 measured: Measured {

@@ -259,6 +259,7 @@ fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
         let is_elsewhere = |own: &Filter| !has(own) && columns.contains(&own.column.to_string());
         let filters = filters.iter().filter(|own| !is_elsewhere(own)).cloned().collect();
         let request = FitRequest {
+            name: name.clone(),
             machine,
             start,
             measured,
