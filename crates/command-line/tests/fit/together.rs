@@ -44,6 +44,45 @@ fn closed_form_of_a_stiffness_that_two_records_share() {
     }
 }
 
+/// A fit that replaces an earlier one leaves only its own files and the user's.
+#[test]
+fn invariant_files_of_an_earlier_fit_do_not_stay_beside_new_ones() {
+    let contacts = "element,time\nwall,0.1\n";
+    let tables = [("one.csv", cosine(0.01, 10.0)), ("two.csv", cosine(0.01, 10.0))];
+    let tables = tables.iter().map(|(name, text)| (*name, &text[..])).chain([("met.csv", contacts)]);
+    let tables: Vec<(&str, &str)> = tables.collect();
+    let wall = "[stop.wall]\nbetween = [\"ground\", \"m\"]\ngap = 1.0\nrestitution = 0.5\n";
+    let walled = format!("{COSINE}{wall}");
+    let free = "--free spring.k.stiffness";
+    let files = |arguments: &str| {
+        let (out, told) = said("fit-earlier", &walled, &tables, arguments);
+        let names = |folder: &std::path::Path| {
+            let all = std::fs::read_dir(folder).unwrap_or_else(|_| panic!("{told}"));
+            all.map(|file| file.unwrap().file_name().into_string().unwrap()).collect::<Vec<_>>()
+        };
+        (out.clone(), names(&out))
+    };
+    let (out, all) = files(&format!("--data one.csv --events met.csv --start m.s=0.01 {free}"));
+    let is_there = |all: &[String], name: &str| all.iter().any(|own| own == name);
+    assert!(["start.toml", "residuals-contacts.csv", "fit.json"].iter().all(|own| is_there(&all, own)));
+    std::fs::write(out.join("notes.txt"), "mine").unwrap();
+    let (_, all) = files(&format!("--data one.csv,two.csv {free}"));
+    let own = ["notes.txt", "numbers.csv", "numbers.manifest.toml", "one", "two"];
+    assert!(all.len() == own.len() && own.iter().all(|own| is_there(&all, own)), "{all:?}");
+    let (_, all) = files(&format!("--data one.csv {free}"));
+    assert!(is_there(&all, "notes.txt") && is_there(&all, "fit.json"), "{all:?}");
+    let earlier =
+        ["numbers.csv", "numbers.manifest.toml", "one", "two", "start.toml", "residuals-contacts.csv"];
+    assert!(!earlier.iter().any(|own| is_there(&all, own)), "{all:?}");
+    // The machine's file may be an earlier fit's.
+    let line = "fit fit/fitted.toml --data one.csv --free spring.k.stiffness --out fit --replace";
+    let mut vibro = std::process::Command::new(env!("CARGO_BIN_EXE_vibro"));
+    std::fs::write(out.join("fitted.toml"), format!("# my comment\n{walled}")).unwrap();
+    let output = vibro.args(line.split(' ')).current_dir(out.parent().unwrap()).output().unwrap();
+    let fitted = std::fs::read_to_string(out.join("fitted.toml")).unwrap();
+    assert!(output.status.success() && fitted.contains("# my comment"), "{fitted}");
+}
+
 #[test]
 fn refused_records_that_do_not_go_together() {
     let tables = [("one.csv", "time,m.s\n0,0\n0.1,0.05\n"), ("two.csv", "time,m.s\n0,0\n0.1,0.05\n")];
