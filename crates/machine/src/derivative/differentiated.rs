@@ -187,14 +187,13 @@ impl Differentiated {
             Origin::State(time, state) => (*time, state, Given::State),
         };
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
-        columns.iter().try_for_each(|by| by.check(&assembly))?;
+        let machine = Arc::new(Machine::new(assembly.clone(), columns)?);
         let mut events = Vec::new();
         let mut note = |event: &Event| events.push(event.clone());
         let motion = match given {
-            Given::Machine => Motion::new_observed(assembly.clone(), &mut note)?,
-            _ => Motion::from_state_observed(assembly.clone(), time, state, &mut note)?,
+            Given::Machine => Motion::new_observed(assembly, &mut note)?,
+            _ => Motion::from_state_observed(assembly, time, state, &mut note)?,
         };
-        let machine = Arc::new(Machine::new(assembly, columns)?);
         Ok(Self::begun((machine, Modes::default()), motion, (given, state, &events), observer))
     }
 

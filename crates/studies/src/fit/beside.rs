@@ -230,7 +230,7 @@ impl<'a> Compared<'a> {
         let (from, next) = (node(k), reach.nodes.get(k).copied());
         let until = next.unwrap_or(reach.end);
         let states = (k > 0).then(|| point.states[k - 1].len());
-        let mut columns = if varied { made.columns(unknowns, states)? } else { Columns::default() };
+        let mut columns = if varied { unknowns.columns(states) } else { Columns::default() };
         // Only in the first segment do the filters' initial states depend on other parameters.
         // Later segments begin with fitted states.
         let begins = if varied && k == 0 { &self.sensors[..] } else { &[] };

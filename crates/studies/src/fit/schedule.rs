@@ -77,8 +77,12 @@ impl Search<'_> {
             false => Attempt::Horizons(begin, WAYS[1]),
         };
         let is_small = start.len() <= sobol::DIMENSIONS;
-        let besides = std::iter::once(()).filter(move |()| is_small).flat_map(|()| self.beside()).map(beside);
-        plain.into_iter().chain(first).chain(horizons).chain(later).chain(divided).chain(besides)
+        let besides =
+            move || std::iter::once(()).filter(move |()| is_small).flat_map(|()| self.beside()).map(beside);
+        // Segments of a motion with wrong parameters take longer than blocks from another start.
+        let early = usize::from(is_in_blocks);
+        let (some, others) = (besides().take(early), besides().skip(early));
+        plain.into_iter().chain(first).chain(horizons).chain(later).chain(some).chain(divided).chain(others)
     }
 
     /// Whether the motion has a single valley: no stops, and near the record from the start.
