@@ -9,7 +9,7 @@ use crate::{significant, sobol};
 /// Lower bound while segments are apart, as a fraction of a positive initial value.
 const INSIDE: f64 = 0.02;
 
-/// Largest growth of a positive parameter in a rough descent.
+/// Largest growth of a positive parameter in a rough descent, and in restarts near a point.
 const MOST_GROWTH: f64 = 10.0;
 
 /// Ranges and initial values of the free parameters.
@@ -168,12 +168,12 @@ impl Bounds {
         bounds
     }
 
-    /// Bounds for a rough descent: a positive parameter grows at most tenfold over its initial
-    /// value. A parameter that the first seconds of a record hardly determine would otherwise grow
-    /// by any factor, and motions of a stiff machine take long.
-    pub fn for_rough(&self) -> Self {
+    /// Bounds within which a positive parameter grows at most tenfold over given values. A
+    /// parameter that a record hardly determines would otherwise grow by any factor, and motions of
+    /// a stiff machine take long.
+    pub fn near(&self, values: &[f64]) -> Self {
         let mut bounds = self.clone();
-        for (j, x) in self.begin.iter().enumerate() {
+        for (j, x) in values.iter().enumerate() {
             if bounds.low[j] >= 0.0 && *x > 0.0 {
                 bounds.high[j] = bounds.high[j].min(MOST_GROWTH * x);
             }
@@ -219,7 +219,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn invariant_only_positive_parameters_have_a_limit_in_rough_descents() {
+    fn invariant_only_positive_parameters_have_a_limit_near_a_point() {
         let bounds = Bounds {
             begin: vec![2.0, 0.0, -1.0, 2.0, 1.0],
             low: vec![0.0, 0.0, -5.0, 1.0, -1.0],
@@ -227,9 +227,9 @@ mod tests {
             names: vec![String::new(); 5],
             given: vec![false; 5],
         };
-        let rough = bounds.for_rough();
-        assert_eq!(rough.high, [2.0 * MOST_GROWTH, 9.0, 9.0, 9.0, 99.0]);
-        assert_eq!(rough.low, bounds.low);
+        let near = bounds.near(&[2.0, 0.0, -1.0, 2.0, 1.0]);
+        assert_eq!(near.high, [2.0 * MOST_GROWTH, 9.0, 9.0, 9.0, 99.0]);
+        assert_eq!(near.low, bounds.low);
     }
 
     #[test]
