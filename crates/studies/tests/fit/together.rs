@@ -104,7 +104,7 @@ fn made_records_at_two_frequencies_of_a_damper_with_a_buffer() {
     let free = ["stop.buffer.gap", "stop.buffer.stiffness", "stop.buffer.damping"];
     let one = |(k, frequency): (usize, f64)| {
         let own = m.with([("load.shaker.frequency", frequency)]).unwrap();
-        let measured = record(&own, &[("box.s", 1e-5)], 1.0, 300, &mut Noise(95 + k as u64));
+        let measured = record(&own, &[("box.s", 1e-5)], 0.6, 180, &mut Noise(95 + k as u64));
         request(off(&own, &free, |i| [1.2, 0.8, 1.2][i]), measured, &free)
     };
     let all: Vec<FitRequest> = [9.0, 10.0].into_iter().enumerate().map(one).collect();
