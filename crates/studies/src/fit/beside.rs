@@ -187,8 +187,8 @@ impl<'a> Compared<'a> {
             let found = self.follow((unknowns, &made, &second), point, reach, k, varied)?;
             if varied { self.filled(unknowns, point, reach, k, found) } else { Ok(found) }
         };
-        // The second segment comes first: the later ones begin from its motion, whatever the number
-        // of threads.
+        // The second segment comes first: the later ones begin from its motion, whatever the
+        // number of threads.
         let early = (!reach.nodes.is_empty()).then(|| one(1)).transpose()?;
         let others = (0..=reach.nodes.len()).into_par_iter().filter(|k| *k != 1).map(one);
         let mut all = others.collect::<Result<Vec<_>>>()?;

@@ -57,7 +57,7 @@ impl Bounds {
     }
 
     /// Bounds of `count` joint parameters. `places` has the joint indices of each record's
-    /// parameters, `names` has the names of the records, and `rows` is the number of residuals of all
+    /// parameters, `names` the names of the records; `rows` is the number of residuals of all
     /// records.
     pub fn joint(
         all: &[Self],
@@ -169,8 +169,8 @@ impl Bounds {
     }
 
     /// Bounds within which a positive parameter grows at most tenfold over given values. A
-    /// parameter that a record hardly determines would otherwise grow by any factor, and motions of
-    /// a stiff machine take long.
+    /// parameter that a record hardly determines would otherwise grow by any factor, and motions
+    /// of a stiff machine take long.
     pub fn near(&self, values: &[f64]) -> Self {
         let mut bounds = self.clone();
         for (j, x) in values.iter().enumerate() {

@@ -22,12 +22,13 @@ const GROWTH: f64 = 20.0;
 const CHAOTIC: f64 = 1e13;
 /// Last fraction of a segment's length in which the next segment may begin.
 const PLACE: f64 = 0.5;
-/// Largest number of intervals between contact events that are tried for a node, the longest first.
+/// Number of intervals between contact events in which a node may lie, the longest first; more of
+/// them take long in a motion that chatters.
 const GAPS: usize = 20;
 /// Smallest mean number of contacts in a segment.
 const CONTACTS: f64 = 3.0;
-/// Excess of horizons whose fitted motion leaves the record over other horizons, at which the fit is
-/// given up. At the smallest growth, ten horizons have the length of a segment.
+/// Excess of horizons whose fitted motion leaves the record, over others, that ends the fit. At the
+/// smallest growth, ten horizons have the length of a segment.
 const LOST: u32 = 10;
 /// Number of times at which growth and range are sampled.
 const LOOKS: usize = 400;

@@ -7,7 +7,7 @@ use vibro::{Error, Result};
 
 /// Manifest of a fit of several records.
 const NUMBERS: &str = "numbers.manifest.toml";
-/// Files of a fit. Copies of a load's records are not among them: they may be the user's own tables.
+/// Files of a fit. Copies of a load's records are not among them: they may be the user's tables.
 const FILES: [&str; 12] = [
     "fit.json",
     "fit.svg",
