@@ -39,10 +39,15 @@ pub struct FitParts<'py> {
     at_bounds: Numbers,
     places: Vec<String>,
     suspects: Vec<(String, f64, f64, f64)>,
+    unexplained: Option<String>,
 }
 
-fn parts<'py>(py: Python<'py>, (fitted, misfit): &(Fitted, Misfit), columns: usize) -> FitParts<'py> {
+/// A fit with its diagnosis, or with the error of the diagnosis.
+type Explained = (Fitted, Result<Misfit, String>);
+
+fn parts<'py>(py: Python<'py>, (fitted, explained): &Explained, columns: usize) -> FitParts<'py> {
     let own = &fitted.uncertainty;
+    let misfit = explained.clone().unwrap_or_default();
     let residual = |k: usize| -> Vec<f64> { fitted.residuals.iter().map(|row| row[k]).collect() };
     FitParts {
         verdict: fitted.verdict.to_string(),
@@ -64,6 +69,7 @@ fn parts<'py>(py: Python<'py>, (fitted, misfit): &(Fitted, Misfit), columns: usi
         at_bounds: fitted.at_bounds.clone(),
         places: misfit.places.iter().map(ToString::to_string).collect(),
         suspects: misfit.suspects.iter().map(|s| (s.name.clone(), s.value, s.better, s.left)).collect(),
+        unexplained: explained.as_ref().err().cloned(),
     }
 }
 
@@ -132,6 +138,7 @@ pub fn fit<'py>(
             PyResult::Ok((name, values.as_slice()?.to_vec()))
         };
         PyResult::Ok(FitRequest {
+            name: String::new(),
             start: machine.start_of(&start)?,
             machine: machine.machine(None),
             measured: Measured {
@@ -163,15 +170,15 @@ pub fn fit<'py>(
             control.at((f64::from(PARTS) * now.part) as usize, PARTS as usize, in_words(now))
         })?;
         let goes_on = || !control.is_cancelled();
-        let explained = |(request, fitted): (&FitRequest, Fitted)| match goes_on() {
-            true => (misfit(request, &fitted, &goes_on).unwrap_or_default(), fitted),
-            false => (Misfit::default(), fitted),
+        let explained = |(request, fitted): (&FitRequest, &Fitted)| match goes_on() {
+            true => misfit(request, fitted, &goes_on).map_err(|error| error.to_string()),
+            false => Ok(Misfit::default()),
         };
-        let all = requests.iter().zip(all).map(explained).map(|(misfit, fitted)| (fitted, misfit));
-        Ok(all.collect::<Vec<_>>())
+        let misfits: Vec<_> = requests.iter().zip(&all).map(explained).collect();
+        Ok(all.into_iter().zip(misfits).collect())
     };
-    let made = |all: Vec<(Fitted, Misfit)>| {
-        let one = |(fitted, count): (&(Fitted, Misfit), &usize)| parts(py, fitted, *count);
+    let made = |all: Vec<Explained>| {
+        let one = |(found, count): (&Explained, &usize)| parts(py, found, *count);
         Ok(all.iter().zip(&counts).map(one).collect::<Vec<_>>())
     };
     search_with_best(py, progress, work, made)

@@ -181,6 +181,20 @@ def test_a_signal_leaves_the_best_values_so_far(monkeypatch: pytest.MonkeyPatch)
     assert told[-1][1] == 1000 and "attempt 1 of at most" in str(told[-1][2])
 
 
+def test_an_error_of_the_diagnosis_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    t, s = made()
+    native = vi._native.fit
+
+    def fit(*arguments: object) -> "list[dict[str, object]]":
+        # No machine is known whose fit succeeds and whose diagnosis fails.
+        return [{**found, "unexplained": "the motion has no end"} for found in native(*arguments)]
+
+    monkeypatch.setattr("vibro_impact._native.fit", fit)
+    with pytest.warns(RuntimeWarning, match="no explanation of the residuals: the motion has no end") as told:
+        vi.fit(slide(), {"a.s": (t, s)}, free=["spring.k.stiffness"])
+    assert told[0].filename == __file__
+
+
 def test_closed_form_an_accelerometer_is_fitted_through_its_filter() -> None:
     ball = {
         "name": "Ball",

@@ -153,6 +153,23 @@ impl Description {
         Ok(all.swap_remove(place))
     }
 
+    /// Names of parameters as [`parameters`](Self::parameters) lists them, without their aliases.
+    ///
+    /// # Errors
+    /// As [`parameter`](Self::parameter).
+    pub(crate) fn usual_names(&self, names: &[&str]) -> Result<Vec<String>, Refusal> {
+        if names.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut copy = self.clone();
+        let all = slots(&mut copy);
+        let one = |name: &&str| match self.named.refusal(name) {
+            Some(problem) => Err(Refusal::one(problem)),
+            None => Ok(all[position(&all, |s| &s.name, name).map_err(Refusal::one)?].name.clone()),
+        };
+        names.iter().map(one).collect()
+    }
+
     /// The value, in SI, of a parameter or of a number that follows from parameters.
     ///
     /// # Errors

@@ -126,6 +126,8 @@ pub struct Fresh {
 /// Request for a fit: machine, record and free parameters.
 #[derive(Clone, Debug)]
 pub struct FitRequest {
+    /// Name of the record in messages about several records; if empty, its number.
+    pub name: String,
     /// Machine with the initial parameter values.
     pub machine: Machine,
     /// Start of the motion.

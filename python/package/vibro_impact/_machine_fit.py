@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -14,7 +15,7 @@ from ._arguments import Floats, array, number, quantity, seconds, whole
 from ._machine_description import MachineDescription
 from ._machine_start import StartLike, numbers_of
 from ._base import AnyMachine
-from ._paper_parameters import SI_NAMES
+from ._paper_parameters import SI_NAMES, outside
 from ._progress import Bar, partial
 from ._start import Start
 from ._show import Line, lines
@@ -460,6 +461,8 @@ def _sigma(machine: MachineDescription, sigma: Optional[Mapping[str, Union[float
 
 
 def _fitted(kind: type[MachineDescription], names: list[str], t: Floats, columns: list[str], found: dict[str, Any]) -> Fit:
+    if found["unexplained"]:
+        warnings.warn(f"no explanation of the residuals: {found['unexplained']}", RuntimeWarning, stacklevel=outside())
     return Fit(
         verdict=found["verdict"],
         machine=kind(found["machine"]),

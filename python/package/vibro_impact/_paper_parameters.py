@@ -87,7 +87,7 @@ def find(given: str) -> str:
             f"`{given}` is {name}, {_unit(name)}; `{similar[0]}` is another parameter, {_unit(similar[0])}. If the first is meant, "
             f"write {name} to avoid this warning",
             SimilarNameWarning,
-            stacklevel=_outside(),
+            stacklevel=outside(),
         )
     return name
 
@@ -97,7 +97,7 @@ def _unit(name: str) -> str:
     return "without a unit" if unit in ("", "1") else f"in {unit}"
 
 
-def _outside() -> int:
+def outside() -> int:
     """Returns the number of frames from the caller to the first frame outside the package (`stacklevel` of a warning)."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith(__package__):

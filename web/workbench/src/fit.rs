@@ -59,6 +59,7 @@ pub fn fitted(
     let machine = read(text, &names, &texts)?;
     let measured = record(table, Some(&machine.description))?;
     let request = FitRequest {
+        name: String::new(),
         machine,
         start: Start::default(),
         measured,

@@ -44,6 +44,41 @@ fn closed_form_of_a_stiffness_that_two_records_share() {
     }
 }
 
+/// A fit that replaces an earlier one leaves only its own files and the user's.
+#[test]
+fn invariant_files_of_an_earlier_fit_do_not_stay_beside_new_ones() {
+    let contacts = "element,time\nwall,0.1\n";
+    let tables = [("one.csv", cosine(0.01, 10.0)), ("two.csv", cosine(0.01, 10.0))];
+    let tables = tables.iter().map(|(name, text)| (*name, &text[..])).chain([("met.csv", contacts)]);
+    let tables: Vec<(&str, &str)> = tables.collect();
+    let wall = "[stop.wall]\nbetween = [\"ground\", \"m\"]\ngap = 1.0\nrestitution = 0.5\n";
+    let walled = format!("{COSINE}{wall}");
+    let free = "--free spring.k.stiffness";
+    let first = format!("--data one.csv --events met.csv --start m.s=0.01 {free}");
+    let (out, told) = said("fit-earlier", &walled, &tables, &first);
+    let run = |file: &str, arguments: &str| {
+        let line = format!("fit {file} --out fit --replace {arguments}");
+        let mut vibro = std::process::Command::new(env!("CARGO_BIN_EXE_vibro"));
+        let output = vibro.args(line.split(' ')).current_dir(out.parent().unwrap()).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    let is_there = |name: &str| out.join(name).exists();
+    let of_first = ["start.toml", "residuals-contacts.csv", "fit.json", "report.html"];
+    assert!(of_first.into_iter().all(is_there), "{told}");
+    std::fs::write(out.join("notes.txt"), "mine").unwrap();
+    let of_both = ["numbers.csv", "numbers.manifest.toml", "one", "two"];
+    run("m.toml", &format!("--data one.csv,two.csv {free}"));
+    assert!(of_both.into_iter().all(is_there) && !of_first.into_iter().any(is_there));
+    run("m.toml", &format!("--data one.csv {free}"));
+    assert!(is_there("fit.json") && is_there("notes.txt"));
+    assert!(!of_both.into_iter().chain(of_first.into_iter().take(2)).any(is_there));
+    // The machine's file may be an earlier fit's.
+    std::fs::write(out.join("fitted.toml"), format!("# my comment\n{walled}")).unwrap();
+    run("fit/fitted.toml", &format!("--data one.csv {free}"));
+    let fitted = std::fs::read_to_string(out.join("fitted.toml")).unwrap();
+    assert!(fitted.contains("# my comment"), "{fitted}");
+}
+
 #[test]
 fn refused_records_that_do_not_go_together() {
     let tables = [("one.csv", "time,m.s\n0,0\n0.1,0.05\n"), ("two.csv", "time,m.s\n0,0\n0.1,0.05\n")];
@@ -59,7 +94,7 @@ fn refused_records_that_do_not_go_together() {
         ),
         (
             "--data one.csv,two.csv --free spring.k.stiffness --set-in two:spring.k.stiffness=80",
-            "spring.k.stiffness begins at 90 in record 1 and at 80 in record 2",
+            "spring.k.stiffness begins at 90 in record one and at 80 in record two",
         ),
         (
             "--data one.csv,two.csv --events one.csv --free spring.k.stiffness",

@@ -71,37 +71,34 @@ pub fn has_derivative(d: &Description, name: &str) -> bool {
 }
 
 impl By {
-    /// Refuses a parameter or a place that the machine does not have.
-    pub(super) fn check(&self, assembly: &Assembly) -> Result<(), Error> {
-        let count = assembly.system.states();
-        match self {
-            Self::Parameter(name) => {
-                let name = assembly.description.parameter(name)?.name;
-                match has_derivative(&assembly.description, &name) {
-                    true => Ok(()),
-                    false => {
-                        let text = "a motion has no derivative with respect to a period or a time \
-                            between samples; use one of \
-                            the machine's other numbers";
-                        Err(Refusal::one(Problem::new(name, None, text)).into())
-                    }
+    /// Columns with the canonical names of their parameters, which their numbers have.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] for an unknown parameter or a period; [`Error::OutOfRange`] for an index
+    /// of a start value that the machine does not have.
+    pub(super) fn known(columns: Vec<Self>, assembly: &Assembly) -> Result<Vec<Self>, Error> {
+        let (d, count) = (&assembly.description, assembly.system.states());
+        let named = |by: &'_ Self| matches!(by, Self::Parameter(_));
+        let given = columns.iter().filter(|by| named(by)).map(Self::parameter).collect::<Vec<_>>();
+        let mut names = d.usual_names(&given)?.into_iter();
+        let one = |by| match by {
+            Self::Parameter(own) => match names.next().unwrap_or(own) {
+                name if has_derivative(d, &name) => Ok(Self::Parameter(name)),
+                name => {
+                    let text = "a motion has no derivative with respect to a period or a time \
+                        between samples; use one of \
+                        the machine's other numbers";
+                    Err(Refusal::one(Problem::new(name, None, text)).into())
                 }
-            }
-            Self::Start(place) if *place >= count => Err(Error::OutOfRange {
+            },
+            Self::Start(place) if place >= count => Err(Error::OutOfRange {
                 name: "index of a start value".into(),
-                value: *place as f64,
+                value: place as f64,
                 allowed: format!("a whole number from 0 to {}", count - 1),
             }),
-            Self::Start(_) | Self::Time => Ok(()),
-        }
-    }
-
-    /// Returns the same column with the canonical name of its parameter.
-    pub(super) fn by_usual_name(self, d: &Description) -> Result<Self, Error> {
-        match self {
-            Self::Parameter(name) => Ok(Self::Parameter(d.parameter(&name)?.name)),
             other => Ok(other),
-        }
+        };
+        columns.into_iter().map(one).collect()
     }
 
     /// Returns the parameter's name; empty for other columns, which do not change the machine.

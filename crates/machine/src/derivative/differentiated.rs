@@ -187,16 +187,42 @@ impl Differentiated {
             Origin::State(time, state) => (*time, state, Given::State),
         };
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
-        columns.iter().try_for_each(|by| by.check(&assembly))?;
+        let machine = Arc::new(Machine::new(assembly.clone(), columns)?);
         let mut events = Vec::new();
         let mut note = |event: &Event| events.push(event.clone());
         let motion = match given {
-            Given::Machine => Motion::new_observed(assembly.clone(), &mut note)?,
-            _ => Motion::from_state_observed(assembly.clone(), time, state, &mut note)?,
+            Given::Machine => Motion::new_observed(assembly, &mut note)?,
+            _ => Motion::from_state_observed(assembly, time, state, &mut note)?,
         };
+        Ok(Self::begun((machine, Modes::default()), motion, (given, state, &events), observer))
+    }
+
+    /// Starts a motion of the same machine at a time from a given state, with the same columns.
+    /// Up to rounding, it is equal to [`from_state_observed`](Self::from_state_observed), which
+    /// would make the derivatives of the machine's matrices again.
+    ///
+    /// # Errors
+    /// As [`Motion::from_state`].
+    pub fn again_observed(
+        &self,
+        time: f64,
+        state: &[f64],
+        observer: &mut VariedObserver,
+    ) -> Result<Self, Error> {
+        let mut events = Vec::new();
+        let motion = self.motion.again(time, state, &mut |event| events.push(event.clone()))?;
+        let kept = (self.machine.clone(), self.modes.clone());
+        Ok(Self::begun(kept, motion, (Given::State, state, &events), observer))
+    }
+
+    /// A motion at its start, with the derivatives of its state.
+    fn begun(
+        (machine, mut modes): (Arc<Machine>, Modes),
+        motion: Motion,
+        (given, state, events): (Given, &[f64], &[Event]),
+        observer: &mut VariedObserver,
+    ) -> Self {
         let motion = motion.noting_touches();
-        let machine = Arc::new(Machine::new(assembly, columns)?);
-        let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, true);
         let z = machine.widened(motion.state());
         let mut begun = z.clone().into_owned();
@@ -204,7 +230,7 @@ impl Differentiated {
         let (rates, sizes) = (mode.rates(&z), machine.widened(&motion.sizes().0));
         let at = Instant { mode: &mode, z: &z, rates: &rates, sizes: &sizes, time: motion.time() };
         let throughout = throughout(&mode, &motion).map(|own| own.0.contact()).collect();
-        let start = Start { machine: &machine, given, begun: &begun, events: &events, at, throughout };
+        let start = Start { machine: &machine, given, begun: &begun, events, at, throughout };
         let count = machine.columns.len();
         let (mut deltas, mut lost) = (Columns::zeros(z.len(), count), vec![None; count]);
         deltas.put_state(z.as_slice());
@@ -221,7 +247,7 @@ impl Differentiated {
         scales.include(&deltas);
         let names = machine.columns.iter().map(By::to_string).collect();
         let (memory, vectors, met) = (Memory::default(), pulp::Arch::new(), Vec::new());
-        Ok(Self { machine, motion, names, modes, mode, deltas, scales, lost, memory, vectors, met })
+        Self { machine, motion, names, modes, mode, deltas, scales, lost, memory, vectors, met }
     }
 
     /// Lets a flag interrupt the motion, as [`Motion::with_interruption`].

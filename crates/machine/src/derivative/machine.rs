@@ -83,8 +83,8 @@ pub(super) struct Varied<'a> {
 
 impl Machine {
     pub fn new(assembly: Arc<Assembly>, columns: Vec<By>) -> Result<Self, Error> {
+        let columns = By::known(columns, &assembly)?;
         let d = &assembly.description;
-        let columns = columns.into_iter().map(|by| by.by_usual_name(d)).collect::<Result<Vec<_>, _>>()?;
         let follow = columns.iter().flat_map(|by| d.named.numbers_of(by.parameter()));
         let names: Vec<_> = columns.iter().map(By::parameter).chain(follow).collect();
         let any = |end: &str| names.iter().any(|name| name.ends_with(end));

@@ -260,6 +260,27 @@ impl Motion {
         state: &[f64],
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Self, Error> {
+        Self::from_state_with(None, assembly, time, state, observer)
+    }
+
+    /// As [`from_state_observed`](Self::from_state_observed) on the machine of another motion,
+    /// whose tables of modes it takes over.
+    pub(crate) fn again(
+        &self,
+        time: f64,
+        state: &[f64],
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Self, Error> {
+        Self::from_state_with(Some(&self.tables), self.assembly.clone(), time, state, observer)
+    }
+
+    fn from_state_with(
+        tables: Option<&Tables>,
+        assembly: Arc<Assembly>,
+        time: f64,
+        state: &[f64],
+        observer: &mut dyn FnMut(&Event),
+    ) -> Result<Self, Error> {
         let out = |name: String, value: f64, allowed: String| Err(Error::OutOfRange { name, value, allowed });
         let size = assembly.system.states();
         if state.len() != size {
@@ -273,6 +294,7 @@ impl Motion {
             let fresh = assembly.is_fresh(state);
             Self::placed(assembly, time, state, fresh)?
         };
+        motion.tables = tables.cloned().unwrap_or(motion.tables);
         let ways = motion.include_standing();
         motion.check_stops(&ways)?;
         motion.settle(&[], &Parted::default(), &mut Some(observer))?;

@@ -9,8 +9,8 @@ use crate::QuantityName;
 use crate::error::{Error, Result};
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 use vibro_machine::description::Description;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Differentiated, Quantity, What};
@@ -50,6 +50,9 @@ pub(super) struct Followed {
     /// Reasons for derivatives that do not exist.
     lost: Vec<String>,
 }
+
+/// Motion of the second segment, the first one that begins with its own state.
+type Second = OnceLock<Differentiated>;
 
 /// Motion with its residuals.
 pub(super) struct Beside(pub Vec<Followed>);
@@ -179,17 +182,25 @@ impl<'a> Compared<'a> {
     pub fn beside(&self, unknowns: &Unknowns, point: &Point, reach: &Reach, varied: bool) -> Result<Beside> {
         self.simulations.fetch_add(1, Ordering::Relaxed);
         let made = unknowns.with(&point.values)?;
+        let second = Second::new();
         let one = |k: usize| {
-            let found = self.follow((unknowns, &made), point, reach, k, varied)?;
+            let found = self.follow((unknowns, &made, &second), point, reach, k, varied)?;
             if varied { self.filled(unknowns, point, reach, k, found) } else { Ok(found) }
         };
-        (0..=reach.nodes.len()).into_par_iter().map(one).collect::<Result<_>>().map(Beside)
+        // The second segment comes first: the later ones begin from its motion, whatever the
+        // number of threads.
+        let early = (!reach.nodes.is_empty()).then(|| one(1)).transpose()?;
+        let others = (0..=reach.nodes.len()).into_par_iter().filter(|k| *k != 1).map(one);
+        let mut all = others.collect::<Result<Vec<_>>>()?;
+        early.into_iter().for_each(|own| all.insert(1, own));
+        Ok(Beside(all))
     }
 
-    /// Motion at the start of a segment.
+    /// Motion at the start of a segment. A segment after the second one uses the machine and the
+    /// modes of the second one again.
     fn begin(
         &self,
-        made: &Made,
+        (made, second): (&Made, &Second),
         point: &Point,
         (k, node): (usize, f64),
         columns: &Columns,
@@ -200,13 +211,16 @@ impl<'a> Compared<'a> {
             return Ok(made.start.differentiated_by(assembly, &columns.by, note)?);
         }
         let (time, state) = (node + made.shift, &point.states[k - 1]);
-        Ok(Differentiated::from_state_observed(assembly, time, state, &columns.by, note)?)
+        Ok(match second.get() {
+            Some(other) => other.again_observed(time, state, note)?,
+            None => Differentiated::from_state_observed(assembly, time, state, &columns.by, note)?,
+        })
     }
 
     /// Simulates a segment.
     fn follow(
         &self,
-        (unknowns, made): (&Unknowns, &Made),
+        (unknowns, made, second): (&Unknowns, &Made, &Second),
         point: &Point,
         reach: &Reach,
         k: usize,
@@ -216,7 +230,7 @@ impl<'a> Compared<'a> {
         let (from, next) = (node(k), reach.nodes.get(k).copied());
         let until = next.unwrap_or(reach.end);
         let states = (k > 0).then(|| point.states[k - 1].len());
-        let mut columns = if varied { made.columns(unknowns, states)? } else { Columns::default() };
+        let mut columns = if varied { unknowns.columns(states) } else { Columns::default() };
         // Only in the first segment do the filters' initial states depend on other parameters.
         // Later segments begin with fitted states.
         let begins = if varied && k == 0 { &self.sensors[..] } else { &[] };
@@ -236,7 +250,7 @@ impl<'a> Compared<'a> {
                 contacts[list].1.push((event.time - made.shift, by));
             }
         };
-        let mut motion = self.begin(made, point, (k, from), &columns, &mut note)?;
+        let mut motion = self.begin((made, second), point, (k, from), &columns, &mut note)?;
         let begin = motion.motion().time();
         let mut samples = Vec::new();
         let data = &self.measured.columns;
@@ -266,6 +280,9 @@ impl<'a> Compared<'a> {
             let _ = motion.advance_observed(until + made.shift + self.longest_interval(), &mut note);
             events.retain(|(time, _)| *time <= until);
         }
+        if k == 1 {
+            second.get_or_init(|| motion);
+        }
         Ok(Followed { first: range.start, samples, contacts, end, until, events, lost })
     }
 
@@ -291,7 +308,7 @@ impl<'a> Compared<'a> {
                 *own += by;
                 self.simulations.fetch_add(1, Ordering::Relaxed);
                 let made = unknowns.with(&other.values).ok()?;
-                Some((by, self.follow((unknowns, &made), &other, reach, k, false).ok()?))
+                Some((by, self.follow((unknowns, &made, &Second::new()), &other, reach, k, false).ok()?))
             };
             // A central difference; beyond a limit of the range, a one-sided difference.
             let same = || Some((0.0, found.clone()));

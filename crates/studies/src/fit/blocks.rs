@@ -260,7 +260,7 @@ fn updated(
 fn block(model: &Model, mean: &DVector<f64>, count: usize, place: &Place) -> Result<Block> {
     let (values, state) = mean.as_slice().split_at(count);
     let made: Made = model.unknowns.with(values)?;
-    let columns: Columns = made.columns(&model.unknowns, Some(state.len()))?;
+    let columns: Columns = model.unknowns.columns(Some(state.len()));
     let time = place.time + made.shift;
     let mut motion = Differentiated::from_state(made.assembly.clone(), time, state, &columns.by)?;
     let data = &model.measured.columns;

@@ -9,7 +9,7 @@ use crate::{significant, sobol};
 /// Lower bound while segments are apart, as a fraction of a positive initial value.
 const INSIDE: f64 = 0.02;
 
-/// Largest growth of a positive parameter in a rough descent.
+/// Largest growth of a positive parameter in a rough descent, and in restarts near a point.
 const MOST_GROWTH: f64 = 10.0;
 
 /// Ranges and initial values of the free parameters.
@@ -57,8 +57,13 @@ impl Bounds {
     }
 
     /// Bounds of `count` joint parameters. `places` has the joint indices of each record's
-    /// parameters; `rows` is the number of residuals of all records.
-    pub fn joint(all: &[Self], (places, count): (&[Vec<usize>], usize), rows: usize) -> Result<Self> {
+    /// parameters, `names` the names of the records; `rows` is the number of residuals of all
+    /// records.
+    pub fn joint(
+        all: &[Self],
+        (places, count): (&[Vec<usize>], usize),
+        (names, rows): (&[String], usize),
+    ) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         if count > MOST_FREE {
             return refused(format!("{count} free parameters of all records: expected at most {MOST_FREE}"));
@@ -82,12 +87,9 @@ impl Bounds {
             let differs = |(k, there): &&(usize, usize)| all[*k].begin[*there] != own.begin[place];
             if let Some((other, there)) = records.iter().find(differs) {
                 return refused(format!(
-                    "{name} begins at {} in record {} and at {} in record {}; expected the same \
+                    "{name} begins at {} in {} and at {} in {}; expected the same \
                      value in all records, or a parameter that each record has for itself (--own)",
-                    own.begin[place],
-                    record + 1,
-                    all[*other].begin[*there],
-                    other + 1
+                    own.begin[place], names[record], all[*other].begin[*there], names[*other]
                 ));
             }
             let is_one_of_many = records.len() < all.len();
@@ -95,7 +97,11 @@ impl Bounds {
             found.low.push(own.low[place]);
             found.high.push(own.high[place]);
             found.given.push(own.given[place]);
-            found.names.push(if is_one_of_many { in_record(name, record) } else { name.clone() });
+            found.names.push(if is_one_of_many {
+                format!("{name} of {}", names[record])
+            } else {
+                name.clone()
+            });
         }
         Ok(found)
     }
@@ -162,12 +168,12 @@ impl Bounds {
         bounds
     }
 
-    /// Bounds for a rough descent: a positive parameter grows at most tenfold over its initial
-    /// value. A parameter that the first seconds of a record hardly determine would otherwise grow
-    /// by any factor, and motions of a stiff machine take long.
-    pub fn for_rough(&self) -> Self {
+    /// Bounds within which a positive parameter grows at most tenfold over given values. A
+    /// parameter that a record hardly determines would otherwise grow by any factor, and motions
+    /// of a stiff machine take long.
+    pub fn near(&self, values: &[f64]) -> Self {
         let mut bounds = self.clone();
-        for (j, x) in self.begin.iter().enumerate() {
+        for (j, x) in values.iter().enumerate() {
             if bounds.low[j] >= 0.0 && *x > 0.0 {
                 bounds.high[j] = bounds.high[j].min(MOST_GROWTH * x);
             }
@@ -208,17 +214,12 @@ impl Bounds {
     }
 }
 
-/// Name of a parameter that belongs to one record.
-pub(super) fn in_record(name: &str, record: usize) -> String {
-    format!("{name} of record {}", record + 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn invariant_only_positive_parameters_have_a_limit_in_rough_descents() {
+    fn invariant_only_positive_parameters_have_a_limit_near_a_point() {
         let bounds = Bounds {
             begin: vec![2.0, 0.0, -1.0, 2.0, 1.0],
             low: vec![0.0, 0.0, -5.0, 1.0, -1.0],
@@ -226,9 +227,9 @@ mod tests {
             names: vec![String::new(); 5],
             given: vec![false; 5],
         };
-        let rough = bounds.for_rough();
-        assert_eq!(rough.high, [2.0 * MOST_GROWTH, 9.0, 9.0, 9.0, 99.0]);
-        assert_eq!(rough.low, bounds.low);
+        let near = bounds.near(&[2.0, 0.0, -1.0, 2.0, 1.0]);
+        assert_eq!(near.high, [2.0 * MOST_GROWTH, 9.0, 9.0, 9.0, 99.0]);
+        assert_eq!(near.low, bounds.low);
     }
 
     #[test]

@@ -62,7 +62,7 @@ impl Joint<'_> {
         // Shared parameters that fit only one record are not the machine's.
         let misses = |(k, own): (usize, &Fitted)| match &own.verdict {
             Verdict::Fits => None,
-            verdict => Some(format!("record {} {verdict}", k + 1)),
+            verdict => Some(format!("{} {verdict}", self.names[k])),
         };
         if let Some(why) = all.iter().enumerate().find_map(misses) {
             let fits = all.iter_mut().filter(|own| own.verdict == Verdict::Fits);

@@ -29,6 +29,8 @@ const SINGULAR: f64 = 1e-9;
 /// The records of a fit.
 pub(super) struct Joint<'a> {
     pub models: Vec<Model<'a>>,
+    /// Name of each record in messages.
+    pub names: Vec<String>,
     /// Joint indices of each record's free parameters.
     pub places: Vec<Vec<usize>>,
     /// Number of joint parameters.
@@ -37,15 +39,19 @@ pub(super) struct Joint<'a> {
     states: Vec<usize>,
 }
 
+/// Name of a record in messages, from its index and its request.
+fn named((k, request): (usize, &FitRequest)) -> String {
+    if request.name.is_empty() { format!("record {}", k + 1) } else { format!("record {}", request.name) }
+}
+
 /// Error if records differ in a setting that all of them share.
-fn check(requests: &[FitRequest]) -> Result<()> {
+fn check(requests: &[FitRequest], names: &[String]) -> Result<()> {
     let refused = |problem: String| Err(Error::Described { problem });
     let Some(first) = requests.first() else {
         return refused("no record; expected at least one".into());
     };
-    for (k, own) in requests.iter().enumerate() {
-        let record = k + 1;
-        let same = |what| refused(format!("record {record}: {what} differs from record 1"));
+    for (own, record) in requests.iter().zip(names) {
+        let same = |what| refused(format!("{record}: {what} differs from {}", names[0]));
         match () {
             () if own.free != first.free => return same("the list of free parameters"),
             () if own.loss != first.loss => return same("the loss"),
@@ -53,7 +59,7 @@ fn check(requests: &[FitRequest]) -> Result<()> {
             () if own.starts != first.starts => return same("the number of further starts"),
             () if own.sigma.is_some() != first.sigma.is_some() => {
                 return refused(format!(
-                    "record {record}: standard deviations must be given for all records or for none"
+                    "{record}: standard deviations must be given for all records or for none"
                 ));
             }
             () => {}
@@ -69,7 +75,8 @@ impl<'a> Joint<'a> {
     /// [`Error::Described`] for requests that differ in shared settings, and the errors of a
     /// single record.
     pub fn new(requests: &'a [FitRequest]) -> Result<Self> {
-        check(requests)?;
+        let names: Vec<String> = requests.iter().enumerate().map(named).collect();
+        check(requests, &names)?;
         let mut models = requests.iter().map(Model::new).collect::<Result<Vec<_>>>()?;
         let watch = models[0].watch.clone();
         for model in &mut models {
@@ -86,7 +93,7 @@ impl<'a> Joint<'a> {
             count += if is_own { models.len() } else { 1 };
         }
         let states = models.iter().map(Model::states).collect::<Result<_>>()?;
-        Ok(Self { models, places, count, states })
+        Ok(Self { models, names, places, count, states })
     }
 
     /// Ranges and initial values of the joint parameters.
@@ -97,7 +104,7 @@ impl<'a> Joint<'a> {
     pub fn bounds(&self, requests: &[FitRequest]) -> Result<Bounds> {
         let all = requests.iter().zip(&self.models);
         let all = all.map(|(request, model)| Bounds::of(request, model)).collect::<Result<Vec<_>>>()?;
-        Bounds::joint(&all, (&self.places, self.count), self.rows())
+        Bounds::joint(&all, (&self.places, self.count), (&self.names, self.rows()))
     }
 
     /// Index of each record's first segment among all segments.
@@ -277,7 +284,7 @@ impl<'a> Joint<'a> {
             self.freedom(k) < FREEDOM && !all.iter().all(|(name, _)| is_known(name))
         };
         let vague = (0..self.models.len()).filter(|_| self.models.len() > 1).find(is_vague)?;
-        Some(format!("record {} has too few samples to estimate its noise", vague + 1))
+        Some(format!("{} has too few samples to estimate its noise", self.names[vague]))
     }
 
     /// Comparison of each record with the machine.

@@ -77,8 +77,12 @@ impl Search<'_> {
             false => Attempt::Horizons(begin, WAYS[1]),
         };
         let is_small = start.len() <= sobol::DIMENSIONS;
-        let besides = std::iter::once(()).filter(move |()| is_small).flat_map(|()| self.beside()).map(beside);
-        plain.into_iter().chain(first).chain(horizons).chain(later).chain(divided).chain(besides)
+        let besides =
+            move || std::iter::once(()).filter(move |()| is_small).flat_map(|()| self.beside()).map(beside);
+        // Segments of a motion with wrong parameters take longer than blocks from another start.
+        let early = usize::from(is_in_blocks);
+        let (some, others) = (besides().take(early), besides().skip(early));
+        plain.into_iter().chain(first).chain(horizons).chain(later).chain(some).chain(divided).chain(others)
     }
 
     /// Whether the motion has a single valley: no stops, and near the record from the start.
@@ -101,7 +105,8 @@ impl Search<'_> {
     /// record longest: an extra or missing contact shifts all later matches.
     fn beside(&self) -> Vec<Vec<f64>> {
         let (model, (count, part)) = (self.model, BESIDE);
-        let of = |count: u32| (1..=count).map(|k| self.bounds.beside(self.start, k, part));
+        // The first point of the sequence is the given start.
+        let of = |count: u32| (2..=count + 1).map(|k| self.bounds.beside(self.start, k, part));
         if !model.is_of_contacts() {
             return of(count).collect();
         }
@@ -156,6 +161,15 @@ impl Search<'_> {
                 let model = model.for_segments();
                 let found = over_blocks(&model, bounds, &start, go_on)?;
                 let is_chaotic = model.is_chaotic(&found.1.values);
+                if !is_chaotic {
+                    // A single motion takes far less time than its segments.
+                    let single = self.plain(found.1.values.clone());
+                    if let Ok(single) = single
+                        && self.model.fits(&single.point, &single.reach)?
+                    {
+                        return Ok(single);
+                    }
+                }
                 let found = tied(&model, bounds, (found, is_chaotic), go_on)?;
                 if is_chaotic { Ok(found) } else { self.continued(found) }
             }

@@ -60,6 +60,7 @@ type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
 /// let names = ["spring.k.stiffness", "body.a.start.s"];
 /// let free = names.map(|name| Free { name: name.into(), within: None, is_own: false }).to_vec();
 /// let request = FitRequest {
+///     name: String::new(),
 ///     machine,
 ///     measured,
 ///     free,
@@ -290,11 +291,12 @@ fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Res
         if !go_on() {
             break;
         }
-        let found = match profile(joint, bounds, &best, go_on)? {
+        let near = bounds.near(&best.point.values);
+        let found = match profile(joint, &near, &best, go_on)? {
             Profile::Better(own) => Found::Better(own),
             Profile::Factors(own) => {
                 factors = own;
-                restarted(joint, bounds, &best, &factors, go_on)?
+                restarted(joint, &near, &best, &factors, go_on)?
             }
         };
         match found {

@@ -22,8 +22,14 @@ const GROWTH: f64 = 20.0;
 const CHAOTIC: f64 = 1e13;
 /// Last fraction of a segment's length in which the next segment may begin.
 const PLACE: f64 = 0.5;
+/// Number of intervals between contact events in which a node may lie, the longest first; more of
+/// them take long in a motion that chatters.
+const GAPS: usize = 20;
 /// Smallest mean number of contacts in a segment.
 const CONTACTS: f64 = 3.0;
+/// Excess of horizons whose fitted motion leaves the record, over others, that ends the fit. At the
+/// smallest growth, ten horizons have the length of a segment.
+const LOST: u32 = 10;
 /// Number of times at which growth and range are sampled.
 const LOOKS: usize = 400;
 /// Criterion for growing a horizon.
@@ -60,6 +66,7 @@ pub(super) fn over_segments(
     // A stiff buffer makes changes grow within one touch.
     let contacts = model.beside(&point, &Reach::whole(end))?.contacts_of_motion();
     let spacing = CONTACTS * (end - first) / contacts.max(1) as f64;
+    let mut lost = 0u32;
     loop {
         point = solve(model, bounds, &point, (&reach, Convergence::Rough), go_on)?.point;
         while let Some((node, state)) = next_node(model, &point, &reach, (length, spacing), &sizes)? {
@@ -71,6 +78,11 @@ pub(super) fn over_segments(
             break;
         }
         let near = model.near_until(&point, &reach.nodes, WAY);
+        lost = if near < reach.end { lost + 1 } else { lost.saturating_sub(1) };
+        if lost >= LOST && length.is_none() {
+            let problem = format!("segments leave the record at {near:?} s");
+            return Err(Error::Described { problem });
+        }
         let span = span.max(length.unwrap_or(spacing));
         reach.end = near.clamp(reach.end + LONGER.0 * span, reach.end + LONGER.1 * span).min(end);
     }
@@ -109,40 +121,26 @@ fn next_node(
         return Ok(None);
     }
     let begin = end - PLACE * (end - from);
-    let mut quiet: Option<(f64, f64)> = None;
     motion.advance_to(begin)?;
-    let mut last = begin;
-    while last < end {
-        let mut events = false;
-        let before = last;
-        let mut own: Motion = motion.motion().clone();
-        let reached = {
-            let mut time = end;
-            let mut note = |event: &vibro_machine::motion::Event| {
-                if event.contact().is_some() && !events {
-                    (events, time) = (true, event.time);
-                }
-            };
-            own.advance_observed(end, &mut note)?;
-            time
-        };
-        let is_free = motion.motion().mode().contacts().next().is_none();
-        if is_free && quiet.is_none_or(|(a, b)| reached - before > b - a) {
-            quiet = Some((before, reached));
+    let begun: &Motion = motion.motion();
+    let mut times = vec![begin];
+    let mut note = |event: &vibro_machine::motion::Event| {
+        if event.contact().is_some() {
+            times.push(event.time);
         }
-        last = if events { reached } else { end };
-        motion.advance_to(last)?;
-        if last <= before {
-            // Several events at one time: step over them.
-            last = before + 1e-3 * (end - begin);
-            motion.advance_to(last)?;
+    };
+    begun.clone().advance_observed(end, &mut note)?;
+    times.push(end);
+    let mut gaps: Vec<(f64, f64)> = times.windows(2).map(|pair| (pair[0], pair[1])).collect();
+    gaps.sort_by(|a, b| (b.1 - b.0).total_cmp(&(a.1 - a.0)));
+    for (a, b) in gaps.into_iter().take(GAPS).filter(|(a, b)| a < b) {
+        let mut own = begun.clone();
+        own.advance_to(0.5 * (a + b))?;
+        if own.mode().contacts().next().is_none() {
+            return Ok(Some((own.time() - shift, own.states())));
         }
     }
-    let Some((a, b)) = quiet else { return Ok(None) };
-    let (mut motion, _) = model.last_segment(point, &reach.nodes, false)?;
-    motion.advance_to(0.5 * (a + b))?;
-    let own = motion.motion();
-    Ok(Some((own.time() - shift, own.states())))
+    Ok(None)
 }
 
 /// Growth of a change in component `p` of the initial state; `None` if there is no derivative.
@@ -245,6 +243,7 @@ mod tests {
                     spring.k = { between = [\"ground\", \"a\"], points = [[-1.0, 1.0], [1.0, -1.0]] }\n";
         let is_chaotic = |until: f64| {
             let request = FitRequest {
+                name: String::new(),
                 machine: Machine::parse(text, "tilting.toml", &no_records).unwrap(),
                 start: Start::default(),
                 measured: Measured {

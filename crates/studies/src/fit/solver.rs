@@ -112,7 +112,7 @@ pub(super) fn solve(
     (reach, convergence): (&Reach, Convergence),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Solved> {
-    let rough = (convergence == Convergence::Rough).then(|| bounds.for_rough());
+    let rough = (convergence == Convergence::Rough).then(|| bounds.near(&bounds.begin));
     let bounds = rough.as_ref().unwrap_or(bounds);
     let (loss, mut point) = (model.loss(), begin.clone());
     let mut at = model.evaluate(&point, reach)?;

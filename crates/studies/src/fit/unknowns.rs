@@ -31,6 +31,8 @@ pub(super) struct Unknowns<'a> {
     all: Vec<Unknown>,
     /// Names of the parameters of machine and start, which have columns of derivatives.
     pub names: Vec<&'a str>,
+    /// Columns of derivatives by these parameters, for a motion from the start.
+    by: Vec<By>,
     /// Initial values of the fit.
     pub begin: Vec<f64>,
     columns: usize,
@@ -104,7 +106,12 @@ impl<'a> Unknowns<'a> {
             Unknown::Shift | Unknown::Offset(_) => Some(0.0),
         };
         let begin = all.iter().map(|unknown| begin(unknown).unwrap_or(0.0)).collect();
-        Ok(Self { machine, start, all, names, begin, columns: columns.len(), sensors })
+        let (by, columns) = (Vec::new(), columns.len());
+        let mut found = Self { machine, start, all, names, by, begin, columns, sensors };
+        // Free start values make the start another one than the machine's own.
+        let made = found.with(&found.begin)?;
+        found.by = made.start.columns(&made.assembly, &found.names)?;
+        Ok(found)
     }
 
     /// Name of a parameter of machine or start; `None` for a parameter of the record.
@@ -144,25 +151,19 @@ impl<'a> Unknowns<'a> {
         let assembly = Arc::new(Assembly::new(machine.description.clone())?.varying_rounded());
         Ok(Made { machine, assembly, start, shift, offsets })
     }
-}
 
-impl Made {
     /// Columns of derivatives of a segment. The first segment begins with the start; a later one
     /// begins with its own state of `states` components.
-    ///
-    /// # Errors
-    /// [`Error::Refusal`] for a name that neither machine nor start has.
-    pub fn columns(&self, unknowns: &Unknowns, states: Option<usize>) -> Result<Columns> {
-        let named = self.start.columns(&self.assembly, &unknowns.names)?;
+    pub fn columns(&self, states: Option<usize>) -> Columns {
         let is_first = states.is_none();
         let (mut by, mut of) = (Vec::new(), Vec::new());
         let mut add = |own: By| {
             by.push(own);
             by.len() - 1
         };
-        for unknown in &unknowns.all {
+        for unknown in &self.all {
             of.push(match *unknown {
-                Unknown::Number(k) => match &named[k] {
+                Unknown::Number(k) => match &self.by[k] {
                     // Only the first segment begins with the start.
                     By::Start(_) | By::Time if !is_first => Source::None,
                     own => Source::Motion(add(own.clone())),
@@ -173,7 +174,7 @@ impl Made {
             });
         }
         of.extend((0..states.unwrap_or(0)).map(|i| Source::Motion(add(By::Start(i)))));
-        Ok(Columns { by, of })
+        Columns { by, of }
     }
 }
 

@@ -91,8 +91,8 @@ fn request(machine: Machine, measured: Measured, free: &[&str]) -> FitRequest {
     let free =
         free.iter().map(|name| Free { name: (*name).to_owned(), within: None, is_own: false }).collect();
     let (start, loss, segments) = (Start::default(), Loss::Linear, Segments::Auto);
-    let filters = Vec::new();
-    FitRequest { machine, start, measured, free, sigma: None, filters, loss, segments, starts: 0 }
+    let (name, filters) = (String::new(), Vec::new());
+    FitRequest { name, machine, start, measured, free, sigma: None, filters, loss, segments, starts: 0 }
 }
 
 fn fitted(request: &FitRequest) -> Fitted {

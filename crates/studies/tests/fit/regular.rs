@@ -44,7 +44,7 @@ fn made_record_of_an_oscillator_with_friction_from_ten_starts() {
 #[test]
 fn made_record_of_a_damper_with_a_buffer_from_ten_starts() {
     let m = example("damper_with_buffer.toml");
-    let measured = record(&m, &[("box.s", 1e-5), ("block.s", 2e-5)], 5.0, 1000, &mut Noise(2));
+    let measured = record(&m, &[("box.s", 1e-5), ("block.s", 2e-5)], 1.5, 300, &mut Noise(2));
     check_ten_starts(&m, &measured, &["stop.steel.gap", "stop.steel.restitution", "friction.guide.force"]);
 }
 
@@ -68,7 +68,7 @@ fn made_record_of_a_block_on_a_belt_from_ten_starts() {
 #[test]
 fn made_record_of_gears_with_backlash_from_ten_starts() {
     let m = example("gear_backlash.toml");
-    let measured = record(&m, &[("wheel.v", 0.02), ("drive_flank.e", 1e-6)], 0.1, 500, &mut Noise(12));
+    let measured = record(&m, &[("wheel.v", 0.02), ("drive_flank.e", 1e-6)], 0.05, 250, &mut Noise(12));
     let free = ["spring.clutch.stiffness", "friction.bearing.force", "spring.clutch.damping"];
     check_ten_starts(&m, &measured, &free);
 }
@@ -76,7 +76,7 @@ fn made_record_of_gears_with_backlash_from_ten_starts() {
 #[test]
 fn made_contact_times_alone_of_a_damper_from_ten_starts() {
     let m = example("damper_with_buffer.toml");
-    let measured = contacts(&m, &["steel", "buffer"], 2.0, 1e-5, &mut Noise(13));
+    let measured = contacts(&m, &["steel", "buffer"], 0.8, 1e-5, &mut Noise(13));
     check_ten_starts(&m, &measured, &["stop.steel.gap", "stop.steel.restitution", "friction.guide.force"]);
 }
 
@@ -105,7 +105,7 @@ pub fn driven_by_a_record() -> Machine {
 #[test]
 fn made_record_of_a_machine_that_a_record_drives_from_ten_starts() {
     let m = driven_by_a_record();
-    let measured = record(&m, &[("a.s", 1e-4)], 2.0, 400, &mut Noise(15));
+    let measured = record(&m, &[("a.s", 1e-4)], 1.0, 200, &mut Noise(15));
     let free = ["spring.k.stiffness", "spring.k.damping", "stop.wall.restitution", "stop.wall.gap"];
     check_ten_starts(&m, &measured, &free);
 }

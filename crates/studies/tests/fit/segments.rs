@@ -1,6 +1,8 @@
 //! Chaotic records, fitted by segments.
 
 use super::*;
+use vibro_machine::Differentiated;
+use vibro_machine::derivative::By;
 
 /// An impact oscillator whose motion is chaotic: driven near twice its frequency, with a stop.
 fn chaotic() -> Machine {
@@ -93,4 +95,33 @@ fn second_method_a_chaotic_record_has_errors_by_growth_and_by_a_length() {
     }
     let [g, e, same_g, same_e] = all[..] else { panic!("{all:?}") };
     assert!((g / same_g - 1.0).abs() < 0.02 && (e / same_e - 1.0).abs() < 0.02, "{all:?}");
+}
+
+/// Relative difference of derivatives that rounding explains after some ten contacts.
+const ROUNDING: f64 = 1e-9;
+
+/// Segments use the machine and the modes of another segment: the motion and its derivatives must
+/// be the ones of a motion made anew.
+#[test]
+fn closed_form_a_motion_begun_again_equals_a_motion_made_anew() {
+    let machine = example("damper_with_buffer.toml");
+    let assembly = Arc::new(Assembly::new(machine.description).unwrap());
+    let mut columns = vec![By::from("stop.steel.restitution"), By::from("stop.buffer.stiffness")];
+    columns.extend((0..assembly.system().states()).map(By::Start));
+    let rest = vec![0.0; assembly.system().states()];
+    let mut first = Differentiated::from_state(assembly.clone(), 0.0, &rest, &columns).unwrap();
+    first.advance_to(0.5).unwrap();
+    let state = first.motion().states();
+    let [mut of_anew, mut of_again] = [Vec::new(), Vec::new()];
+    let mut anew = Differentiated::from_state(assembly, 0.5, &state, &columns).unwrap();
+    let mut again = first.again_observed(0.5, &state, &mut |_, _| ()).unwrap();
+    anew.advance_observed(0.7, &mut |event, _| of_anew.push((event.time, event.kind))).unwrap();
+    again.advance_observed(0.7, &mut |event, _| of_again.push((event.time, event.kind))).unwrap();
+    assert!(of_anew.len() > 10 && of_anew == of_again, "{of_anew:?} {of_again:?}");
+    assert_eq!(again.motion().states(), anew.motion().states());
+    for p in 0..columns.len() {
+        let [own, other] = [&again, &anew].map(|motion| motion.state_derivative(p).unwrap());
+        let size = other.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        assert!(own.iter().zip(&other).all(|(a, b)| (a - b).abs() <= ROUNDING * size), "{own:?} {other:?}");
+    }
 }

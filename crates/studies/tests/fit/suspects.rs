@@ -27,7 +27,7 @@ fn explained(request: &FitRequest) -> (Fitted, Misfit) {
 #[test]
 fn made_record_of_a_machine_whose_friction_is_left_out() {
     let truth = example("coulomb_oscillator.toml");
-    let measured = record(&truth, &[("mass.s", 2e-6)], 0.25, 400, &mut Noise(61));
+    let measured = record(&truth, &[("mass.s", 2e-6)], 0.25, 200, &mut Noise(61));
     let m = without("coulomb_oscillator.toml", "friction.floor");
     let (found, misfit) = explained(&request(m, measured, &["spring.mount.stiffness"]));
     assert_ne!(found.verdict, Verdict::Fits);

@@ -148,6 +148,29 @@ fn invariant_contacts_that_the_motion_does_not_have_are_no_fit() {
     );
 }
 
+/// Longest time of a fit that takes a hundredth of a second, s.
+const BOUNDED: f64 = 10.0;
+
+/// A contact that no motion has leaves an error of 2e19 N/m, by which restarts must not move the
+/// stiffness: the motion of such a spring takes hours.
+#[test]
+fn invariant_restarts_do_not_move_a_parameter_by_an_error_of_any_size() {
+    let text = |stiffness: f64| {
+        format!(
+            "name = \"Apart\"\nbody.m = {{ mass = 1.0, start = {{ s = 0.01 }} }}\n\
+             spring.k = {{ between = [\"ground\", \"m\"], stiffness = {stiffness:?} }}\n\
+             stop.wall = {{ between = [\"ground\", \"m\"], gap = 1.0, restitution = 0.5 }}\n"
+        )
+    };
+    let m = |stiffness: f64| Machine::parse(&text(stiffness), "apart.toml", &no_records).unwrap();
+    let mut measured = record(&m(100.0), &[("m.s", 1e-8)], 0.95, 20, &mut Noise(11));
+    measured.contacts = vec![("stop.wall".into(), vec![0.1])];
+    let begin = std::time::Instant::now();
+    let own = request(m(90.0), measured, &["spring.k.stiffness"]);
+    let found = fit(&own, &|_| begin.elapsed().as_secs_f64() < BOUNDED).unwrap();
+    assert!(matches!(found.verdict, Verdict::Misses(_)), "{}", found.verdict);
+}
+
 #[test]
 fn invariant_noise_of_contacts_alone_is_not_called_another_law() {
     let text = "name = \"Ball\"\ngravity = 9.81\nbody.a = { mass = 1.0, gravity = 1.0 }\n\

@@ -2,6 +2,7 @@
 
 use crate::common_arguments::{Common, SectionArguments, names};
 use crate::destination::{self, Claim, Destination};
+use crate::earlier_fit;
 use crate::fit_arguments::FitArguments;
 use crate::interruption::{self, Second};
 use crate::machine_studies::{invocation, machine, read_axis, start_of};
@@ -259,6 +260,7 @@ fn records(common: &Common, a: &FitArguments) -> Result<Vec<Record>> {
         let is_elsewhere = |own: &Filter| !has(own) && columns.contains(&own.column.to_string());
         let filters = filters.iter().filter(|own| !is_elsewhere(own)).cloned().collect();
         let request = FitRequest {
+            name: name.clone(),
             machine,
             start,
             measured,
@@ -341,6 +343,11 @@ pub fn run(common: &Common, a: &FitArguments) -> Result<bool> {
     };
     let misfits: Vec<Misfit> = requests.iter().zip(&fitted).map(explained).collect();
     drop(progress);
+    if common.replace {
+        let tables = records.iter().flat_map(|own| [own.data.as_ref(), own.events.as_ref()]).flatten();
+        let inputs: Vec<&Path> = tables.chain([&a.file]).map(PathBuf::as_path).collect();
+        earlier_fit::remove(&out, &inputs)?;
+    }
     if let ([record], [fitted]) = (&records[..], &fitted[..]) {
         let study = write(&destination, a, (record, fitted, &misfits[0]), &invocation.command_line, &out)?;
         output::print(&[study], machine, &out, common)?;

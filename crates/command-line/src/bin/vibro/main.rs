@@ -4,6 +4,7 @@ mod arguments;
 mod common_arguments;
 mod design_arguments;
 mod destination;
+mod earlier_fit;
 mod fit_arguments;
 mod interruption;
 mod invocation;

@@ -35,7 +35,6 @@ impl Differentiated {
     fn of(motion: Motion, columns: &[impl Into<By> + Clone], is_fixed: bool) -> Result<Self, Error> {
         let (assembly, motion) = (motion.assembly().clone(), motion.noting_touches());
         let columns: Vec<By> = columns.iter().cloned().map(Into::into).collect();
-        columns.iter().try_for_each(|by| by.check(&assembly))?;
         let machine = Machine::new(assembly, columns)?;
         let begun = machine.widened(motion.state()).into_owned();
         let machine = Arc::new(machine.under_way(motion.time(), &begun));
