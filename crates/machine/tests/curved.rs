@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 use std::sync::Arc;
-use vibro_machine::derivative::Gradient;
+use vibro_machine::derivative::{Extremes, Gradient};
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion, Reached};
 use vibro_machine::{Assembly, Differentiated, Quantity, What};
@@ -189,6 +189,29 @@ fn refusals_name_the_element() {
     assert!(found.contains("spring.k.cubic = 5.0: cannot be combined with `slip`"), "{found}");
     let found = refused("cubic = 5.0", "cubik = 5.0");
     assert!(found.contains("cubic"), "{found}");
+}
+
+/// The amplitude A of an undamped hardening oscillator follows from m v² = k A² + c A⁴/2.
+#[test]
+fn closed_form_derivatives_of_an_amplitude() {
+    let (m, k, c, v) = (2.0f64, 30.0, 500.0, 3.0);
+    let text = format!(
+        "name = \"D\"\nbody.b = {{ mass = {m}, start = {{ v = {v} }} }}\n\
+         spring.k = {{ between = [\"ground\", \"b\"], stiffness = {k}, cubic = {c} }}\n"
+    );
+    let columns = ["body.b.start.v", "body.b.mass", "spring.k.stiffness", "spring.k.cubic"];
+    let mut motion = Differentiated::new(machine(&text), &columns).expect("a motion");
+    let mut extremes = [Extremes::new(Quantity::of_body(0, What::S))];
+    motion.advance_with_extremes(3.0, &mut extremes, &mut |_, _| ()).expect("an end");
+    let highest = extremes[0].highest().expect("an amplitude");
+    let a = (((k * k + 2.0 * c * m * v * v).sqrt() - k) / c).sqrt();
+    let force = k * a + c * a.powi(3);
+    let exact = [m * v, 0.5 * v * v, -0.5 * a * a, -0.25 * a.powi(4)].map(|by| by / force);
+    assert!((highest.value - a).abs() < ROUNDINGS, "{} {a}", highest.value);
+    for (by, exact) in highest.by.iter().zip(exact) {
+        let by = by.as_ref().expect("a derivative");
+        assert!((by - exact).abs() < RETURNED, "{by} {exact}");
+    }
 }
 
 /// Stops, friction and a drive over many events: no event is missed, as zero tolerances do not

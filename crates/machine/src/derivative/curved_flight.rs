@@ -22,22 +22,70 @@ struct Arguments {
     by: Vec<Vec<Vec<f64>>>,
 }
 
+/// Power series of a state and its derivatives, in the fraction of a span.
+pub(super) struct CurvedSeries {
+    terms: Vec<Vec<f64>>,
+    /// Span over which the coefficients were computed, s.
+    span: f64,
+    /// Fraction of the span over which the omitted terms are rounding.
+    pub part: f64,
+}
+
+impl CurvedSeries {
+    /// Time over which the series holds, s.
+    pub fn time(&self) -> f64 {
+        self.part * self.span
+    }
+
+    /// Writes the state and its derivatives after the fraction `part` of the span; returns the
+    /// time, s.
+    pub fn at(&self, part: f64, to: &mut Columns) -> f64 {
+        to.numbers.copy_from_slice(&self.terms[LAST_CURVE_ORDER]);
+        for term in self.terms[..LAST_CURVE_ORDER].iter().rev() {
+            to.numbers.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
+        }
+        part * self.span
+    }
+
+    /// Coefficients of the slope of a functional of the state, by the fraction of the span.
+    pub fn slope(&self, row: &[f64], width: usize) -> [f64; LAST_CURVE_ORDER] {
+        std::array::from_fn(|k| {
+            let state = self.terms[k + 1].iter().step_by(width);
+            (k + 1) as f64 * row.iter().zip(state).map(|(a, x)| a * x).sum::<f64>()
+        })
+    }
+}
+
 impl VariedMode {
+    /// Whether the mode has curved forces.
+    pub(super) fn is_curved(&self) -> bool {
+        !self.curves.is_empty()
+    }
+
     /// Carries a state and its derivatives over a time under curved forces. The time must be within
     /// the motion's: a state that reaches the end of its motion stays there.
     pub(super) fn carry_curved(&self, z: &mut Columns, time: f64) {
+        self.along_curves(z, time, &mut |_, _| ());
+    }
+
+    /// [`carry_curved`](Self::carry_curved), and passes each series to `visit`, with the time before
+    /// it.
+    pub(super) fn along_curves(&self, z: &mut Columns, time: f64, visit: &mut dyn FnMut(&CurvedSeries, f64)) {
         let mut left = time;
         while left > 0.0 {
-            let span = self.curved_series(z, left);
+            let series = self.curved_series(z, left);
+            let span = series.time();
             if span == 0.0 {
                 break;
             }
+            visit(&series, time - left);
+            series.at(series.part, z);
             left = if span >= left { 0.0 } else { left - span };
         }
     }
 
-    /// Carries a state and its derivatives along one series; returns the time.
-    fn curved_series(&self, z: &mut Columns, most: f64) -> f64 {
+    /// The series of a state and its derivatives over a time of at most `most`.
+    fn curved_series(&self, z: &Columns, most: f64) -> CurvedSeries {
         let rate = rate_at(self.curves.rate, &self.curves.forces, z.state().as_slice());
         let mut span = most.min(CURVE_REACH / rate);
         let terms = loop {
@@ -51,12 +99,7 @@ impl VariedMode {
             }
         };
         let parts = (0..=self.by.len()).map(|column| part(&self.group_norms(&terms, z.width, column), LAST));
-        let part = parts.fold(1.0, f64::min);
-        z.numbers.copy_from_slice(&terms[LAST_CURVE_ORDER]);
-        for term in terms[..LAST_CURVE_ORDER].iter().rev() {
-            z.numbers.iter_mut().zip(term).for_each(|(sum, x)| *sum = *sum * part + x);
-        }
-        part * span
+        CurvedSeries { part: parts.fold(1.0, f64::min), terms, span }
     }
 
     /// The norms of (A6) of the terms of a column, by group. Column 0 is the state.

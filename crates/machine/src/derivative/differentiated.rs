@@ -349,17 +349,13 @@ impl Differentiated {
     /// quantities on the way.
     ///
     /// # Errors
-    /// As [`Motion::advance_to`]; [`Error::Curved`] for a machine with curved forces and any
-    /// extremes.
+    /// As [`Motion::advance_to`].
     pub fn advance_with_extremes(
         &mut self,
         end: f64,
         extremes: &mut [Extremes],
         observer: &mut VariedObserver,
     ) -> Result<(), Error> {
-        if !extremes.is_empty() {
-            self.machine.assembly.check_straight("a derivative of an extreme value")?;
-        }
         self.look(extremes);
         loop {
             match self.follow(end, extremes)? {

@@ -177,6 +177,9 @@ impl Extremes {
         carry: &mut dyn FnMut(&mut Columns, f64),
     ) {
         let own = self.in_mode(machine, mode);
+        if mode.is_curved() {
+            return self.fly_curved((machine, mode, &own), (from, deltas, lost), span);
+        }
         let (step, mut z) = (mode.length / INTERVALS as f64, deltas.state());
         let (mut begin, mut rising) = (0.0, own.row.dot(&mode.rates(&z)) > 0.0);
         while begin < span {
@@ -199,6 +202,26 @@ impl Extremes {
             z = mode.after(&z, step);
             begin += step;
         }
+    }
+
+    /// [`fly`](Self::fly) under curved forces, along their series.
+    fn fly_curved(
+        &mut self,
+        (machine, mode, own): (&Machine, &Arc<VariedMode>, &InMode),
+        (from, deltas, lost): Moment,
+        span: f64,
+    ) {
+        let mut rising = own.row.dot(&mode.rates(&deltas.state())) > 0.0;
+        let mut there = deltas.clone();
+        mode.along_curves(&mut deltas.clone(), span, &mut |series, begin| {
+            let slope = series.slope(own.row.as_slice(), deltas.width);
+            turns(&slope, (0.0, series.part), &mut rising, |u, _| {
+                let time = from + begin + series.at(u, &mut there);
+                if self.may_be(&own.candidate(time, &there.state())) {
+                    self.at(machine, mode, (time, &there, lost));
+                }
+            });
+        });
     }
 
     /// Considers the values before and after an event.
