@@ -44,7 +44,7 @@ fn made_record_of_an_oscillator_with_friction_from_ten_starts() {
 #[test]
 fn made_record_of_a_damper_with_a_buffer_from_ten_starts() {
     let m = example("damper_with_buffer.toml");
-    let measured = record(&m, &[("box.s", 1e-5), ("block.s", 2e-5)], 1.5, 300, &mut Noise(2));
+    let measured = record(&m, &[("box.s", 1e-5), ("block.s", 2e-5)], 0.5, 200, &mut Noise(2));
     check_ten_starts(&m, &measured, &["stop.steel.gap", "stop.steel.restitution", "friction.guide.force"]);
 }
 
@@ -76,7 +76,7 @@ fn made_record_of_gears_with_backlash_from_ten_starts() {
 #[test]
 fn made_contact_times_alone_of_a_damper_from_ten_starts() {
     let m = example("damper_with_buffer.toml");
-    let measured = contacts(&m, &["steel", "buffer"], 0.8, 1e-5, &mut Noise(13));
+    let measured = contacts(&m, &["steel", "buffer"], 0.6, 1e-5, &mut Noise(13));
     check_ten_starts(&m, &measured, &["stop.steel.gap", "stop.steel.restitution", "friction.guide.force"]);
 }
 
