@@ -131,7 +131,7 @@ fn what_has_no_orbit_is_refused_by_name() {
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --of power.lost",
-            "not a measure of an orbit",
+            "--of: power.lost: is not a measure of an orbit",
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --word U",

@@ -105,18 +105,28 @@ impl std::error::Error for Refusal {}
 /// Longest name, bytes, for which the nearest valid name is searched; longer ones are not typos.
 const LONGEST_MISSPELT: usize = 100;
 
-/// Advice on an unknown name: the nearest valid name or, if none is near, all valid names.
-pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
+/// Advice on an unknown name: the nearest valid name or, if none is near, the valid names. Names
+/// with the same first parts are searched alone: `stop.a.damping` is not near `stop.b.damping`.
+pub fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
+    let whole = format!("{name}.");
+    let ends = whole.match_indices('.').map(|(at, _)| &whole[..=at]);
+    let first = ends.rev().find(|first| valid.clone().any(|v| v.starts_with(*first))).unwrap_or("");
+    let same = valid.clone().filter(|v| v.starts_with(first));
+    let rest = name.get(first.len()..).unwrap_or("");
+    let mut ends_so = valid.filter(|v| v.strip_suffix(name).is_some_and(|before| before.ends_with('.')));
+    if let (Some(found), true) = (ends_so.next(), first.is_empty()) {
+        return format!("did you mean `{found}`?");
+    }
     // A name that differs in more than half of its letters is not a misspelling.
-    let far = (name.chars().count() / 2).max(1);
-    let lower = name.to_lowercase();
-    let distance = |v: &&str| strsim::damerau_levenshtein(&lower, &v.to_lowercase());
-    let near = |_: &&str| name.len() <= LONGEST_MISSPELT;
-    let nearest = valid.clone().filter(near).map(|v| (distance(&v), v)).min().filter(|found| found.0 <= far);
+    let far = rest.chars().count() / 2;
+    let lower = rest.to_lowercase();
+    let distance = |v: &&str| strsim::damerau_levenshtein(&lower, &v[first.len()..].to_lowercase());
+    let near = |_: &&str| !rest.is_empty() && name.len() <= LONGEST_MISSPELT;
+    let nearest = same.clone().filter(near).map(|v| (distance(&v), v)).min().filter(|found| found.0 <= far);
     if let Some((_, nearest)) = nearest {
         return format!("did you mean `{nearest}`?");
     }
-    let mut all: Vec<_> = valid.take(SHOWN + 1).collect();
+    let mut all: Vec<_> = same.take(SHOWN + 1).collect();
     match all.len() {
         0 => "there are none".into(),
         n if n > SHOWN => {

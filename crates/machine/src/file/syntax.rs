@@ -2,6 +2,7 @@
 
 use super::reading::{Lines, QUOTED, quoted};
 use crate::refusal::{Problem, cut};
+use crate::table::has_decimal_comma;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::DeTable;
@@ -18,8 +19,9 @@ pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
 /// Beginnings of the library's messages about text without quotation marks.
 const UNQUOTED: [&str; 3] = ["string values must be quoted", "invalid boolean", "extra `=`"];
 /// Beginnings of the library's messages about numbers.
-const NUMBERS: [&str; 6] = [
+const NUMBERS: [&str; 7] = [
     "invalid float",
+    "invalid fraction",
     "invalid integer",
     "invalid mantissa",
     "invalid exponent",
@@ -67,12 +69,24 @@ fn problem(text: &str, span: &Range<usize>, said: &str) -> Problem {
     }
     let opened = |open: char, close: char| line.matches(open).count() < line.matches(close).count();
     let other = [('[', ']'), ('{', '}')].into_iter().find(|(open, close)| opened(*open, *close));
-    if let Some((open, _)) = other.filter(|_| start.open.is_empty()) {
+    if let Some((open, close)) = other.filter(|_| start.open.is_empty()) {
+        let whole = line.split('#').next().unwrap_or("").trim();
+        if open == '[' && is_heading(line) {
+            let heading = whole.trim_end_matches(close);
+            let said = format!("one `{close}` too many in `{}`; write {heading}{close}", cut(whole, QUOTED));
+            return of(at, String::new(), None, said);
+        }
         let name = if end.key.is_empty() { String::new() } else { end.name() };
         let said = format!("missing opening bracket `{open}` in `{}`", cut(line.trim(), QUOTED));
         return of(at, name, None, said);
     }
     if begins(&NO_EQUALS) {
+        let word = line.split('#').next().unwrap_or("").trim();
+        if word.contains('.') && word.chars().all(is_key) {
+            let word = cut(word, QUOTED);
+            let said = format!("`{word}`: expected a heading in brackets, [{word}], or `=` and a value");
+            return of(at, String::new(), None, said);
+        }
         let name = if said.contains("assignment") { end.name() } else { start.name() };
         return of(at, name, None, format!("missing `=`{}", after_key(text, at, line, said)));
     }
@@ -86,9 +100,13 @@ fn problem(text: &str, span: &Range<usize>, said: &str) -> Problem {
         if word.is_empty() {
             return here("missing value after `=`".into());
         }
-        let word = cut(&word, QUOTED);
-        let plain = word.trim_matches(['"', '\'', '“', '”', '„', '‘', '’']);
-        return of(at, end.name(), Some(&*word), format!("must be in quotation marks: \"{plain}\""));
+        let said = unquoted(&word, end.key);
+        return of(at, end.name(), Some(&*cut(&word, QUOTED)), said);
+    }
+    if said.starts_with("invalid fraction") && word_at(text, at).ends_with('.') {
+        let word = cut(word_at(text, at), QUOTED);
+        let said = format!("a digit is missing after the decimal point; write {word}0");
+        return of(at, end.name(), Some(&*word), said);
     }
     if begins(&NUMBERS) {
         let word = cut(word_at(text, at), QUOTED);
@@ -98,10 +116,20 @@ fn problem(text: &str, span: &Range<usize>, said: &str) -> Problem {
         _ if said.starts_with("missing comma") || said.starts_with("extra assignment") => {
             here("missing comma between two items".into())
         }
-        _ if said.starts_with("unquoted keys cannot be empty") => {
-            of(at, start.name(), None, "missing key before `=`".into())
-        }
+        _ if said.starts_with("unquoted keys cannot be empty") => match line.trim().starts_with('[') {
+            true => of(at, String::new(), None, without_name(line)),
+            false => of(at, start.name(), None, "missing key before `=`".into()),
+        },
         _ if said.starts_with("unexpected key or value") && !rest.is_empty() => {
+            let value = line.split_once('=').and_then(|own| own.1.split('#').next()).unwrap_or("").trim();
+            let list = value.strip_prefix('(').and_then(|own| own.strip_suffix(')'));
+            if let Some(list) = list {
+                return here(format!("write a list in square brackets: [{}]", cut(list, QUOTED)));
+            }
+            if has_decimal_comma(value) {
+                let said = format!("write a decimal point: {}", value.replace(',', "."));
+                return of(at, end.name(), Some(value), said);
+            }
             here(format!("unexpected `{}` after the value", cut(rest, QUOTED)))
         }
         _ => {
@@ -110,6 +138,39 @@ fn problem(text: &str, span: &Range<usize>, said: &str) -> Problem {
             of(at, String::new(), None, said)
         }
     }
+}
+
+/// The fault of a value without quotation marks.
+fn unquoted(word: &str, key: &str) -> String {
+    let plain = word.trim_matches(['"', '\'', '“', '”', '„', '‘', '’']);
+    let plain = cut(plain, QUOTED);
+    if ["true", "false"].contains(&&*plain.to_lowercase()) {
+        return match key {
+            "input" => format!("write `{}`, in small letters", plain.to_lowercase()),
+            _ => "expected a number, or a text in quotation marks".into(),
+        };
+    }
+    let is_name = |part: &str| part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let is_term = |part: &str| !part.is_empty() && (is_name(part) || part.parse::<f64>().is_ok());
+    let parts = |word: &str| word.split(['+', '*', '/']).all(|part| is_term(part.trim()));
+    if word.contains(['+', '*', '/']) && parts(word) {
+        return format!("write an expression in quotation marks, beginning with `=`: \"= {plain}\"");
+    }
+    match word.starts_with(['“', '”', '„', '‘', '’']) {
+        true => format!("use straight quotation marks: \"{plain}\""),
+        false => format!("must be in quotation marks: \"{plain}\""),
+    }
+}
+
+/// The fault of a heading with an empty name.
+fn without_name(line: &str) -> String {
+    let heading = line.split('#').next().unwrap_or("").trim();
+    let before = heading.trim_matches(['[', ']']).trim_end_matches('.');
+    let (after, example) = match before.is_empty() || before.contains("..") || before.starts_with('.') {
+        true => (String::new(), "body"),
+        false => (format!(" after `{before}.`"), before),
+    };
+    format!("`{}`: a name is missing{after}; write a heading such as [{example}.NAME]", cut(heading, QUOTED))
 }
 
 /// Returns the closing bracket that is missing before an error, and the byte of its opening
@@ -205,7 +266,7 @@ impl<'t> Place<'t> {
                 }
                 (None, '[') if own.open.is_empty() && text[line..at].trim().is_empty() => {
                     let heading = rest.lines().next().unwrap_or("");
-                    own.table = heading.trim_start_matches('[').split(']').next().unwrap_or("").trim();
+                    own.table = heading.trim_start_matches('[').split([']', '#']).next().unwrap_or("").trim();
                     step = heading.len();
                 }
                 (None, '[') => own.open.push((']', at)),
