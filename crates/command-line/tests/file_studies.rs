@@ -326,7 +326,7 @@ fn closed_form_an_unstable_orbit_is_found_by_its_word_and_words_that_cannot_clos
             &["--word", "impact wall, impact wall", "--period", "1T", "--starts", "2"][..],
             "orbits found: 2T [impact wall]",
         ),
-        (&["--word", "press wall"], "elements with press: none in this machine"),
+        (&["--word", "press wall"], "is called `wall`; such elements: none in this machine"),
         (&["--word", "open wall, impact wall"], "the word cannot repeat: open wall requires close wall"),
         (
             &["--word", "close wall, close wall, open wall"],

@@ -5,7 +5,7 @@ use crate::check::{GROUND, problem_of_name};
 use crate::elements::SECTIONS;
 use crate::kinds;
 use crate::named::{Expression, NamedParameters};
-use crate::refusal::{Problem, SHOWN, advice, cut};
+use crate::refusal::{Problem, SHOWN, advice, cut, nearest};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use toml::Spanned;
@@ -307,11 +307,10 @@ impl<'a> Reading<'a> {
                 let fits = |key: &&str| !is_section || !VALUES.contains(key);
                 let free = keys.iter().copied().filter(is_free).filter(fits);
                 let text = if is_section { "no such kind of section" } else { "no such key" };
+                if self.problems.len() < SHOWN {
+                    self.meant.extend(nearest(&entry.key, free.clone()).map(|own| table.dotted(own)));
+                }
                 self.refuse_name(&entry, &entry.key, text, free);
-                let said = self.problems.last().map_or("", |own| &own.text);
-                let meant =
-                    said.strip_prefix("no such key; did you mean `").and_then(|own| own.split_once('`'));
-                self.meant.extend(meant.map(|own| table.dotted(own.0)));
             }
         }
     }

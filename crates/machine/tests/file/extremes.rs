@@ -43,7 +43,7 @@ const SAID: [(&str, &str); 17] = [
     ),
     (
         "load.l = { on = \"a\", table = [[0.0, 1.0], [1e-320, 2.0]] }",
-        "m.toml:4: load.l.table[1] = [1e-320, 2.0]: must be at least 1e-12 s after 0.0 s, the time of the previous knot; only interpolation = \"hold\" allows less",
+        "m.toml:4: load.l.table[1] = [1e-320, 2.0]: must be at least 1e-12 s after 0.0 s, the time of the previous row; only interpolation = \"hold\" allows less",
     ),
     ("load.l = { on = \"a\", table = [[0.0, 1.0], [1e-320, 2.0]], interpolation = \"hold\" }", "read"),
     (
