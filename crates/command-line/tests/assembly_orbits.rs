@@ -127,7 +127,7 @@ fn what_has_no_orbit_is_refused_by_name() {
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=2:3",
-            "must lie in the range 2 to 3",
+            "must lie in the range 2 m to 3 m",
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --of power.lost",

@@ -21,7 +21,8 @@
 //!     refused.to_string(),
 //!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; \
 //!      did you mean `ball`?\n\
-//!      ball.toml:7: stop.floor.gap = \"1 N\": cannot be in `N`; expected one of m, cm, mm, um, in"
+//!      ball.toml:7: stop.floor.gap = \"1 N\": cannot be in `N`; \
+//!      expected one of m, cm, mm, um, in"
 //! );
 //! ```
 
