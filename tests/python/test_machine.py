@@ -60,7 +60,7 @@ def test_closed_form_derivatives_of_a_ball_and_of_what_has_none():
     for output in ("floor.impacts", "class"):
         with pytest.raises(KeyError, match=f"{output}: has no derivative; expected one of ball.s"):
             run.derivative(output, "stop.floor.gap")
-    with pytest.raises(ValueError, match="ball.s: no parameter has this name; expected one of gravity, body.ball.mass"):
+    with pytest.raises(ValueError, match="ball.s: is not a parameter; its start value is `start.ball.s`"):
         machine.simulate(1.5, derivatives=["ball.s"])
     with pytest.raises(KeyError, match="stop.floor.gap"):
         run.derivative("ball.s", "gravity")
@@ -235,30 +235,30 @@ def test_invariant_measures_balance_and_a_diagram_shows_what_they_measure():
         (lambda: vi.Machine(3), TypeError, "path of a file"),
         (lambda: damper().replace({"stop.stel.gap": 1e-3}), ValueError, "did you mean `stop.steel.gap`"),
         (lambda: damper().replace({"stop.steel.restitution": 1.5}), ValueError, "0 to 1"),
-        (lambda: damper().replace({"stop.steel.gap": "5 mN"}), ValueError, "in m, cm, mm, um or in"),
+        (lambda: damper().replace({"stop.steel.gap": "5 mN"}), ValueError, "expected one of m, cm, mm, um, in"),
         (lambda: damper().replace({"stop.steel.gap": "5"}), ValueError, "expected a number in m, or a text with a unit"),
         (lambda: damper().replace({"stop.steel.gap": True}), TypeError, "stop.steel.gap"),
         (lambda: damper().simulate(), TypeError, "expected exactly one of until, periods and times"),
         (lambda: damper().simulate(1.0, start={"bx.s": 1.0}), ValueError, "did you mean `box.s`"),
         (lambda: damper().simulate(1.0, start={"box.s": "5"}), ValueError, "expected a number in SI, or a text with a unit"),
-        (lambda: damper().simulate(1.0, start={"box.s": "5 N"}), ValueError, "in m, cm, mm, um or in"),
+        (lambda: damper().simulate(1.0, start={"box.s": "5 N"}), ValueError, "expected one of m, cm, mm, um, in"),
         (lambda: damper().simulate(1.0, start={"box.s": np.nan}), ValueError, "box.s = nan: expected a finite number"),
         (lambda: damper().simulate(1.0, start={3: 1.0}), TypeError, "3 is not a name"),
         (lambda: damper().simulate(1.0, start=3), TypeError, "start is of type int"),
-        (lambda: damper().simulate(1.0, start={"block.s": 1.0}), ValueError, "stop.steel.gap = 0.004: the start at t = 0.0 s violates the stop"),
-        (lambda: damper().measure(["class"], start={"block.s": 1.0}), ValueError, "the start at t = 0.0 s violates the stop"),
+        (lambda: damper().simulate(1.0, start={"block.s": 1.0}), ValueError, "stop.steel.gap = 0.004 m: e - gap = "),
+        (lambda: damper().measure(["class"], start={"block.s": 1.0}), ValueError, "a rigid stop requires e <= gap"),
         (lambda: damper().simulate(1.0, start={"time": 2.0}), ValueError, "until = 1.0: must be greater than 2"),
         (lambda: damper().simulate(times=[0.5], start={"time": 2.0}), ValueError, "finite, ascending times >= 2"),
-        (lambda: damper().start("nowhere.toml"), ValueError, "nowhere.toml: cannot be read"),
+        (lambda: damper().start("nowhere.toml"), ValueError, "nowhere.toml: no such file"),
         (lambda: damper().transition(0.0), ValueError, "until = 0.0"),
-        (lambda: damper().simulate(1.0, derivatives=["start.bx.v"]), ValueError, "start.bx.v: no start value has this name; did you mean `box.v`"),
+        (lambda: damper().simulate(1.0, derivatives=["start.bx.v"]), ValueError, "start.bx.v: no start value has this name; did you mean `start.box.v`"),
         (lambda: vi.simulate_many([damper()], until=1.0, derivatives=["gravity"]), TypeError, "derivatives: requires described machines and `times`"),
         (lambda: vi.simulate_many([damper()], times=[1.0], derivatives=["grvity"]), ValueError, "did you mean `gravity`"),
         (lambda: vi.simulate_many([damper()] * 2, starts=[None] * 3, until=1.0), ValueError, "starts has 3 starts: expected one start, or one for each of 2"),
         (lambda: damper().simulate(-1.0), ValueError, "until"),
         (lambda: damper().simulate(times=[1.0, 0.5]), ValueError, "ascending"),
         (lambda: damper().measure(["amplitude.bx.s"]), ValueError, "did you mean `box.s`?"),
-        (lambda: damper().measure(["class"], section="x"), ValueError, 'section = "x": no stop'),
+        (lambda: damper().measure(["class"], section="x"), ValueError, 'section x: no stop'),
         (lambda: damper().bifurcation("box.s"), TypeError, "exactly one"),
         (lambda: damper().bifurcation("box.s", periods=3, **{"stop.steel.gap": [1e-3, 2e-3]}), TypeError, "periods = 3: expected a pair"),
         (lambda: damper().bifurcation("box.s", **{"stop.steel.gap": [1e-3, 3e-3, 4e-3]}), ValueError, "stop.steel.gap[1] = 0.003 instead of 0.0025: expected"),

@@ -1,6 +1,8 @@
 //! Errors of the command line's library.
 
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
+use vibro_machine::file::unread;
 
 /// An error; every message states the given input and the valid choices.
 #[derive(Debug, thiserror::Error)]
@@ -40,7 +42,7 @@ pub enum Error {
         problem: String,
     },
     /// Reading or writing a file failed.
-    #[error("{doing} {}: {source}", path.display())]
+    #[error("{}", failed(doing, path, source))]
     File {
         /// The failed action, e.g. `writing`.
         doing: &'static str,
@@ -60,6 +62,18 @@ pub enum Error {
         /// Reason given by the library.
         problem: String,
     },
+}
+
+/// What failed in an operation on a file, and why.
+fn failed(doing: &str, path: &Path, source: &io::Error) -> String {
+    let name = path.display();
+    match source.kind() {
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            format!("{name}: is a file; expected a folder")
+        }
+        _ if doing == "reading" => format!("{name}: {}", unread(source, "save it with the encoding UTF-8")),
+        _ => format!("{doing} {name}: {source}"),
+    }
 }
 
 /// Result with this error.

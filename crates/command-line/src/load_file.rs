@@ -190,11 +190,11 @@ mod tests {
     #[test]
     fn what_is_no_record_is_refused_by_its_line() {
         for (text, line) in [
-            ("t,f\n0,1\n1,NaN\n2,0", "line 3: `NaN` is not a number; expected a finite number"),
+            ("t,f\n0,1\n1,NaN\n2,0", "line 3: `NaN` is not a number; expected a number"),
             ("t,f\n\n0,1\n1,inf\n2,0", "line 4: `inf` "),
             ("0,1\n1,2\n1,3\n", "line 3, time 1 s, force 3 N: expected a time later"),
             ("0,1\n2,2\n1,3\n", "line 3, "),
-            ("0,1\n1,\n", "line 2: `` is not a number"),
+            ("0,1\n1,\n", "line 2: `1,` has an empty cell"),
             ("0,1\n1,2,3\n", "line 2: `1,2,3` has 3 cells; expected 2 cells"),
             ("0;1\n0,5;2\n", "line 2: `0,5` has a decimal comma; expected a decimal point"),
             ("t,f\nu,g\n", "line 2: `u` is not a number"),

@@ -137,7 +137,13 @@ pub fn times_of(path: &Path, begin: f64) -> Result<Vec<f64>> {
         match line.parse::<f64>() {
             Ok(time) if time.is_finite() && time >= least => times.push(time),
             _ => {
-                let problem = format!("line {}: {line}: expected a time in s, not before {least:?}", i + 1);
+                let problem = match line.parse::<f64>() {
+                    Ok(_) => format!("line {}: {line}: expected a time in s, not before {least:?}", i + 1),
+                    Err(_) => format!(
+                        "line {}: `{line}` is not a number; expected a time in s on each line, without a heading",
+                        i + 1
+                    ),
+                };
                 return Err(Error::Config { path: path.into(), problem });
             }
         }

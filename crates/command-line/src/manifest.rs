@@ -153,7 +153,9 @@ impl Manifest {
         let mut values: BTreeMap<String, String> = BTreeMap::new();
         values.insert("command".into(), self.invocation.command.clone());
         values.insert("study".into(), self.study.clone());
-        values.extend(self.invocation.options.iter().map(|(k, v)| (format!("--{k}"), v.clone())));
+        // The times of a run follow from --until, too.
+        let named = |k: &str| if k == "times" { k.into() } else { format!("--{k}") };
+        values.extend(self.invocation.options.iter().map(|(k, v)| (named(k), v.clone())));
         values.extend(self.si.iter().chain(&self.groups).map(|(k, v)| (k.clone(), v.to_string())));
         if let Some(study) = &self.long_study {
             values.insert("version".into(), study.version.clone());

@@ -214,7 +214,7 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         assert!(code == 2, "{error}");
         for words in [
             "assembly-bad.toml:5: spring.mount.between[1] = \"boks\": no body has this name; did you mean `box`",
-            "assembly-bad.toml:6: spring.mount.stiffness = \"5 mN\": expected a finite number",
+            "assembly-bad.toml:6: spring.mount.stiffness = \"5 mN\": cannot be in `mN`; expected one of N/m",
         ] {
             assert!(error.contains(words), "{words}: {error}");
         }
@@ -234,7 +234,7 @@ fn bad_files_and_parameters_are_refused_by_line_and_name() {
         (vec!["run", &parameters], "is a parameter file of the paper's machine"),
         (vec!["run", &ball], "--until"),
         (vec!["run", &ball, "--until", "2 Hz"], "expected a finite time > 0"),
-        (vec!["run", "nowhere.toml", "--until", "2"], "nowhere.toml: cannot be read"),
+        (vec!["run", "nowhere.toml", "--until", "2"], "nowhere.toml: no such file"),
     ] {
         let (code, error) = refused(&arguments);
         assert!(code == 2 && error.contains(words), "{error}");

@@ -127,11 +127,11 @@ fn what_has_no_orbit_is_refused_by_name() {
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=2:3",
-            "must lie in the range 2 to 3",
+            "must lie in the range 2 m to 3 m",
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --of power.lost",
-            "not a measure of an orbit",
+            "--of: power.lost: is not a measure of an orbit",
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --word U",

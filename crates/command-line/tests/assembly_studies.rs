@@ -204,7 +204,7 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
         (plane(&["--pair", "stop.steel.gap"]), "two names separated by a comma"),
         (
             plane(&["--pair", "stop.steel.gap,body.block.mass"]),
-            "`body.block.mass`: expected a parameter with a range (--vary",
+            "body.block.mass has no range; add --vary body.block.mass=FROM:TO",
         ),
         (plane(&["--pair", "stop.steel.gap,stop.steel.gap"]), "two independent parameters"),
         (plane(&["--pair", "stop.steel.gap,stop.buffer.gap", "--resolution", "20000"]), "expected 2 to 3000"),
@@ -214,7 +214,7 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
         (sweep(&["--vary", "stop.steel.gap=1mm:2mm:3", "--samples", "4"]), "without a count"),
         (sweep(&["--output", "amplitude.bx.s"]), "did you mean `box.s`?"),
         (sweep(&["--output", "loudness"]), "amplitude.Q"),
-        (sweep(&["--vary", "stop.steel.gap=1mm,2mm", "--vary", "stop.steel.gap=1mm,2mm"]), "each once"),
+        (sweep(&["--vary", "stop.steel.gap=1mm,2mm", "--vary", "stop.steel.gap=1mm,2mm"]), "is varied twice"),
     ] {
         assert!(code == 2 && error.contains(words), "{words}: {error}");
     }

@@ -76,7 +76,7 @@ fn parameters_come_from_a_file_in_either_form() {
     assert_eq!(code, 2);
     assert!(error.contains("p.toml: no parameter is named `kapa`; did you mean `kappa`?"), "{error}");
     let (code, error) = refused(&["steady", "--config", "absent.toml"]);
-    assert!(code == 2 && error.contains("reading absent.toml"), "{code} {error}");
+    assert!(code == 2 && error.contains("absent.toml: no such file"), "{code} {error}");
 }
 
 #[test]
@@ -117,14 +117,14 @@ fn errors_name_the_nearest_name_and_the_range() {
 fn errors_of_long_studies_name_what_is_allowed() {
     for (arguments, expected) in [
         (vec!["bifurcation", "--range", "f1=0:1"], "did you mean `f10`?"),
-        (vec!["bifurcation", "--shard", "3/2"], "i/n with i from 1 to n"),
+        (vec!["bifurcation", "--shard", "3/2"], "I/N with I from 1 to N"),
         (vec!["basin", "--x", "y1=0:1"], "x1 x2 x3 v1 v2 v3"),
         (vec!["basin", "--x", "v2=0:1"], "two different initial values"),
         (vec!["lyapunov", "--threshold", "-1"], "--threshold"),
         (vec!["isoperiodic", "--pair", "alpha23,beta2"], "two independent parameters"),
         (vec!["isoperiodic", "--start", "x4=1"], "x1=0.2,v2=1 or block.s=5mm; or orbit"),
         (vec!["isoperiodic", "--start", "x2=3"], "stop"),
-        (vec!["merge", "absent"], "reading absent"),
+        (vec!["merge", "absent"], "absent: no such folder"),
     ] {
         let (code, error) = refused(&arguments);
         assert!(code == 2 && error.contains(expected), "{arguments:?}: {error}");
@@ -137,7 +137,7 @@ fn a_folder_that_cannot_be_is_another_exit_code() {
     std::fs::write(&file, "in the way").unwrap();
     let output = command(&file, &["manifold", "--figure", "2"]).output().expect("vibro runs");
     assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("making folder"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cli-file: is a file; expected a folder"));
     std::fs::remove_file(&file).unwrap();
 }
 

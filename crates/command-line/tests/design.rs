@@ -85,7 +85,10 @@ fn what_cannot_be_sought_is_refused_with_what_is_expected() {
     let (home, out) = (folder("design-refused-machine"), folder("design-refused"));
     let file = written(&home);
     for (options, words) in [
-        (&["--minimize", "class", "--vary", "spring.mount.damping=1:9"][..], "class cannot be the goal"),
+        (
+            &["--minimize", "class", "--vary", "spring.mount.damping=1:9"][..],
+            "class: has no error bar, so that it cannot be the goal",
+        ),
         (&["--minimize", "amplitude.engin.s", "--vary", "spring.mount.damping=1:9"], "`engine.s`"),
         (&["--minimize", "rms.engine.a", "--vary", "spring.mount.damping=1:9:3"], "LOW:HIGH without a count"),
         (&["--minimize", "rms.engine.a", "--vary", "spring.mount.dampin=1:9"], "spring.mount.damping"),
@@ -100,7 +103,7 @@ fn what_cannot_be_sought_is_refused_with_what_is_expected() {
         (&[&GOAL[..], &["--robust", "60%"]].concat(), "0% to 50%"),
         (
             &[&GOAL[..], &["--over", "spring.mount.damping=1:9"]].concat(),
-            "parameters that vary independently",
+            "spring.mount.damping: is varied twice",
         ),
     ] {
         let mut vibro = Command::new(env!("CARGO_BIN_EXE_vibro"));

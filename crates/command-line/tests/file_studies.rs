@@ -105,7 +105,7 @@ fn closed_form_a_response_is_linear_up_to_the_frequency_at_which_the_wall_is_tou
         assert!(error.contains(named), "{words:?}: {error}");
     }
     let (_, error) = refused(&[&line[..4], &["--of", "power.lost"]].concat());
-    assert!(error.contains("not a measure of an orbit"), "{error}");
+    assert!(error.contains("is not a measure of an orbit"), "{error}");
     let (_, error) = refused(&["response", "--seeds", "3"]);
     assert!(error.contains("an option of a machine's file"), "{error}");
 }
@@ -164,7 +164,7 @@ fn second_method_starts_whose_linear_motion_keeps_clear_of_the_wall_lead_to_the_
     assert_eq!(bytes("merged"), bytes("b"));
 
     for (words, named) in [
-        (&["--start", "box.s=0:1"][..], "1 ranges of --start: expected two"),
+        (&["--start", "box.s=0:1"][..], "--start: expected two ranges"),
         (&["--start", "box.s=0:1", "--start", "box.s=0:1"], "two different initial values"),
         (&["--start", "boz.s=0:1", "--start", "box.v=0:1"], "box.s"),
         (&["--start", "box.s=1:0", "--start", "box.v=0:1"], "FROM < TO"),
@@ -206,7 +206,10 @@ fn closed_form_sections_of_the_rattle_at_a_flank_and_of_a_linear_motion_at_a_pha
         assert!((number(&row, "phase") - 0.5 * PI).abs() < SETTLED && row["speed"].is_empty());
     }
     for (words, named) in [
-        (&["--section", "wall", "--phase", "1"][..], "expected 0 at a section of an element's events"),
+        (
+            &["--section", "wall", "--phase", "1"][..],
+            "phase 1: cannot be combined with a section of an element's events",
+        ),
         (&["--section", "wal"], "no stop or friction has this name"),
         (&["--of", "box.s"], "two names separated by a comma"),
         (&["--of", "box.s,speed"], "expected one of time, phase, box.s"),
@@ -280,7 +283,7 @@ fn closed_form_the_gradient_of_the_rattles_closing_speed() {
     }
     assert!(rows.iter().all(|row| !row["parameter"].contains(".start.")));
     let (_, error) = refused(&["orbit", &file, "--gradient", "class"]);
-    assert!(error.contains("not a measure of an orbit"), "{error}");
+    assert!(error.contains("is not a measure of an orbit"), "{error}");
 }
 
 #[test]
@@ -323,7 +326,7 @@ fn closed_form_an_unstable_orbit_is_found_by_its_word_and_words_that_cannot_clos
             &["--word", "impact wall, impact wall", "--period", "1T", "--starts", "2"][..],
             "orbits found: 2T [impact wall]",
         ),
-        (&["--word", "press wall"], "elements with press: none in this machine"),
+        (&["--word", "press wall"], "is called `wall`; such elements: none in this machine"),
         (&["--word", "open wall, impact wall"], "the word cannot repeat: open wall requires close wall"),
         (
             &["--word", "close wall, close wall, open wall"],

@@ -155,7 +155,11 @@ fn what_is_no_record_is_refused_by_name_and_row() {
             "friction.floor.force",
             "the machine has no `mas.s`",
         ),
-        (table("time.csv", "t,mass.s\n0,1\n1,2\n"), "friction.floor.force", "has no column `time`"),
+        (
+            table("time.csv", "t,mass.s\n0,1\n1,2\n"),
+            "friction.floor.force",
+            "no column is called `time` (found t, mass.s)",
+        ),
         (
             table("falls.csv", "time,mass.s\n0,1\n1,2\n0.5,2\n"),
             "friction.floor.force",

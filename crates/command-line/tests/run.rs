@@ -122,7 +122,7 @@ fn what_cannot_be_run_is_refused_by_name_and_nothing_is_written() {
         (vec!["--load", &bad], "run-bad.csv: line 4, time 0.25 s, force 3 N: expected a time later"),
         (vec!["--load", &units], "line 1: `t` has the unit `kg`; expected one of s, ms"),
         (vec!["--load", "lid=a.csv"], "a body of box, block, secondary"),
-        (vec!["--load", "box=no-such.csv"], "--load: reading no-such.csv"),
+        (vec!["--load", "box=no-such.csv"], "--load: no-such.csv: no such file"),
         (vec!["--duration", "-1"], "a finite time > 0"),
         (vec!["--duration", "2 Hz"], "200 periods"),
         (vec!["--start", "block.s=5kg"], "block.s=5mm"),

@@ -86,10 +86,13 @@ fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     let damper = damper();
     for (start, words) in [
         ("bix.s=1mm", "--start bix.s=1mm: bix.s: no start value has this name; did you mean `box.s`"),
-        ("box.s=1N", "--start box.s=1N: box.s = \"1N\": expected a finite number in m, cm, mm, um or in"),
+        ("box.s=1N", "--start box.s=1N: box.s = \"1N\": cannot be in `N`; expected one of m, cm, mm, um, in"),
         ("box.s=1,body.box.s=2", "box.s is given twice; give it once"),
-        ("block.s=1m", "stop.steel.gap = 0.004: the start at t = 0.0 s violates the stop by e - gap = "),
-        ("nowhere.toml", "nowhere.toml: cannot be read"),
+        ("block.s=1m", "stop.steel.gap = 0.004 m: e - gap = "),
+        (
+            "nowhere.toml",
+            "--start nowhere.toml: expected NAME=VALUE, such as box.s=1mm, or an existing start file",
+        ),
         ("box.s=1,nowhere.toml", "expected NAME=VALUE,…, a start's file, or FILE,NAME=VALUE,…"),
         ("time=2s", "--until 1.0: must be after 2.0 s, the time of the start"),
     ] {
@@ -99,10 +102,16 @@ fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
     let vary = ["--vary", "body.box.mass=11kg:12kg:2", "--discard", "2"];
     for command in ["bifurcation", "lyapunov"] {
         let (code, error) = refused(&[&[command, &damper][..], &vary, &["--start", "block.s=1m"]].concat());
-        assert!(code == 2 && error.contains("the start at t = 0.0 s violates the stop"), "{error}");
+        assert!(
+            code == 2 && error.contains("at the start, t = 0.0 s; a rigid stop requires e <= gap"),
+            "{error}"
+        );
     }
     let (code, error) = refused(&["lyapunov", &damper, "--start", "block.s=1m"]);
-    assert!(code == 2 && error.contains("the start at t = 0.0 s violates the stop"), "{error}");
+    assert!(
+        code == 2 && error.contains("at the start, t = 0.0 s; a rigid stop requires e <= gap"),
+        "{error}"
+    );
     let (code, error) = refused(&["sweep", &damper, "--start", "boks.s=1m"]);
     assert!(code == 2 && error.contains("did you mean `box.s`"), "{error}");
 }
@@ -131,12 +140,12 @@ fn set_mends_a_file_whose_start_violates_a_gap() {
     // A remaining error is reported with its line, and a new error without one.
     let (_, error) = refused(&["check", &path, "--set", "body.b.start.s=4mm"]);
     assert!(
-        error.contains("m.toml:10: stop.w.gap = 0.002: the start violates the stop with e = 0.004 m"),
+        error.contains("m.toml:10: stop.w.gap = 2 mm: e = 0.004 m at the start is beyond the gap"),
         "{error}"
     );
     let sound = written("starts-within", &BEYOND.replace("5 mm", "1 mm"));
     let (_, error) = refused(&["check", &sound, "--set", "body.b.start.s=4mm"]);
-    assert!(error.contains("error: stop.w.gap = 0.002: the start violates the stop"), "{error}");
+    assert!(error.contains("error: stop.w.gap = 2 mm: e = 0.004 m at the start"), "{error}");
 }
 
 /// A record of 20 mm/s² moves a table by ½ 0.02 10² = 1 m in its 10 s, at 0.1 m/s on average; a

@@ -243,7 +243,7 @@ fn bad_input_is_refused_by_name() {
         (vec!["--vary", "kappa=0.5:1.5:3"], "kappa = 1.5: expected 0 <= kappa <= 1"),
         (
             vec!["--vary", "kappa=0.1:0.5:3", "--over", "stop.restitution=0.5"],
-            "parameters that vary independently",
+            "determine the same quantity; vary one of them",
         ),
         (vec!["--vary", "f10=1:2:999999", "--vary", "kappa=0:1:9"], "1 to 1000000 designs"),
         (vec!["--vary", "f10=1:2:5", "--sobol", "8"], "without a count"),

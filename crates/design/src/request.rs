@@ -76,8 +76,8 @@ impl Limit {
         measure.check(&machine.description)?;
         let unit = measure.unit(&machine.description);
         let value = quantity_in(unit, value.trim()).map(|own| own.value).filter(|x| x.is_finite());
-        let value = value
-            .ok_or_else(|| form("a finite number behind the sign, in SI or with a unit of the output"))?;
+        let value =
+            value.ok_or_else(|| form("a number after the sign, in SI or with a unit of the output"))?;
         Ok(Self { measure, side, value })
     }
 }
@@ -202,7 +202,7 @@ impl DesignRequest {
         }
         if !Machine::is_of_window(&self.goal.measure) {
             return refused(format!(
-                "{} cannot be the goal; expected an output with an error bar of its window, such as amplitude.box.s",
+                "{}: has no error bar, so that it cannot be the goal; expected an output such as amplitude.box.s",
                 self.goal.measure
             ));
         }

@@ -8,7 +8,7 @@ mod starts;
 mod stepped;
 
 pub(crate) use flexible::MOST_COORDINATES;
-pub(crate) use names::problem_of as problem_of_name;
+pub(crate) use names::{GROUND, problem_of as problem_of_name};
 
 use crate::description::{
     Arms, Body, BodyKind, Description, Dimension, Follows, Interpolation, Record, Signal, Spring, Stop,
@@ -72,7 +72,8 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     }
     for slot in slots(&mut machine.clone()) {
         if !slot.kind.contains(*slot.value) {
-            problems.push(refused(slot.name, *slot.value, slot.kind.allowed_instead_of(*slot.value)));
+            let text = slot.kind.fault(*slot.value, slot.dimension);
+            problems.push(refused(slot.name, *slot.value, text));
         }
     }
     for element in machine.elements() {
@@ -163,19 +164,21 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
         return;
     };
     let table = format!("{name}.table");
-    if record.knots.len() < 2 || record.knots.len() > MOST_KNOTS {
-        let text = format!("expected 2 to {MOST_KNOTS} knots, found {}", record.knots.len());
+    if record.knots.len() < 2 {
+        problems.push(Problem::new(&table, None, too_few(record.knots.len())));
+    } else if record.knots.len() > MOST_KNOTS {
+        let text = format!("has {} rows; expected at most {MOST_KNOTS}", record.knots.len());
         problems.push(Problem::new(&table, None, text));
     }
     if let Some(i) = record.knots.iter().position(|k| !(k.0.is_finite() && k.1.is_finite())) {
         let knot = format!("[{:?}, {:?}]", record.knots[i].0, record.knots[i].1);
         problems.push(Problem::new(format!("{table}[{i}]"), Some(knot), "expected finite numbers"));
     } else if let Some(i) = record.knots.windows(2).position(|k| k[1].0 <= k[0].0) {
-        let text = format!("must be after {:?} s, the time of the previous knot", record.knots[i].0);
+        let text = format!("must be after {:?} s, the time of the previous row", record.knots[i].0);
         problems.push(refused(format!("{table}[{}]", i + 1), record.knots[i + 1].0, text));
     } else if let Some(i) = too_near(record) {
         let text = format!(
-            "must be at least {LEAST_APART:e} s after {:?} s, the time of the previous knot; only \
+            "must be at least {LEAST_APART:e} s after {:?} s, the time of the previous row; only \
              interpolation = \"hold\" allows less",
             record.knots[i].0
         );
@@ -183,6 +186,12 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
     } else if record.knots.len() > 1 {
         check_repeat(name, signal, problems);
     }
+}
+
+/// The fault of a record with too few rows.
+pub(crate) fn too_few(count: usize) -> String {
+    let rows = if count == 1 { "row" } else { "rows" };
+    format!("has {count} {rows} with numbers; a record requires at least 2, each with a time and a value")
 }
 
 /// Index of a knot whose slope to the next knot cannot be distinguished from a step.

@@ -40,7 +40,7 @@ pub enum Error {
     Inertia,
     /// A rate above 1e100 rad/s, whose powers would overflow.
     #[error(
-        "{name} = {value:e}: the rate that it gives with the moving inertias must be at most 1e100 rad/s"
+        "{name} = {value:e}: gives a rate above 1e100 rad/s; check its unit, and those of the moving inertias"
     )]
     TooFast {
         /// Dotted name of the parameter.
@@ -49,7 +49,10 @@ pub enum Error {
         value: f64,
     },
     /// Prescribed bodies drive stops together, and no body can yield.
-    #[error("jammed at t = {time} s: {stops} cannot give way; a body between them must be able to")]
+    #[error(
+        "jammed at t = {time} s: {stops} cannot yield between prescribed motions; put a free body between \
+         them, or use a compliant stop (`stiffness`)"
+    )]
     Jammed {
         /// Time, s.
         time: f64,
@@ -59,9 +62,9 @@ pub enum Error {
     /// A rigid stop violated by a jump of a prescribed motion or an input, by a changed parameter
     /// or by a start.
     #[error(
-        "{stop} at t = {time} s: e - gap = {excess}; must be at most 0 at a start, after a jump of \
-         a prescribed motion and after a \
-         change of parameters"
+        "{stop} at t = {time} s: e - gap = {excess}; it must be at most 0 in a rigid stop at a start, after a \
+         jump of a prescribed motion and after a change of parameters: increase the gap, remove the jump, or \
+         use a compliant stop (`stiffness`)"
     )]
     Violated {
         /// The stop, as `stop.NAME`.
@@ -74,8 +77,8 @@ pub enum Error {
     /// A machine that starts at rest without an equilibrium.
     #[error(
         "start = \"rest\": no equilibrium; body.{body} has the acceleration {acceleration:?} (SI) \
-         at every position; \
-         springs, stops and friction must balance the weights and the loads at time 0"
+         at every position: hold it by a spring, a stop or friction, or give the bodies start values \
+         instead of \"rest\""
     )]
     NoEquilibrium {
         /// Name of the body with the largest remaining acceleration.
@@ -139,7 +142,10 @@ pub enum Error {
         end: f64,
     },
     /// A computation that is not available for machines with curved forces.
-    #[error("{what} is not available for machines with curved forces: {element} has one")]
+    #[error(
+        "{what} is not available for machines with curved forces: {element} has one; motions, sweeps and \
+         bifurcation diagrams are"
+    )]
     Curved {
         /// The computation, such as "a derivative by a parameter".
         what: &'static str,

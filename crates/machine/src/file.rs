@@ -21,7 +21,8 @@
 //!     refused.to_string(),
 //!     "ball.toml:6: stop.floor.between[1] = \"bal\": no body has this name; \
 //!      did you mean `ball`?\n\
-//!      ball.toml:7: stop.floor.gap = \"1 N\": expected a finite number in m, cm, mm, um or in"
+//!      ball.toml:7: stop.floor.gap = \"1 N\": cannot be in `N`; \
+//!      expected one of m, cm, mm, um, in"
 //! );
 //! ```
 
@@ -37,6 +38,7 @@ mod follows;
 mod matrices;
 mod matrix;
 mod named;
+mod numbers;
 mod points;
 mod reading;
 mod records;
@@ -135,8 +137,19 @@ type Check = fn(&Description) -> Vec<Problem>;
 /// The text of a file.
 pub(crate) fn text_of(path: &Path) -> Result<String, Refusal> {
     let name = path.display();
-    let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: cannot be read: {e}")));
+    let unread = |e: io::Error| unread(&e, "save it with the encoding UTF-8");
+    let cannot = |e: io::Error| Refusal::one(Problem::new("", None, format!("{name}: {}", unread(e))));
     read_text(path).map_err(cannot)
+}
+
+/// Why a file cannot be read, with advice for a file that is not UTF-8 text.
+pub fn unread(error: &io::Error, advice: &str) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "no such file".into(),
+        io::ErrorKind::InvalidData => format!("is not UTF-8 text; {advice}"),
+        io::ErrorKind::IsADirectory => "is a folder; expected a file".into(),
+        _ => format!("cannot be read: {error}"),
+    }
 }
 
 fn read_text(path: &Path) -> io::Result<String> {
@@ -200,6 +213,7 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
     let mut keys = [&VALUES[..], &TABLES[..]].concat();
     keys.extend(SECTIONS.iter().map(|(section, _)| section));
     reading.known(root, &keys);
+    reading.check_names(root);
     let mut machine = Description::default();
     named::read(reading, root);
     if let Some(entry) = reading.required(root, "name", "expected a name, such as \"Damper\"") {

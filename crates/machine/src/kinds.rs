@@ -3,7 +3,7 @@
 
 use crate::description::Dimension;
 use vibro_numerics::Range;
-use vibro_numerics::quantities::symbols;
+use vibro_numerics::quantities::{quantity_in, split, symbols};
 
 /// A kind of number.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +20,8 @@ pub struct NumberKind {
     pub least: f64,
     /// Whether a file may give the number in a unit of any dimension; its value is taken in SI.
     pub any_unit: bool,
+    /// Advice after the refusal of a number outside its range; may be empty.
+    pub advice: &'static str,
 }
 
 /// Least stiffness and damping of springs in series, whose quotient is a rate.
@@ -41,11 +43,16 @@ const fn kind(
         not_zero: false,
         least: 0.0,
         any_unit: false,
+        advice: "",
     }
 }
 
 const fn at_least(least: f64, kind: NumberKind) -> NumberKind {
     NumberKind { least, ..kind }
+}
+
+const fn advised(kind: NumberKind, advice: &'static str) -> NumberKind {
+    NumberKind { advice, ..kind }
 }
 
 const fn between(min: f64, max: f64, allowed: &'static str) -> Range {
@@ -54,13 +61,18 @@ const fn between(min: f64, max: f64, allowed: &'static str) -> Range {
 
 pub const GRAVITY: NumberKind = kind("Acceleration of gravity", "m/s2", "m/s2", Range::NOT_NEGATIVE);
 pub const INERTIA: NumberKind = kind("Mass or moment of inertia", "kg", "kg.m2", Range::POSITIVE);
-pub const COSINE: NumberKind =
-    kind("Cosine of the angle to gravity", "1", "1", between(-1.0, 1.0, "a number from -1 to 1"));
+pub const COSINE: NumberKind = advised(
+    kind("Cosine of the angle to gravity", "1", "1", between(-1.0, 1.0, "a number from -1 to 1")),
+    "the cosine of the angle between s and gravity, such as -1 if s points upwards; the acceleration is \
+     `gravity` at the top of the file",
+);
 pub const POSITION: NumberKind = kind("Coordinate", "m", "rad", Range::FINITE);
 pub const START: NumberKind = kind("Coordinate at time 0", "m", "rad", Range::FINITE);
 pub const RATE: NumberKind = kind("Rate of the even motion", "m/s", "rad/s", Range::FINITE);
 pub const START_RATE: NumberKind = kind("Rate at time 0", "m/s", "rad/s", Range::FINITE);
 pub const STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
+pub const SPRING_STIFFNESS: NumberKind =
+    advised(STIFFNESS, "a negative stiffness requires a curve, such as `cubic`, or `points`");
 /// A part of a stiffness that steps in time.
 pub const STEPPED: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::FINITE);
 /// The stiffness of a spring with a curve, which may fall at e = 0.
@@ -76,13 +88,19 @@ pub const CURVE: [(&str, NumberKind); 4] = [
 pub const CURVED_DAMPING: NumberKind = kind("Viscous damping at e' = 0", "N.s/m", "N.m.s/rad", Range::FINITE);
 pub const CUBIC_DAMPING: NumberKind =
     kind("Coefficient of the cube of e'", "N.s3/m3", "N.m.s3/rad3", Range::FINITE);
-pub const SERIES_STIFFNESS: NumberKind =
-    at_least(LEAST, kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE));
-pub const SERIES_DAMPING: NumberKind = at_least(LEAST, DASHPOT);
+pub const SERIES_STIFFNESS: NumberKind = advised(
+    at_least(LEAST, kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE)),
+    "a spring with `slip` or `series_damping` requires a stiffness",
+);
+pub const SERIES_DAMPING: NumberKind =
+    at_least(LEAST, kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE));
 pub const SLIP: NumberKind = kind("Force at which the slider slips", "N", "N.m", Range::POSITIVE);
 pub const SLIDER: NumberKind = kind("Inner place at time 0", "m", "rad", Range::FINITE);
 pub const DAMPING: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
-pub const DASHPOT: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE);
+pub const DASHPOT: NumberKind = advised(
+    kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE),
+    "a damping of 0 or less requires `cubic`",
+);
 pub const PRELOAD: NumberKind = kind("Force at e = 0", "N", "N.m", Range::FINITE);
 pub const POINT: NumberKind = kind("Elongation of a point of the force", "m", "rad", Range::FINITE);
 pub const POINT_FORCE: NumberKind = kind("Force at a point", "N", "N.m", Range::FINITE);
@@ -168,35 +186,58 @@ impl NumberKind {
         self.range.contains(value) && !(self.not_zero && value == 0.0) && !too_small
     }
 
-    /// This kind without its least absolute value.
-    pub fn of_any_size(&self) -> Self {
-        Self { least: 0.0, ..*self }
-    }
-
-    /// The allowed values in words, for a value that is refused.
-    pub fn allowed_instead_of(&self, value: f64) -> String {
-        let allowed = self.range.allowed;
-        match self.of_any_size().contains(value) {
-            true => format!("expected {allowed}, at least {:e} in size", self.least),
-            false => format!("expected {allowed}"),
-        }
-    }
-
     /// The allowed values in a file, in words.
     pub fn allowed(&self, dimension: Dimension) -> String {
-        let (allowed, units) = (self.range.allowed, symbols(self.unit(dimension)).collect::<Vec<_>>());
+        let allowed = self.range.allowed.replace("finite ", "");
+        let units: Vec<_> = symbols(self.unit(dimension)).collect();
         match units[0] {
             "1" if self.any_unit => format!("expected {allowed}, with or without a unit"),
             "1" => format!("expected {allowed}"),
-            _ => format!("expected {allowed} in {}", one_of(&units)),
+            si => format!("expected {allowed} in {si}, or with a unit: {}", units.join(", ")),
         }
     }
 
-    /// The allowed values in a file, in words, for a value that is too small.
-    pub fn allowed_sizes(&self, dimension: Dimension) -> String {
-        let unit = symbols(self.unit(dimension)).next().filter(|unit| *unit != "1");
-        let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
-        format!("{}, at least {:e}{unit} in size", self.allowed(dimension), self.least)
+    /// The fault of a value in SI units that is refused.
+    pub fn fault(&self, value: f64, dimension: Dimension) -> String {
+        let Range { min, max, open_min, allowed } = self.range;
+        if !value.is_finite() {
+            return "must be a finite number".into();
+        }
+        if self.range.contains(value) && value != 0.0 {
+            let unit = Some(self.unit(dimension)).filter(|unit| *unit != "1");
+            let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
+            let zero = if self.contains(0.0) { "0, or " } else { "" };
+            return format!("must be {zero}at least {:e}{unit}", self.least);
+        }
+        let fault = match (min == 0.0 && max.is_infinite(), open_min) {
+            (true, true) => "must be greater than 0".into(),
+            (true, false) => "must not be negative".into(),
+            _ if self.not_zero => "must not be 0".into(),
+            _ => format!("expected {allowed}"),
+        };
+        let colon = if self.advice.is_empty() { "" } else { ": " };
+        format!("{fault}{colon}{}", self.advice)
+    }
+
+    /// The fault of a text that is refused.
+    pub fn fault_of(&self, text: &str, dimension: Dimension) -> String {
+        let (text, si) = (text.trim(), self.unit(dimension));
+        if let Some(found) = quantity_in(si, text) {
+            return self.fault(found.value, dimension);
+        }
+        let with_point = text.replacen(',', ".", 1);
+        if quantity_in(si, &with_point).is_some() {
+            return format!("write a decimal point: \"{with_point}\"");
+        }
+        let units: Vec<_> = symbols(si).collect();
+        match split(text) {
+            Some(_) if si == "1" => format!("cannot have a unit; {}", self.allowed(dimension)),
+            Some((_, unit)) => {
+                let one_of = if units.len() > 1 { "one of " } else { "" };
+                format!("cannot be in `{unit}`; expected {one_of}{}", units.join(", "))
+            }
+            None => self.allowed(dimension),
+        }
     }
 }
 

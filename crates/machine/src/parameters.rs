@@ -62,11 +62,8 @@ impl Parameter {
     /// # Ok::<(), vibro_machine::Refusal>(())
     /// ```
     pub fn read(&self, text: &str) -> Result<f64, Refusal> {
-        read(self.kind, self.dimension, text).ok_or_else(|| {
-            let too_small = read(self.kind.of_any_size(), self.dimension, text).is_some();
-            let allowed = if too_small { NumberKind::allowed_sizes } else { NumberKind::allowed };
-            let allowed = allowed(&self.kind, self.dimension);
-            Refusal::one(Problem::new(&self.name, Some(format!("{:?}", text.trim())), allowed))
+        read(self.kind, self.dimension, text).map_err(|fault| {
+            Refusal::one(Problem::new(&self.name, Some(format!("{:?}", text.trim())), fault))
         })
     }
 }
@@ -74,10 +71,13 @@ impl Parameter {
 /// Longest text of a number with its unit, bytes; reading tries every start of the unit.
 const LONGEST_NUMBER: usize = 100;
 
-/// Reads an allowed number of a kind, with or without a unit.
-pub(crate) fn read(kind: NumberKind, dimension: Dimension, text: &str) -> Option<f64> {
-    let short = Some(text.trim()).filter(|text| text.len() <= LONGEST_NUMBER)?;
-    quantity_in(kind.unit(dimension), short).map(|q| q.value).filter(|&v| kind.contains(v))
+/// Reads an allowed number of a kind, with or without a unit. The error is its fault.
+pub(crate) fn read(kind: NumberKind, dimension: Dimension, text: &str) -> Result<f64, String> {
+    if text.trim().len() > LONGEST_NUMBER {
+        return Err(kind.allowed(dimension));
+    }
+    let found = quantity_in(kind.unit(dimension), text.trim()).map(|q| q.value);
+    found.filter(|&v| kind.contains(v)).ok_or_else(|| kind.fault_of(text, dimension))
 }
 
 impl Description {
@@ -149,7 +149,7 @@ impl Description {
             return Err(Refusal::one(problem));
         }
         let mut all = self.parameters();
-        let place = position(&all, |p| &p.name, name).map_err(Refusal::one)?;
+        let place = position(&all, |p| &p.name, name).map_err(|own| Refusal::one(self.at_rest(own)))?;
         Ok(all.swap_remove(place))
     }
 
@@ -226,6 +226,21 @@ impl Description {
         Ok(Self { starts_at_rest: false, ..changed })
     }
 
+    /// The problem of an unknown name, or its reason if the name is a start of a machine at rest.
+    fn at_rest(&self, unknown: Problem) -> Problem {
+        let body = unknown.name.strip_prefix("body.").and_then(|own| own.split_once(".start."));
+        match body.filter(|own| self.starts_at_rest && self.bodies.iter().any(|body| body.name == own.0)) {
+            Some((body, own)) => {
+                let text = format!(
+                    "the machine starts at rest (start = \"rest\") and has no such number; \
+                     a fit can use start.{body}.{own}"
+                );
+                Problem { text, ..unknown }
+            }
+            None => unknown,
+        }
+    }
+
     fn changed<'n>(
         &self,
         changes: impl IntoIterator<Item = (&'n str, f64)>,
@@ -241,7 +256,7 @@ impl Description {
                     *all[place].value = value;
                     set.push((all[place].name.clone(), value));
                 }
-                (None, Err(unknown)) => problems.push(unknown),
+                (None, Err(unknown)) => problems.push(self.at_rest(unknown)),
             }
         }
         if problems.is_empty() {

@@ -105,18 +105,14 @@ impl std::error::Error for Refusal {}
 /// Longest name, bytes, for which the nearest valid name is searched; longer ones are not typos.
 const LONGEST_MISSPELT: usize = 100;
 
-/// Advice on an unknown name: the nearest valid name or, if none is near, all valid names.
-pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
-    // A name that differs in more than half of its letters is not a misspelling.
-    let far = (name.chars().count() / 2).max(1);
-    let lower = name.to_lowercase();
-    let distance = |v: &&str| strsim::damerau_levenshtein(&lower, &v.to_lowercase());
-    let near = |_: &&str| name.len() <= LONGEST_MISSPELT;
-    let nearest = valid.clone().filter(near).map(|v| (distance(&v), v)).min().filter(|found| found.0 <= far);
-    if let Some((_, nearest)) = nearest {
+/// Advice on an unknown name: the nearest valid name or, if none is near, the valid names. Names
+/// with the same first parts are searched alone: `stop.a.damping` is not near `stop.b.damping`.
+pub fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
+    if let Some(nearest) = nearest(name, valid.clone()) {
         return format!("did you mean `{nearest}`?");
     }
-    let mut all: Vec<_> = valid.take(SHOWN + 1).collect();
+    let first = same_parts(name, valid.clone());
+    let mut all: Vec<_> = valid.filter(|v| v.starts_with(&first)).take(SHOWN + 1).collect();
     match all.len() {
         0 => "there are none".into(),
         n if n > SHOWN => {
@@ -125,4 +121,28 @@ pub(crate) fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clon
         }
         _ => format!("expected one of {}", all.join(", ")),
     }
+}
+
+/// The first parts of a dotted name, with the last point, that a valid name has as well.
+fn same_parts<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
+    let whole = format!("{name}.");
+    let ends = whole.match_indices('.').map(|(at, _)| &whole[..=at]);
+    let first = ends.rev().find(|first| valid.clone().any(|v| v.starts_with(*first)));
+    first.unwrap_or("").to_owned()
+}
+
+/// The valid name of which an unknown name is probably a misspelling or the last parts.
+pub(crate) fn nearest<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
+    let first = same_parts(name, valid.clone());
+    let rest = name.get(first.len()..).filter(|rest| !rest.is_empty() && name.len() <= LONGEST_MISSPELT)?;
+    let same = valid.filter(|v| v.starts_with(&first));
+    let ends_so = |v: &&str| v[first.len()..].strip_suffix(rest).is_some_and(|before| before.ends_with('.'));
+    if let Some(found) = same.clone().find(ends_so) {
+        return Some(found);
+    }
+    // A name that differs in more than half of its letters is not a misspelling.
+    let far = rest.chars().count() / 2;
+    let lower = rest.to_lowercase();
+    let distance = |v: &str| strsim::damerau_levenshtein(&lower, &v[first.len()..].to_lowercase());
+    same.map(|v| (distance(v), v)).min().filter(|found| found.0 <= far).map(|found| found.1)
 }

@@ -147,9 +147,9 @@ impl Start {
     /// As [`set_text`](Self::set_text).
     pub fn set(&mut self, d: &Description, name: &str, value: f64) -> Result<(), Refusal> {
         let place = place(d, name)?;
-        let (kind, _) = place.kind(d);
+        let (kind, dimension) = place.kind(d);
         if !kind.contains(value) {
-            let text = kind.allowed_instead_of(value);
+            let text = kind.fault(value, dimension);
             return Err(Refusal::one(Problem::new(name, Some(format!("{value:?}")), text)));
         }
         self.put(d, place, value);
@@ -164,9 +164,9 @@ impl Start {
     pub fn set_text(&mut self, d: &Description, name: &str, text: &str) -> Result<(), Refusal> {
         let place = place(d, name)?;
         let (kind, dimension) = place.kind(d);
-        let value = read(kind, dimension, text).ok_or_else(|| {
+        let value = read(kind, dimension, text).map_err(|fault| {
             let quoted = Some(format!("{:?}", text.trim()));
-            Refusal::one(Problem::new(name, quoted, kind.allowed(dimension)))
+            Refusal::one(Problem::new(name, quoted, fault))
         })?;
         self.put(d, place, value);
         Ok(())
@@ -293,9 +293,10 @@ fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
     let dimension = element.and_then(Element::arms).map(|arms| arms.dimension);
     let unit = if dimension == Some(Dimension::Rotation) { "rad" } else { "m" };
     let gap = format!("{stop}.gap");
-    let value = assembly.description.get(&gap).ok().map(|gap| format!("{gap:?}"));
+    let value = assembly.description.get(&gap).ok().map(|gap| format!("{gap:?} {unit}"));
     let text = format!(
-        "the start at t = {time:?} s violates the stop by e - gap = {excess:?} {unit}; expected e <= gap"
+        "e - gap = {excess:?} {unit} at the start, t = {time:?} s; a rigid stop requires e <= gap: change the \
+         start, or increase the gap"
     );
     Refusal::one(Problem::new(gap, value, text)).into()
 }

@@ -98,11 +98,14 @@ impl<'t> Table<'t> {
     /// As [`numbers`](Self::numbers).
     pub fn number(&self, row: &Row, cell: &str) -> Result<f64, String> {
         let found = cell.parse().ok().filter(|x: &f64| x.is_finite());
-        found.ok_or_else(|| match has_decimal_comma(cell) {
-            true => {
-                row.refused(&format!("`{cell}` has a decimal comma; expected a decimal point, such as 0.5"))
-            }
-            false => row.refused(&format!("`{cell}` is not a number; expected a finite number, such as 0.5")),
+        found.ok_or_else(|| {
+            row.refused(&match cell {
+                "" => "has an empty cell; expected a number, such as 0.5".into(),
+                _ if has_decimal_comma(cell) => {
+                    format!("`{cell}` has a decimal comma; expected a decimal point, such as 0.5")
+                }
+                _ => format!("`{cell}` is not a number; expected a number such as 0.5"),
+            })
         })
     }
 
@@ -121,6 +124,7 @@ impl<'t> Table<'t> {
         };
         let found = match row.cells.len() {
             1 if row.text.contains(other.1) => format!("is separated by a {}", other.0),
+            1 if row.text.contains('\t') => "is separated by a tab".into(),
             1 if row.text.contains(char::is_whitespace) => "is separated by a blank".into(),
             1 => "has 1 cell".into(),
             cells => format!("has {cells} cells"),
@@ -215,7 +219,7 @@ fn heading(cell: &str) -> Heading<'_> {
 }
 
 /// Whether a text is a number if its comma is a decimal point.
-fn has_decimal_comma(text: &str) -> bool {
+pub(crate) fn has_decimal_comma(text: &str) -> bool {
     text.matches(COMMA).count() == 1 && text.replace(COMMA, ".").parse::<f64>().is_ok()
 }
 

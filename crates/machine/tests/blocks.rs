@@ -592,11 +592,11 @@ fn golden_refusals_of_blocks() {
             "\"dry.f\", \"wanted\"",
             "block.pp.inputs[0] = \"dry.f\": is a force; forces of contact",
         ),
-        ("\"cart.s\", \"wanted\"", "\"cart.x\", \"wanted\"", "did you mean `cart.s`?"),
+        ("\"cart.s\", \"wanted\"", "\"cart.x\", \"wanted\"", "expected one of cart.s, cart.v"),
         ("\"cart.s\", \"wanted\"", "\"cart.s\", \"wantd\"", "did you mean `wanted`?"),
         ("sample = \"= T\"", "delay = \"1 ms\"", "block.pp.delay = \"1 ms\": requires `sample`"),
         ("sample = \"= T\"", "quantum = { wanted = 1e-3 }", "requires `sample`"),
-        ("sample = \"= T\"", "sample = 0.0", "block.pp.sample = 0.0: expected a finite number > 0"),
+        ("sample = \"= T\"", "sample = 0.0", "block.pp.sample = 0.0: must be greater than 0"),
         (
             "u = [-10, 10]",
             "u = [10, -10]",
@@ -605,7 +605,7 @@ fn golden_refusals_of_blocks() {
         (
             "from = \"pp.u\"",
             "from = \"pp.v\"",
-            "load.motor.from = \"pp.v\": no block has this output; did you mean `pp.u`?",
+            "load.motor.from = \"pp.v\": no block has this output; expected one of pp.u",
         ),
         ("from = \"pp.u\"", "from = \"pp.u\"\nconstant = 1.0", "cannot be combined with `from`"),
         ("a = [[0.0]]", "a = [[0.0, 1.0]]", "block.pp.a[0]"),

@@ -303,7 +303,7 @@ fn golden_following_in_files() {
         (
             "coefficient = 0.3\n",
             "coefficient = -0.3\n",
-            "m.toml:19: friction.rub.coefficient = -0.3: expected a finite number >= 0",
+            "m.toml:19: friction.rub.coefficient = -0.3: must not be negative",
         ),
         (
             "follows = \"pad\"\n",

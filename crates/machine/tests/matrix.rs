@@ -299,7 +299,7 @@ fn errors_of_matrices_name_the_entry() {
             "gyroscopic = [[0, 1], [-1, 0]]",
             "has 2 rows and 2 columns; expected as many of each as mass has rows, 3",
         ),
-        ("first = 0", "first = 3", "there are 3 coordinates, 0 to 2"),
+        ("first = 0", "first = 3", "expected the index of a coordinate, 0 to 2"),
         (
             "mass = [[2, 0, 0], [0, 1, 0], [0, 0, 0.5]]",
             "mass = [[2, 0], [0, 1, 0]]",
@@ -312,10 +312,10 @@ fn errors_of_matrices_name_the_entry() {
         assert!(refused.contains(text), "{refused}");
     }
     for (file, text) in [
-        ("complex.mtx", "complex.mtx:1: complex: expected real or integer entries"),
-        ("pattern.mtx", "pattern.mtx:1: pattern: expected real or integer entries"),
-        ("double.mtx", "double.mtx:4: 1 1 3: this entry is given twice"),
-        ("short.mtx", "short.mtx: it has 1 entries; expected 2, as given with its sizes"),
+        ("complex.mtx", "= \"complex.mtx\": line 1: complex: expected real or integer entries"),
+        ("pattern.mtx", "= \"pattern.mtx\": line 1: pattern: expected real or integer entries"),
+        ("double.mtx", "= \"double.mtx\": line 4: 1 1 3: this entry is given twice"),
+        ("short.mtx", "= \"short.mtx\": it has 1 entries; expected 2, as given with its sizes"),
         ("three.mtx", "has 3 rows and 3 columns; expected as many of each as mass has rows, 2"),
         ("none.mtx", "cannot be read: it is not there"),
         ("/M.mtx", "expected a path below the file's folder"),

@@ -233,7 +233,7 @@ fn golden_points_in_files() {
         (
             "[\"20 mm\", \"-2 N\"]",
             "[\"20 mm\", \"-2 m\"]",
-            "m.toml:11: spring.membrane.points[2,1] = \"-2 m\": expected a finite number in N, mN, kN, MN or lbf",
+            "m.toml:11: spring.membrane.points[2,1] = \"-2 m\": cannot be in `m`; expected one of N, mN, kN, MN, lbf",
         ),
         (
             "[[\"-60 mm\", \"-8 N\"], [\"-10 mm\", \"3 N\"], [\"20 mm\", \"-2 N\"], [\"40 mm\", \"-1 N\"], [\"50 mm\", \"4 N\"]]",

@@ -141,7 +141,7 @@ fn invariant_what_is_refused_of_scale_and_interpolation() {
     };
     assert_eq!(
         refused("table = [[0, \"1 N\"], [1, 2]]\nscale = 2.0"),
-        "r.toml:6: load.l.table[0,1] = \"1 N\": expected a finite number"
+        "r.toml:6: load.l.table[0,1] = \"1 N\": cannot have a unit; expected a number"
     );
     assert_eq!(
         refused("constant = 1.0\nscale = 2.0"),
@@ -149,7 +149,7 @@ fn invariant_what_is_refused_of_scale_and_interpolation() {
     );
     assert_eq!(
         refused("table = [[0, 1], [1, 2]]\nscale = \"2 m\""),
-        "r.toml:7: load.l.scale = \"2 m\": expected a finite number in N, mN, kN, MN or lbf"
+        "r.toml:7: load.l.scale = \"2 m\": cannot be in `m`; expected one of N, mN, kN, MN, lbf"
     );
     assert_eq!(
         refused("table = [[0, 1], [1, 2]]\ninterpolation = \"held\""),

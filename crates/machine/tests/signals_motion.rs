@@ -364,7 +364,7 @@ fn invariant_what_is_refused_beside_a_rate_or_an_acceleration() {
         ),
         (
             "acceleration = \"9.81 m/s\"",
-            "r.toml:5: body.p.motion.acceleration = \"9.81 m/s\": expected a finite number in m/s2, mm/s2, cm/s2 or g",
+            "r.toml:5: body.p.motion.acceleration = \"9.81 m/s\": cannot be in `m/s`; expected one of m/s2, mm/s2, cm/s2, g",
         ),
     ] {
         assert_eq!(refused(motion), text);

@@ -333,7 +333,7 @@ fn invariant_what_is_refused_of_sweeps() {
         ),
         (
             "{ amplitude = 1.0, from = 1.0, to = \"5 Hz\", duration = 0.0 }",
-            "r.toml:6: load.l.sweep.duration = 0.0: expected a finite number > 0 in s, ms, us, min or h",
+            "r.toml:6: load.l.sweep.duration = 0.0: must be greater than 0",
         ),
         (
             "{ amplitude = 1.0, from = 0, to = 0, duration = 1.0 }",
@@ -345,8 +345,7 @@ fn invariant_what_is_refused_of_sweeps() {
         ),
         (
             "{ amplitude = 1.0, from = 1.0, too = 2.0, duration = 1.0 }",
-            "r.toml:6: load.l.sweep.too = 2.0: no such key; did you mean `to`?\n\
-             r.toml:6: load.l.sweep.to: missing; expected a finite number >= 0 in Hz, mHz, kHz, MHz, rpm, 1/min or rad/s",
+            "r.toml:6: load.l.sweep.too = 2.0: no such key; did you mean `to`?",
         ),
         (
             "3.0",

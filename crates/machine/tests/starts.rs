@@ -131,10 +131,10 @@ fn what_is_no_start_is_refused_by_name() {
     let told = |name: &str, value: &str| Start::default().set_text(&d, name, value).unwrap_err().to_string();
     for (name, value, expected) in [
         ("pinon.s", "1", "pinon.s: no start value has this name; did you mean `pinion.s`?"),
-        ("pinion.a", "1", "pinion.a: no start value has this name; did you mean `pinion.s`?"),
+        ("pinion.a", "1", "pinion.a: no start value has this name; expected one of pinion.s, pinion.v"),
         ("engine.s", "1", "engine.s: its motion is prescribed; use start values of pinion, wheel"),
-        ("pinion.s", "1 mm", "pinion.s = \"1 mm\": expected a finite number in rad, mrad, deg or °"),
-        ("time", "1 m", "time = \"1 m\": expected a finite number in s, ms, us, min or h"),
+        ("pinion.s", "1 mm", "pinion.s = \"1 mm\": cannot be in `mm`; expected one of rad, mrad, deg, °"),
+        ("time", "1 m", "time = \"1 m\": cannot be in `m`; expected one of s, ms, us, min, h"),
     ] {
         assert_eq!(told(name, value), expected);
     }
@@ -150,18 +150,17 @@ fn what_is_no_start_is_refused_by_name() {
     );
     assert_eq!(
         refused("pinion.s", 3.0),
-        "stop.peg.gap = 2.0: the start at t = 0.0 s violates the stop by e - gap = 1.0 rad; expected e <= gap"
+        "stop.peg.gap = 2.0 rad: e - gap = 1.0 rad at the start, t = 0.0 s; a rigid stop requires e <= gap: change the start, or increase the gap"
     );
     assert!(Start::default().set(&d, "pinion.s", f64::NAN).is_err());
     let file = "tme = 1\n[body.pinon]\ns = 1.0\n[body.engine]\ns = 1.0\n[body.wheel]\ns = \"1 m\"\nx = 1.0\n";
     assert_eq!(
         Start::parse(file, "s.toml", &d).unwrap_err().to_string(),
         "s.toml:1: tme = 1: no such key; did you mean `time`?\n\
-         s.toml:1: time: missing; expected a finite number in s, ms, us, min or h\n\
          s.toml:2: body.pinon: no body has this name; did you mean `pinion`?\n\
          s.toml:4: body.engine: its motion is prescribed; use a body with mass or inertia\n\
-         s.toml:7: body.wheel.s = \"1 m\": expected a finite number in rad, mrad, deg or °\n\
-         s.toml:8: body.wheel.x = 1.0: no such key; did you mean `s`?"
+         s.toml:7: body.wheel.s = \"1 m\": cannot be in `m`; expected one of rad, mrad, deg, °\n\
+         s.toml:8: body.wheel.x = 1.0: no such key; expected one of s, v"
     );
 }
 
@@ -213,7 +212,7 @@ fn second_method_derivatives_from_a_start_are_those_of_the_file_with_it() {
     assert_eq!(start.columns(&of_file, &names[..2]).unwrap(), columns[..2]);
     for (name, words) in [
         ("stop.wal.gap", "did you mean `stop.wall.gap`?"),
-        ("start.blck.v", "start.blck.v: no start value has this name; did you mean `block.v`?"),
+        ("start.blck.v", "start.blck.v: no start value has this name; did you mean `start.block.v`?"),
     ] {
         let unknown = start.differentiated(machine(), &[name], &mut |_, _| ()).err().unwrap().to_string();
         assert!(unknown.contains(words), "{unknown}");

@@ -201,7 +201,8 @@ impl Orbit {
 /// Measures of an orbit, for messages.
 const MEASURES: &str = "amplitude.Q, rms.Q, peak_to_peak.Q or maximum.Q of a quantity Q such as \
                         box.s or buffer.f; impacts, impact.rate, each alone or with .STOP; \
-                        impact.speed.STOP, impact.impulse.STOP";
+                        impact.speed.STOP, impact.impulse.STOP; or a quantity, such as box.s, for its \
+                        largest value";
 
 /// Parses the name of an orbit's measure; the name of a quantity alone means its largest value.
 ///
@@ -215,7 +216,7 @@ pub fn read_measure(name: &str, d: &Description) -> Result<Measure> {
 }
 
 fn no_measure(name: &str) -> Error {
-    Error::Described { problem: format!("{name}: not a measure of an orbit; expected {MEASURES}") }
+    Error::Described { problem: format!("{name}: is not a measure of an orbit; expected {MEASURES}") }
 }
 
 /// Checks that a measure is defined for an orbit and for the machine's bodies and elements.

@@ -23,7 +23,7 @@ impl PathOptions {
             return Ok(());
         }
         let text = format!("longest step {}", self.longest_step);
-        Err(Error::Form { text, expected: "a length from 1e-5 to 0.2" })
+        Err(Error::Form { text, expected: "a number from 1e-5 to 0.2" })
     }
 }
 

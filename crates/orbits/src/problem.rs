@@ -120,7 +120,8 @@ impl Problem {
         let mut times: Vec<f64> = self.word.letters.iter().map(time).collect();
         let period = match self.driven_period(place) {
             Some(period) => period,
-            None => std::mem::replace(&mut times[0], 0.0),
+            // Without events nothing determines the period; `residual` says so.
+            None => times.first_mut().map_or(0.0, |first| std::mem::replace(first, 0.0)),
         };
         if self.word.is_empty() {
             times.push(self.origin);
@@ -307,7 +308,9 @@ impl Equations for Problem {
         let Residual { value, matrix, cycle } = self.residual(&place, u, true)?;
         let matrix = matrix.ok_or(Obstacle::NoConvergence)?;
         let last = self.size();
-        let column = match known {
+        // Under curved forces the column changes with the state: with an old one, steps would
+        // converge only linearly.
+        let column = match known.filter(|_| place.assembly.system().curved.is_empty()) {
             Some(known) => known.column(last).into_owned(),
             None => self.by_parameter((&place, u), &cycle, &matrix)?,
         };

@@ -131,9 +131,14 @@ pub fn branch(family: &Family, orbit: &Orbit, options: &PathOptions) -> Result<B
     let problem = Problem { family: Arc::new(family.clone()), ..orbit.problem.clone() };
     let (value, (from, to)) = (family.present()?, family.range);
     if !(from..=to).contains(&value) {
+        let told = |value| family.machine.told(&family.parameter, value);
         let problem = format!(
-            "{} = {value}: must lie in the range {from} to {to}, because the branch begins at this value",
-            family.parameter
+            "{} = {}: must lie in the range {} to {}, because the branch begins at this value; extend the \
+             range, or set another value",
+            family.parameter,
+            told(value),
+            told(from),
+            told(to)
         );
         return Err(Error::Described { problem });
     }

@@ -198,7 +198,7 @@ fn event_of(event: &str, word: &str, assembly: &Assembly) -> Result<(String, Str
             let names: Vec<&str> = all.iter().map(|own| plain(own)).collect();
             let names = if names.is_empty() { "none in this machine".into() } else { names.join(", ") };
             let problem =
-                format!("`{event}`: nothing named {name} has such events; elements with {kind}: {names}");
+                format!("no element with the event `{kind}` is called `{name}`; such elements: {names}");
             Err(refused(word, problem))
         }
     }

@@ -17,7 +17,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The archive could not be written or read.
-    #[error("archive {}: {source}", path.display())]
+    #[error("{}: is not a zip archive, or is damaged ({source})", path.display())]
     Archive {
         /// The archive.
         path: PathBuf,

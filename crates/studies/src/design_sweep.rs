@@ -144,13 +144,20 @@ impl<M: DesignMachine> SweepRequest<M> {
             self.designs.names().into_iter().chain(self.over.iter().map(|a| a.name.clone())).collect();
         for (i, name) in names.iter().enumerate() {
             if let Some(other) = names[..i].iter().find(|other| M::is_same_quantity(other, name)) {
-                let text = format!("{}, {}", M::name(other), M::name(name));
-                return refused(text, "parameters that vary independently, each once");
+                let (a, b) = (M::name(other), M::name(name));
+                let problem = match a == b {
+                    true => format!("{a}: is varied twice; vary each parameter once"),
+                    false => format!("{a} and {b}: determine the same quantity; vary one of them"),
+                };
+                return Err(Error::Described { problem });
             }
         }
         let (designs, motions) = (self.designs.count(), self.motions());
         if !(1..=MOST_DESIGNS).contains(&designs) {
-            return refused(format!("{designs} designs"), "1 to 1000000 designs");
+            return refused(
+                format!("{designs} designs"),
+                "1 to 1000000 designs: reduce the counts, or use --sobol",
+            );
         }
         if !(1..=MOST_MOTIONS).contains(&motions) {
             return refused(

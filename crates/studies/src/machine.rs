@@ -6,10 +6,10 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use vibro_machine::Start;
 use vibro_machine::description::{Body, Description};
 use vibro_machine::start::BodyStart;
 use vibro_machine::{Assembly, Motion, file};
+use vibro_machine::{Refusal, Start};
 use vibro_numerics::quantities::{Unit, quantity_in};
 
 /// Described machine with its section and the units in which its parameters were written.
@@ -86,7 +86,19 @@ impl Machine {
     /// # Errors
     /// [`Error::Refusal`] for unknown names and values out of range.
     pub fn with<'n>(&self, values: impl IntoIterator<Item = (&'n str, f64)>) -> Result<Self> {
-        Ok(Self { description: self.description.with(values)?, ..self.clone() })
+        let changed = self.description.with(values).map_err(|refusal| self.in_written_units(refusal));
+        Ok(Self { description: changed?, ..self.clone() })
+    }
+
+    /// A refusal with the values of parameters in the units in which these were written.
+    fn in_written_units(&self, mut refusal: Refusal) -> Refusal {
+        for problem in &mut refusal.problems {
+            let value = problem.value.as_deref().and_then(|value| value.parse().ok());
+            if let (Some(value), Ok(parameter)) = (value, self.description.parameter(&problem.name)) {
+                problem.value = Some(self.told(&parameter.name, value));
+            }
+        }
+        refusal
     }
 
     /// SI unit of a parameter; `1` if it has none, and for an unknown name.

@@ -5,7 +5,7 @@
 //! loads, are the engine's accounts; an impact on a rigid stop loses ½ (1 - ε) u P.
 
 use super::flight::Flows;
-use super::quantity::{QuantityName, unknown};
+use super::quantity::QuantityName;
 use super::returns::ReturnRecord;
 use super::section::Section;
 use super::settled::settled;
@@ -19,6 +19,7 @@ use std::fmt;
 use std::str::FromStr;
 use vibro_machine::description::{Description, Dimension, StopLaw};
 use vibro_machine::elements::Action;
+use vibro_machine::refusal::advice;
 use vibro_machine::system::Part;
 use vibro_machine::{Assembly, Element, Motion, Quantity};
 
@@ -155,18 +156,25 @@ impl Measure {
         if let Some(quantity) = self.quantity() {
             return quantity.find(d).map(drop);
         }
-        let (name, known): (&str, Vec<String>) = match self {
+        let (what, name, known): (_, &str, Vec<String>) = match self {
             Self::Impacts(Some(name)) | Self::ImpactRate(Some(name)) | Self::ImpactSpeed(name) => {
-                (name, d.stops.iter().map(|s| s.name.clone()).collect())
+                ("stop", name, d.stops.iter().map(|s| s.name.clone()).collect())
             }
             Self::ImpactImpulse(name) => {
                 let rigid = d.stops.iter().filter(|s| matches!(s.law, StopLaw::Rigid { .. }));
-                (name, rigid.map(|s| s.name.clone()).collect())
+                ("rigid stop", name, rigid.map(|s| s.name.clone()).collect())
             }
-            Self::Power(name) => (name, with_power(d).map(|element| element.name().to_owned()).collect()),
+            Self::Power(name) => {
+                let all = with_power(d).map(|element| element.name().to_owned());
+                ("element with a power", name, all.collect())
+            }
             _ => return Ok(()),
         };
-        if known.iter().any(|k| k == name) { Ok(()) } else { Err(unknown(name, &known)) }
+        if known.iter().any(|k| k == name) {
+            return Ok(());
+        }
+        let advice = advice(name, known.iter().map(String::as_str));
+        Err(Error::Described { problem: format!("{self}: no {what} is called `{name}`; {advice}") })
     }
 
     /// SI unit; `1` where there is none.

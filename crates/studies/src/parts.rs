@@ -37,7 +37,7 @@ impl std::str::FromStr for Shard {
 
     /// Parses `i/n` with i from 1 to n.
     fn from_str(text: &str) -> Result<Self> {
-        let form = || Error::Form { text: text.into(), expected: "i/n with i from 1 to n, e.g. 2/4" };
+        let form = || Error::Form { text: text.into(), expected: "I/N with I from 1 to N, e.g. 2/4" };
         let (i, n) = text.split_once('/').ok_or_else(form)?;
         match (i.trim().parse::<usize>(), n.trim().parse::<usize>()) {
             (Ok(i), Ok(n)) if i >= 1 && i <= n => Ok(Self { index: i - 1, count: n }),

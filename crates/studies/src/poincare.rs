@@ -40,14 +40,12 @@ pub struct SectionPoint {
 /// section of events.
 pub fn section_of(machine: &Machine, phase: f64) -> Result<Section> {
     let section = Section::of(&machine.description, &machine.section)?;
-    let refused = |allowed: &str| {
-        Err(Error::Described { problem: format!("phase = {phase:?} rad: expected {allowed}") })
-    };
+    let refused = |allowed: &str| Err(Error::Described { problem: format!("phase {phase}: {allowed}") });
     match section {
-        _ if !phase.is_finite() => refused("a finite angle"),
+        _ if !phase.is_finite() => refused("expected a finite angle"),
         _ if phase == 0.0 => Ok(section),
         Section::Period(period) => Ok(Section::Shifted(period, (phase / TAU).rem_euclid(1.0) * period)),
-        _ => refused("0 at a section of an element's events"),
+        _ => refused("cannot be combined with a section of an element's events, only with a period"),
     }
 }
 

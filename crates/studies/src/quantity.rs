@@ -2,6 +2,7 @@
 //! `upper.f`, `shaker.f`.
 
 use super::flight::Flow;
+use super::measures::Measure;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -9,6 +10,7 @@ use std::str::FromStr;
 use vibro_machine::description::Description;
 use vibro_machine::elements::SECTIONS;
 use vibro_machine::quantity::NamedQuantity;
+use vibro_machine::refusal::advice;
 use vibro_machine::system::System;
 use vibro_machine::{Owner, Quantity, What};
 
@@ -75,12 +77,7 @@ crate::text::written_as_text!(QuantityName);
 
 /// Refusal of a name that a machine does not have, with the nearest one.
 pub fn unknown(text: &str, known: &[String]) -> Error {
-    // `max_by` takes the last of equals: after `rev`, the first name.
-    let near = |name: &String| strsim::jaro(name, text);
-    let nearest = known.iter().rev().max_by(|a, b| near(a).total_cmp(&near(b)));
-    let advice = nearest.map_or("the machine has none".into(), |near| {
-        format!("did you mean `{near}`? Expected one of {}", known.join(", "))
-    });
+    let advice = advice(text, known.iter().map(String::as_str));
     Error::Described { problem: format!("the machine has no `{text}`; {advice}") }
 }
 
@@ -110,8 +107,14 @@ impl QuantityName {
     /// ```
     pub fn find(&self, d: &Description) -> Result<NamedQuantity> {
         let (name, mut all) = (self.to_string(), d.named_quantities());
-        match all.iter().position(|quantity| quantity.name == name) {
-            Some(place) => Ok(all.swap_remove(place)),
+        if let Some(place) = all.iter().position(|quantity| quantity.name == name) {
+            return Ok(all.swap_remove(place));
+        }
+        match name.parse::<Measure>().ok().and_then(|own| own.quantity().cloned()) {
+            Some(of) => {
+                let problem = format!("`{name}` is an output of a sweep; expected a quantity, such as {of}");
+                Err(Error::Described { problem })
+            }
             None => Err(unknown(&name, &all.into_iter().map(|q| q.name).collect::<Vec<_>>())),
         }
     }

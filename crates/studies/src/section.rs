@@ -9,6 +9,7 @@ use vibro_machine::Motion;
 use vibro_machine::description::{Description, Signal};
 use vibro_machine::elements::NamedSignal;
 use vibro_machine::motion::{Event, EventKind, Reached};
+use vibro_machine::refusal::advice;
 
 /// Relative tolerance within which frequencies are multiples of one another.
 const COMMENSURATE: f64 = 1e-9;
@@ -150,11 +151,11 @@ impl Section {
                         let known =
                             d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
                         let known: Vec<&str> = known.map(String::as_str).collect();
-                        let problem = format!("section = {name:?}: no stop or friction has this name");
+                        let problem = format!("section {name}: no stop or friction has this name");
                         refused(if known.is_empty() {
                             format!("{problem}; the machine has neither, so give a period (--period)")
                         } else {
-                            format!("{problem}; expected one of {}", known.join(", "))
+                            format!("{problem}; {}", advice(plain, known.iter().copied()))
                         })
                     },
                     Ok,
@@ -215,7 +216,11 @@ impl Section {
     fn missed(&self, motion: &Motion) -> Error {
         let words = self.in_words(&motion.assembly().description);
         Error::Described {
-            problem: format!("{words}: none within the last {WITHIN} s before t = {} s", motion.time()),
+            problem: format!(
+                "{words}: none in the last {WITHIN} s, until t = {:.1} s; the motion may have come to rest: \
+                 give a period (--period) or another --section",
+                motion.time()
+            ),
         }
     }
 

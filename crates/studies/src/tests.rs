@@ -323,7 +323,7 @@ fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
     };
     let machine = stepped("200 s");
     let error = diagram::diagram(&machine, &request, &Task::ALL).unwrap_err().to_string();
-    assert!(error.starts_with("load.f has a step at 200 s, and ") && error.contains("--anew"), "{error}");
+    assert!(error.starts_with("load.f has a step at 200 s, but ") && error.contains("--anew"), "{error}");
     let anew = DiagramRequest { anew: true, ..request.clone() };
     let found = diagram::diagram(&machine, &anew, &Task::ALL).unwrap().unwrap();
     assert!(found.down.iter().all(Option::is_none) && found.hysteresis().iter().all(|h| !h));

@@ -36,8 +36,13 @@ impl Chosen {
                 column.name == plain || (of == plain && !states.contains(column))
             };
             let found: Vec<_> = own.iter().chain(&inner).filter(is_meant).collect();
+            if name.is_empty() {
+                let problem = "a name is missing at a comma; expected names such as box.s,steel.f".into();
+                return Err(Error::Refused { what: "--columns".into(), problem });
+            }
             if found.is_empty() {
-                let all: Vec<String> = own.iter().chain(&inner).map(|column| column.name.clone()).collect();
+                let all = own.iter().chain(&inner).map(|column| column.name.clone());
+                let all: Vec<String> = all.chain(d.elements().map(|element| element.dotted())).collect();
                 let problem = unknown(name, &all).to_string();
                 return Err(Error::Refused { what: format!("--columns {name}"), problem });
             }

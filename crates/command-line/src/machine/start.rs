@@ -24,6 +24,10 @@ pub fn read_start(machine: &Machine, given: &str, note: &mut dyn FnMut(String)) 
             if i > 0 || part.trim().is_empty() {
                 return Err(Error::form(given, FORM));
             }
+            if !Path::new(part).exists() {
+                let text = "expected NAME=VALUE, such as box.s=1mm, or an existing start file";
+                return Err(refused(part, text.into()));
+            }
             start = Start::read(Path::new(part), description)?;
             continue;
         };

@@ -68,8 +68,12 @@ impl SectionAxes {
                     let further =
                         further.into_iter().zip(held).filter(|(_, held)| *held).map(|(name, _)| name);
                     let allowed: Vec<&str> = further.chain(columns.iter().map(String::as_str)).collect();
-                    let problem =
-                        format!("not a column of this section; expected one of {}", allowed.join(", "));
+                    let fault = match name {
+                        "speed" => "is a column of a section of a stop only",
+                        "phase" => "is a column of a driven machine only",
+                        _ => "is not a column of this section",
+                    };
+                    let problem = format!("{fault}; expected one of {}", allowed.join(", "));
                     Error::Refused { what: format!("--of {name}"), problem }
                 }),
             }

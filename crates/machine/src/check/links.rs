@@ -20,8 +20,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             let text = "connects only bodies with prescribed motion; requires a body with mass or inertia";
             problems.push(Problem::new(name, None, text));
         } else if !ties.add(free.len(), &terms) {
-            let text =
-                "the links before it already tie these bodies, so that it is redundant or contradicts them";
+            let text = "the links before it already determine its e; remove this link, which is redundant or contradicts them";
             problems.push(Problem::new(name, None, text));
         }
     }

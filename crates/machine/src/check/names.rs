@@ -10,7 +10,10 @@ use std::collections::{HashMap, HashSet};
 const LONGEST: usize = 100;
 
 /// The allowed names, in words.
-const NAME: &str = "expected at most 100 characters of A to Z, a to z, 0 to 9 and _, starting with a letter";
+const NAME: &str = "expected a name of letters (A-Z, a-z), digits and _, beginning with a letter, at most 100 \
+                    characters long";
+/// The fault of a body called `ground`.
+pub(crate) const GROUND: &str = "`ground` is the fixed frame; use another name";
 
 /// The problem of a name, if it has one.
 pub(crate) fn problem_of(name: &str) -> Option<&'static str> {
@@ -31,7 +34,7 @@ pub(super) fn check(machine: &Description) -> Vec<Problem> {
     unique(machine.elements().map(|e| (e.section(), e.name())), &mut problems);
     apart(machine, &mut problems);
     if machine.bodies.iter().any(|b| b.name == "ground") {
-        problems.push(Problem::new("body.ground", None, "`ground` is the fixed frame; use another name"));
+        problems.push(Problem::new("body.ground", None, GROUND));
     }
     let counts = [
         ("body", machine.bodies.len()),

@@ -41,7 +41,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         let (e, size) = elongation(&stop.arms, &starts, 0);
         if matches!(stop.law, StopLaw::Rigid { .. }) && e - stop.gap > ZERO * (size + stop.gap.abs()) {
             let text = format!(
-                "the start violates the stop with e = {e:?} {}; expected e <= gap",
+                "e = {e:?} {} at the start is beyond the gap; a rigid stop requires e <= gap: increase the \
+                 gap, or change the start",
                 unit(stop.arms.dimension)
             );
             problems.push(refused(format!("stop.{}.gap", stop.name), stop.gap, text));

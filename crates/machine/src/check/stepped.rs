@@ -2,14 +2,14 @@
 
 use super::refused;
 use crate::description::{Description, Interpolation, Signal, StopLaw};
+use crate::kinds::STIFFNESS;
 use crate::polyline::slopes;
 use crate::refusal::Problem;
 use crate::stepped::{MOST_LEVELS, count, given, zero};
 
-/// Allowed parts of a stiffness that steps, in words.
-const ALLOWED: &str = "is not supported in a stiffness, which is constant between its steps; use \
-    constant, steps or a table with \
-    interpolation = \"hold\", and repeat";
+/// The fault of a part that a stiffness that steps cannot have.
+const UNSUPPORTED: &str = "is not supported in a stiffness, which is constant between its steps; use \
+    `constant` with `steps`, or a `table` with interpolation = \"hold\"";
 
 /// Problems of all stiffnesses that step in time.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
@@ -25,7 +25,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
                 "cannot step in time with points or a partner in series; expected a number",
             ));
         }
-        check_signal(&name, signal, spring.stiffness, problems);
+        let unit = STIFFNESS.unit(spring.arms.dimension);
+        check_signal(&name, signal, (spring.stiffness, unit), problems);
     }
     for stop in &machine.stops {
         let Some(signal) = &stop.stepped else { continue };
@@ -37,7 +38,10 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
                             `stiffness` for a compliant one";
                 problems.push(Problem::new(&name, None, text));
             }
-            StopLaw::Compliant { stiffness, .. } => check_signal(&name, signal, stiffness, problems),
+            StopLaw::Compliant { stiffness, .. } => {
+                let unit = STIFFNESS.unit(stop.arms.dimension);
+                check_signal(&name, signal, (stiffness, unit), problems);
+            }
         }
     }
     let falls = machine.springs.iter().find(|own| slopes(&own.points).iter().any(|slope| *slope < 0.0));
@@ -48,17 +52,20 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Problem>) {
+fn check_signal(name: &str, signal: &Signal, (beside, unit): (f64, &str), problems: &mut Vec<Problem>) {
     let is_held = signal.table.as_ref().is_none_or(|own| own.interpolation == Interpolation::Hold);
     let kinds = [
-        ("harmonics", !signal.harmonics.is_empty()),
+        (if signal.harmonics.len() == 1 { "amplitude" } else { "harmonics" }, !signal.harmonics.is_empty()),
         ("sweep", !signal.sweeps.is_empty()),
         ("input", signal.input),
-        ("table", !is_held),
     ];
     let count_before = problems.len();
     for (key, _) in kinds.iter().filter(|own| own.1) {
-        problems.push(Problem::new(format!("{name}.{key}"), None, ALLOWED));
+        problems.push(Problem::new(format!("{name}.{key}"), None, UNSUPPORTED));
+    }
+    if !is_held {
+        let text = "requires interpolation = \"hold\" in a stiffness, which is constant between its steps";
+        problems.push(Problem::new(format!("{name}.table"), None, text));
     }
     if signal.table.is_some() && !signal.steps.is_empty() {
         let text = "cannot be combined with `table` in a stiffness: use one of them";
@@ -86,20 +93,29 @@ fn check_signal(name: &str, signal: &Signal, beside: f64, problems: &mut Vec<Pro
         problems.push(Problem::new(name, None, text));
         return;
     }
-    check_levels(name, signal, problems);
+    check_levels(name, signal, unit, problems);
 }
 
 /// Each level must be at least 0, up to rounding, but for one before a step at a period's start.
-fn check_levels(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
+fn check_levels(name: &str, signal: &Signal, unit: &str, problems: &mut Vec<Problem>) {
     let all = given(signal);
     let is_unused = signal.repeat.is_some() && signal.steps.first().is_some_and(|step| step.time == 0.0);
     let negative = |(i, k): &(usize, &f64)| **k < -zero(&all) && !(*i == 0 && is_unused);
-    if let Some((i, k)) = all.iter().enumerate().find(negative) {
-        let text = match (&signal.table, i) {
-            (Some(_), _) => "this value of the table, plus the constant, must be at least 0".to_owned(),
-            (None, 0) => "the stiffness before the first step must be at least 0".to_owned(),
-            (None, i) => format!("the stiffness after steps[{}] must be at least 0", i - 1),
-        };
-        problems.push(refused(name, *k, text));
-    }
+    let Some((i, k)) = all.iter().enumerate().find(negative) else { return };
+    problems.push(match (&signal.table, i.checked_sub(1)) {
+        (Some(_), _) => refused(
+            name,
+            *k,
+            format!("in {unit}: this value of the table, plus `constant`, must be at least 0"),
+        ),
+        (None, None) => refused(name, *k, "the stiffness before the first step must be at least 0"),
+        (None, Some(step)) => {
+            let height = signal.steps[step].height;
+            let text = format!(
+                "makes the stiffness {k:?} {unit}; it must be at least 0: a height of {:?} {unit} or more",
+                height - k
+            );
+            refused(format!("{name}.steps[{step}].height"), height, text)
+        }
+    });
 }

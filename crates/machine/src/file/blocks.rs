@@ -183,7 +183,7 @@ fn states(reading: &mut Reading, table: &FileTable) -> Option<usize> {
         let rows = reading.optional(table, "a").and_then(|a| Some(reading.items(&a)?.len()));
         return Some(rows.unwrap_or(0));
     };
-    let found = super::reading::finite(entry.value).filter(|x| x.fract() == 0.0 && (0.0..=MOST).contains(x));
+    let found = super::numbers::finite(entry.value).filter(|x| x.fract() == 0.0 && (0.0..=MOST).contains(x));
     if found.is_none() {
         reading.refuse(&entry, format!("expected a whole number from 0 to {MOST}"));
     }
@@ -215,7 +215,7 @@ fn matrix(
         return Some(vec![vec![0.0; columns]; rows]);
     }
     if items.len() != rows {
-        reading.refuse(&entry, format!("has {} rows; {allowed}", items.len()));
+        reading.refuse(&entry, format!("has {}; {allowed}", counted(items.len(), "row")));
         return None;
     }
     let all: Vec<_> = items.iter().filter_map(|item| row(reading, item, columns, &allowed)).collect();
@@ -227,12 +227,20 @@ fn example(rows: usize, columns: usize) -> String {
     format!("[{}]", vec![row; rows.min(2)].join(", "))
 }
 
+/// A count with its noun: "1 row", "2 rows".
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 fn row(reading: &mut Reading, entry: &Entry, count: usize, allowed: &str) -> Option<Vec<f64>> {
-    let Some(items) = reading.items(entry).filter(|items| items.len() == count) else {
-        reading.refuse(entry, allowed);
-        return None;
-    };
-    list(reading, &items, kinds::COEFFICIENT_OF_BLOCK)
+    match reading.items(entry) {
+        Some(items) if items.len() == count => list(reading, &items, kinds::COEFFICIENT_OF_BLOCK),
+        found => {
+            let has = found.map(|items| format!("has {}; ", counted(items.len(), "number")));
+            reading.refuse(entry, format!("{}{allowed}", has.unwrap_or_default()));
+            None
+        }
+    }
 }
 
 fn list(reading: &mut Reading, items: &[Entry], kind: NumberKind) -> Option<Vec<f64>> {
@@ -244,7 +252,7 @@ fn list(reading: &mut Reading, items: &[Entry], kind: NumberKind) -> Option<Vec<
 fn start(reading: &mut Reading, table: &FileTable, states: usize) -> Option<Vec<f64>> {
     let Some(entry) = reading.optional(table, "start") else { return Some(vec![0.0; states]) };
     let Some(items) = reading.items(&entry).filter(|items| items.len() == states) else {
-        reading.refuse(&entry, format!("expected a list of {states} numbers, one for each state"));
+        reading.refuse(&entry, format!("expected a list with one number for each state: {states}"));
         return None;
     };
     list(reading, &items, kinds::BLOCK_START)
@@ -381,6 +389,12 @@ pub(super) fn follow(
     match all.iter().find(|own| own.0 == name) {
         Some(&(_, (block, output))) => Some(Feed { load, block, output, factor }),
         None => {
+            // The outputs of a refused block are unknown.
+            let block = name.split('.').next().unwrap_or("");
+            let is_known = machine.blocks.iter().any(|own| own.name == block);
+            if !is_known && !reading.problems.is_empty() && reading.has_read(&format!("block.{block}")) {
+                return None;
+            }
             reading.refuse_name(
                 from,
                 &name,

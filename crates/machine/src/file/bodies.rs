@@ -2,6 +2,7 @@
 
 use super::reading::{FileTable, Reading};
 use super::signals::{self, Values};
+use crate::check::problem_of_name;
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Integrated, Level, Signal};
 use crate::elements::SECTIONS;
 use crate::kinds::{self, NumberKind};
@@ -33,7 +34,8 @@ impl Names {
 
     /// All names.
     pub fn all(&self) -> impl Iterator<Item = &str> + Clone {
-        self.0.iter().map(|body| body.0.as_str()).filter(|name| !name.contains('['))
+        let is_good = |name: &str| name.split('.').all(|part| problem_of_name(part).is_none());
+        self.0.iter().map(|body| body.0.as_str()).filter(move |name| is_good(name) && *name != "ground")
     }
 }
 
@@ -91,9 +93,10 @@ fn free(
     dimension: Dimension,
     at_rest: bool,
 ) -> BodyKind {
-    match dimension {
-        Dimension::Translation => reading.known(table, &[key, "gravity", "start"]),
-        Dimension::Rotation => reading.known(table, &[key, "start"]),
+    reading.known(table, &[key, "gravity", "start"]);
+    if dimension == Dimension::Rotation {
+        let text = "requires `mass`: gravity exerts no torque on a body with `inertia`";
+        reading.excluded(table, "gravity", text);
     }
     let mut free = Free { inertia: f64::NAN, gravity: 0.0, s: 0.0, v: 0.0 };
     if let Some(inertia) = reading.required_number(table, key, kinds::INERTIA, dimension) {
@@ -125,7 +128,10 @@ fn prescribed(
     table: &FileTable,
     root: &FileTable,
 ) -> Option<(Dimension, BodyKind)> {
-    reading.known(table, &["motion", "dimension"]);
+    reading.known(table, &["motion", "dimension", "start", "gravity"]);
+    for key in ["start", "gravity"] {
+        reading.excluded(table, key, "cannot be combined with `motion`, which determines the body's motion");
+    }
     let dimension = dimension(reading, name, table, root)?;
     let entry = reading.optional(table, "motion")?;
     let values = Values { kind: kinds::POSITION, alone: kinds::POSITION, dimension };

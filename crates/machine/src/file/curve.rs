@@ -2,10 +2,10 @@
 
 use super::reading::{FileTable, Reading};
 use crate::description::{Curve, Dimension};
-use crate::kinds::CURVE;
+use crate::kinds::{CURVE, CURVED_STIFFNESS};
 
 /// Keys of a spring that cannot be combined with a curve.
-const EXCLUDED: [&str; 4] = ["points", "series_damping", "slip", "slider"];
+const EXCLUDED: [&str; 3] = ["points", "series_damping", "slip"];
 
 /// Whether a table has a coefficient of a curve.
 pub(super) fn is_given(table: &FileTable) -> bool {
@@ -27,4 +27,17 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimensio
         }
     }
     Some(curve).filter(|_| is_sound)
+}
+
+/// Reads the stiffness at e = 0 of a spring with a curve.
+pub(super) fn stiffness(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<f64> {
+    if let Some(entry) = reading.optional(table, "stiffness").filter(|own| own.value.is_table()) {
+        let key = CURVE.iter().map(|own| own.0).find(|key| table.has(key)).unwrap_or("points");
+        let text = format!(
+            "a stiffness that steps in time cannot be combined with `{key}`: use two springs side by side"
+        );
+        reading.refuse(&entry, text);
+        return None;
+    }
+    reading.number_or(table, "stiffness", CURVED_STIFFNESS, dimension, 0.0)
 }

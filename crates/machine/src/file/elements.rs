@@ -4,8 +4,9 @@ use super::blocks;
 use super::bodies::Names;
 use super::curve;
 use super::follows;
+use super::numbers::number;
 use super::points;
-use super::reading::{Entry, FileTable, Reading, number};
+use super::reading::{Entry, FileTable, Reading};
 use super::series;
 use super::signals::{self, Values};
 use super::stepped;
@@ -85,13 +86,12 @@ fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names)
                 return Some(((0.0, None), damping?, 0.0, points?, series?, curve?));
             }
             if curve::is_given(table) {
-                let stiffness =
-                    reading.number_or(table, "stiffness", kinds::CURVED_STIFFNESS, dimension, 0.0);
+                let stiffness = curve::stiffness(reading, table, dimension);
                 let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
                 return Some(((stiffness?, None), damping?, preload?, points?, series?, curve?));
             }
             let is_in_series = series::is_given(table);
-            let kind = if is_in_series { kinds::SERIES_STIFFNESS } else { kinds::STIFFNESS };
+            let kind = if is_in_series { kinds::SERIES_STIFFNESS } else { kinds::SPRING_STIFFNESS };
             let stiffness = stepped::read(reading, table, kind, dimension);
             let preload = match is_in_series {
                 true => Some(0.0),
@@ -368,17 +368,20 @@ fn lever(reading: &mut Reading, entry: &Entry, body: Dimension) -> Option<(f64, 
         let power = expression.as_ref()?.length_power(&reading.named.length_powers());
         let changes = power == if body == Dimension::Rotation { 1 } else { -1 };
         let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };
-        return Some((reading.following(entry, expression?, kind)?, measured));
+        return Some((reading.following(entry, expression?, kind, measured)?, measured));
     }
     let units = || symbols(with_unit.unit(other)).filter(|unit| *unit != "1");
     let without = || format!("{}, without a unit", plain.allowed(body));
     reading.note_number(entry, units(), without);
     let changes = entry.value.as_str().is_some_and(|text| has_unit(with_unit.unit(other), text));
     let (kind, measured) = if changes { (with_unit, other) } else { (plain, body) };
-    let arm = number(entry.value, kind, measured);
-    if arm.is_none() {
-        let units = kinds::one_of(&units().collect::<Vec<_>>());
-        reading.refuse(entry, format!("{} or in {units}", without()));
-    }
-    Some((arm?, measured))
+    let is_number = !entry.value.is_str() || changes;
+    let arm = number(entry.value, kind, measured).map_err(|fault| match is_number {
+        true => fault,
+        false => {
+            let units = kinds::one_of(&units().collect::<Vec<_>>());
+            format!("{}, or in {units} for an element whose e is {}", without(), called(other))
+        }
+    });
+    Some((arm.map_err(|text| reading.refuse(entry, text)).ok()?, measured))
 }

@@ -2,7 +2,8 @@
 
 use super::bodies::{DIMENSIONS, Names};
 use super::matrices;
-use super::reading::{Entry, FileTable, Reading, finite};
+use super::numbers::finite;
+use super::reading::{Entry, FileTable, Reading};
 use crate::check::MOST_COORDINATES;
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Modal};
 use crate::kernel::sort_by_place;
@@ -203,7 +204,19 @@ fn row(reading: &mut Reading, entry: &Entry, count: Option<usize>) -> Option<Row
     });
     let found = found.filter(|row| !row.is_empty());
     if found.is_none() {
-        reading.refuse(entry, format!("there are {count} coordinates, 0 to {}; {ROW}", count - 1));
+        let text = match entry.value.as_array() {
+            Some(items) if items.len() != count => {
+                format!(
+                    "the row has the length {}; expected {count}, one number for each coordinate",
+                    items.len()
+                )
+            }
+            None if entry.value.is_integer() => {
+                format!("expected the index of a coordinate, 0 to {}", count - 1)
+            }
+            _ => format!("there are {count} coordinates, 0 to {}; {ROW}", count - 1),
+        };
+        reading.refuse(entry, text);
     }
     found
 }

@@ -1,6 +1,7 @@
 //! Reading of matrices: rows in the file, CSV files and Matrix Market files.
 
-use super::reading::{Entry, Reading, finite};
+use super::numbers::finite;
+use super::reading::{Entry, Reading};
 use super::records::stays_inside;
 use crate::check::MOST_COORDINATES;
 use crate::table::Table;
@@ -39,12 +40,13 @@ fn of_rows(rows: Vec<Vec<f64>>) -> Option<DMatrix<f64>> {
 
 fn of_file(reading: &Reading, path: &str) -> Result<DMatrix<f64>, String> {
     stays_inside(path)?;
-    let text = (reading.records)(path).map_err(|e| format!("cannot be read: {e}"))?;
-    let found = match text.get(..14).is_some_and(|start| start.eq_ignore_ascii_case("%%MatrixMarket")) {
-        true => market(&text),
-        false => csv(&text).map_err(|e| format!(" {e}")),
-    };
-    found.map_err(|e| format!("{path}:{e}"))
+    let text = (reading.records)(path).map_err(|e| super::unread(&e, ALLOWED))?;
+    let is_market = path.to_ascii_lowercase().ends_with(".mtx");
+    match is_market || text.get(..14).is_some_and(|start| start.eq_ignore_ascii_case("%%MatrixMarket")) {
+        // Its errors begin with the number of a line, or with a blank.
+        true => market(&text).map_err(|e| e.strip_prefix(' ').map_or(format!("line {e}"), str::to_owned)),
+        false => csv(&text),
+    }
 }
 
 /// Reads rows of numbers from a [table](Table) without a heading.
@@ -79,7 +81,7 @@ fn market(text: &str) -> Result<DMatrix<f64>, String> {
     let header = lines.next().map_or("", |first| first.1).to_ascii_lowercase();
     let words: Vec<&str> = header.split_whitespace().collect();
     let ["%%matrixmarket", "matrix", layout, field, symmetry] = words[..] else {
-        return Err("1: expected a header such as %%MatrixMarket matrix coordinate real symmetric".into());
+        return Err("1: expected a heading such as %%MatrixMarket matrix coordinate real symmetric".into());
     };
     if !["real", "integer"].contains(&field) {
         return Err(format!("1: {field}: expected real or integer entries"));

@@ -1,7 +1,8 @@
 //! Reading of `[parameters]`, and the assignment of expressions to numbers of the machine.
 
 use super::any_unit::quantity;
-use super::reading::{Entry, FileTable, Reading, finite};
+use super::numbers::{finite, without_sign};
+use super::reading::{Entry, FileTable, Reading};
 use crate::check::problem_of_name;
 use crate::description::Description;
 use crate::elements::SECTIONS;
@@ -14,8 +15,7 @@ use vibro_numerics::quantities::UNITS;
 const MOST: usize = 1_000;
 
 /// Message that lists the allowed values of a parameter.
-const VALUE: &str =
-    "expected a finite number, with or without a unit, or an expression such as \"= backlash / 2\"";
+const VALUE: &str = "expected a number, with or without a unit, or an expression such as \"= backlash / 2\"";
 
 /// Reads the named parameters; if there are problems, none is kept.
 pub(super) fn read(reading: &mut Reading, root: &FileTable) {
@@ -60,12 +60,12 @@ fn parameter(reading: &mut Reading, entry: &Entry, names: &[String]) -> Option<N
         None => finite(entry.value).map(number).ok_or_else(|| VALUE.to_owned()),
         Some((_, Some(text))) => Expression::parse(text, names.iter().map(String::as_str))
             .map(|expression| (f64::NAN, "1", Some(expression))),
-        Some((text, None)) if names.iter().any(|name| name == text) => {
-            Err(format!("is the name of a parameter; write \"= {text}\""))
-        }
         Some((text, None)) => {
             reading.note_number(entry, UNITS.iter().map(|unit| unit.symbol), || VALUE.to_owned());
-            quantity(text, VALUE).map(|(value, unit)| (value, unit, None))
+            match without_sign(text, names.iter().map(String::as_str)) {
+                Some(fault) => Err(fault),
+                None => quantity(text, VALUE).map(|(value, unit)| (value, unit, None)),
+            }
         }
     };
     match found {

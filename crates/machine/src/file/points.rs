@@ -27,7 +27,8 @@ pub(super) fn read(
             reading.refuse(&other, text);
         }
     }
-    let Some(items) = reading.items(&entry).filter(|items| items.len() > 1) else {
+    let Some(items) = reading.items(&entry).filter(|items| items.len() > 1 && items[0].value.is_array())
+    else {
         reading.refuse(&entry, ALLOWED);
         return None;
     };

@@ -1,17 +1,15 @@
 //! The state of the file's reader: lines of keys and values, known keys, and the problems found.
 
-use super::Records;
-use super::any_unit::quantity;
-use crate::description::Dimension;
-use crate::kinds::{self, NumberKind};
+use super::{Records, VALUES};
+use crate::check::{GROUND, problem_of_name};
+use crate::elements::SECTIONS;
+use crate::kinds;
 use crate::named::{Expression, NamedParameters};
-use crate::parameters;
-use crate::refusal::{Problem, SHOWN, advice, cut};
-use std::collections::HashMap;
+use crate::refusal::{Problem, SHOWN, advice, cut, nearest};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use toml::Spanned;
-use toml::de::{DeInteger, DeTable, DeValue};
-use vibro_numerics::quantities::symbols;
+use toml::de::{DeTable, DeValue};
 
 /// Largest number of letters of a value that a message quotes.
 pub(super) const QUOTED: usize = 60;
@@ -114,6 +112,8 @@ pub(super) struct Reading<'a> {
     pub follow: Vec<(String, Expression)>,
     pub records: Records<'a>,
     pub problems: Vec<Problem>,
+    /// Dotted names of keys that misspelt keys probably mean.
+    meant: HashSet<String>,
     pub allowed: Allowed,
 }
 
@@ -128,6 +128,7 @@ impl<'a> Reading<'a> {
             follow: Vec::new(),
             records,
             problems: Vec::new(),
+            meant: HashSet::new(),
             allowed: Allowed::default(),
         }
     }
@@ -163,6 +164,34 @@ impl<'a> Reading<'a> {
         let shown = self.problems.len() < SHOWN;
         let text = if shown { format!("{said}; {}", advice(name, valid)) } else { said.into() };
         self.refuse(entry, text);
+    }
+
+    /// Refuses a key that another key excludes, if it is present.
+    pub fn excluded(&mut self, table: &FileTable, key: &str, text: &str) {
+        if let Some(entry) = self.optional(table, key) {
+            self.refuse(&entry, text);
+        }
+    }
+
+    /// Refuses bodies and elements with names that are not allowed.
+    pub fn check_names(&mut self, root: &FileTable) {
+        for section in SECTIONS.iter().map(|own| own.0).chain(["body"]) {
+            let table = root.entries.get(section).and_then(|own| own.get_ref().as_table());
+            for key in table.into_iter().flat_map(|own| own.keys()) {
+                let name: &str = key.get_ref();
+                let is_ground = section == "body" && name == "ground";
+                if let Some(text) = problem_of_name(name).or(is_ground.then_some(GROUND)) {
+                    let line = Some(self.lines.of_byte(key.span().start));
+                    let name = format!("{section}.{name}");
+                    self.problems.push(Problem { line, name, value: None, text: text.into() });
+                }
+            }
+        }
+    }
+
+    /// Whether the file has a value or table with a dotted name that was read.
+    pub fn has_read(&self, name: &str) -> bool {
+        self.written.contains_key(name)
     }
 
     /// Adds a problem of a table.
@@ -236,6 +265,9 @@ impl<'a> Reading<'a> {
     fn missing(&mut self, table: &FileTable, key: &str, allowed: &str) {
         let text = format!("missing; {allowed}");
         let name = table.dotted(key);
+        if self.meant.contains(&name) {
+            return;
+        }
         self.problems.push(Problem { line: Some(table.line), name, value: None, text });
     }
 
@@ -271,9 +303,13 @@ impl<'a> Reading<'a> {
         let is_free = |key: &&str| !table.has(ASKED) || !has_value(key);
         for entry in self.all(table) {
             if !keys.contains(&entry.key.as_str()) {
-                let free = keys.iter().copied().filter(is_free);
                 let is_section = table.name.is_empty() && entry.value.is_table();
+                let fits = |key: &&str| !is_section || !VALUES.contains(key);
+                let free = keys.iter().copied().filter(is_free).filter(fits);
                 let text = if is_section { "no such kind of section" } else { "no such key" };
+                if self.problems.len() < SHOWN {
+                    self.meant.extend(nearest(&entry.key, free.clone()).map(|own| table.dotted(own)));
+                }
                 self.refuse_name(&entry, &entry.key, text, free);
             }
         }
@@ -328,124 +364,8 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Records the allowed numbers if the completion of [`ASKED`] is requested.
-    pub fn note_number(
-        &mut self,
-        entry: &Entry,
-        units: impl Iterator<Item = &'static str>,
-        words: impl Fn() -> String,
-    ) {
-        if entry.value.as_str() == Some(ASKED) {
-            self.allowed.units.extend(units);
-            self.allowed.names.extend(self.named.names().map(|name| format!("= {name}")));
-            // If the dimension is not known, the words for a length are used.
-            if self.allowed.words.is_empty() {
-                self.allowed.words = words();
-            }
-        }
-    }
-
-    /// A value as a number of a kind, in SI.
-    pub fn number(&mut self, entry: &Entry, kind: NumberKind, dimension: Dimension) -> Option<f64> {
-        if let Some(expression) = self.expression(entry) {
-            return self.following(entry, expression?, kind);
-        }
-        let units = symbols(kind.unit(dimension)).filter(|unit| *unit != "1");
-        self.note_number(entry, units, || kind.allowed(dimension));
-        if let (true, Some(text)) = (kind.any_unit, entry.value.as_str()) {
-            let found = quantity(text.trim(), &kind.allowed(dimension));
-            return found.map_err(|text| self.refuse(entry, text)).ok().map(|own| own.0);
-        }
-        let found = number(entry.value, kind, dimension);
-        if found.is_none() {
-            let too_small = number(entry.value, kind.of_any_size(), dimension).is_some();
-            let allowed = if too_small { kind.allowed_sizes(dimension) } else { kind.allowed(dimension) };
-            self.refuse(entry, allowed);
-        }
-        found
-    }
-
-    /// Returns the expression of a value, if it is one; the inner `None` means a problem.
-    pub fn expression(&mut self, entry: &Entry) -> Option<Option<Expression>> {
-        let text = entry.value.as_str()?.trim();
-        let Some(text) = text.strip_prefix('=') else {
-            let is_name = self.named.names().any(|name| name == text);
-            return is_name.then(|| {
-                self.refuse(entry, format!("is the name of a parameter; write \"= {text}\""));
-                None
-            });
-        };
-        if self.named_refused {
-            return Some(None);
-        }
-        let parsed = Expression::parse(text, self.named.names());
-        Some(parsed.map_err(|text| self.refuse(entry, text)).ok())
-    }
-
-    /// Returns the value of a number's expression, in SI, and keeps the expression.
-    pub fn following(&mut self, entry: &Entry, expression: Expression, kind: NumberKind) -> Option<f64> {
-        let found = expression.value(&self.named.values());
-        let found = found.and_then(|value| {
-            let allowed = || format!("is {value:?}; {}", kind.allowed_instead_of(value));
-            if kind.contains(value) { Ok(value) } else { Err(allowed()) }
-        });
-        self.follow.push((entry.name.clone(), expression));
-        found.map_err(|text| self.refuse(entry, text)).ok()
-    }
-
     /// Adds a problem for a name that was read.
     pub fn refuse_name_of(&mut self, name: &str, text: &str) {
         self.place(Problem::new(name, None, text));
-    }
-
-    /// The number of a key that must be present.
-    pub fn required_number(
-        &mut self,
-        table: &FileTable,
-        key: &str,
-        kind: NumberKind,
-        dimension: Dimension,
-    ) -> Option<f64> {
-        let entry = self.required(table, key, &kind.allowed(dimension))?;
-        self.number(&entry, kind, dimension)
-    }
-
-    /// The number of a key that may be absent.
-    pub fn number_or(
-        &mut self,
-        table: &FileTable,
-        key: &str,
-        kind: NumberKind,
-        dimension: Dimension,
-        default: f64,
-    ) -> Option<f64> {
-        match self.optional(table, key) {
-            Some(entry) => self.number(&entry, kind, dimension),
-            None => Some(default),
-        }
-    }
-}
-
-/// Returns a value as an allowed number of a kind, in SI.
-pub(super) fn number(value: &DeValue, kind: NumberKind, dimension: Dimension) -> Option<f64> {
-    match value {
-        DeValue::Integer(digits) => integer(digits).filter(|&v| kind.contains(v)),
-        DeValue::Float(digits) => digits.as_str().parse().ok().filter(|&v| kind.contains(v)),
-        DeValue::String(text) => parameters::read(kind, dimension, text),
-        _ => None,
-    }
-}
-
-/// Returns a value as a finite number without a unit.
-pub(super) fn finite(value: &DeValue) -> Option<f64> {
-    let plain = !value.is_str();
-    plain.then(|| number(value, kinds::named("1"), Dimension::Translation)).flatten()
-}
-
-/// Returns an integer of any size as the nearest double.
-fn integer(digits: &DeInteger) -> Option<f64> {
-    match digits.radix() {
-        10 => digits.as_str().parse().ok(),
-        radix => i64::from_str_radix(digits.as_str(), radix).ok().map(|n| n as f64),
     }
 }

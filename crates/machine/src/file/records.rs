@@ -1,7 +1,7 @@
 //! Reading of records: two columns of numbers, time and value.
 
 use super::{Records, any_unit, read_text};
-use crate::check::MOST_KNOTS;
+use crate::check::{MOST_KNOTS, too_few};
 use crate::description::Dimension;
 use crate::kinds::{self, NumberKind};
 use crate::table::{Heading, Table, in_unit};
@@ -45,8 +45,8 @@ pub(super) struct RecordValues {
 /// Reads the knots of a record. The error is the problem's text.
 pub(super) fn read(path: &str, records: Records, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
     stays_inside(path)?;
-    let text = records(path).map_err(|e| format!("cannot be read: {e}"))?;
-    knots(&text, values).map_err(|e| format!("{path}: {e}"))
+    let text = records(path).map_err(|e| super::unread(&e, "export the record as CSV"))?;
+    knots(&text, values)
 }
 
 /// Checks that a path is below the file's folder and means the same on every system.
@@ -89,7 +89,7 @@ fn knots(text: &str, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
         }
     }
     if knots.len() < 2 {
-        return Err(format!("expected 2 to {MOST_KNOTS} knots, found {}", knots.len()));
+        return Err(too_few(knots.len()));
     }
     Ok(knots)
 }
@@ -98,12 +98,14 @@ fn knots(text: &str, values: RecordValues) -> Result<Vec<(f64, f64)>, String> {
 fn unit_of_values(heading: &Heading, values: RecordValues) -> Result<Option<&'static Unit>, String> {
     match heading.unit {
         Some(symbol) if values.kind.any_unit => {
-            let allowed = format!("`{symbol}` is not a unit; expected a unit such as mm, N or rad/s");
-            let (_, si) = any_unit::quantity(&format!("1 {symbol}"), &allowed)?;
+            let (_, si) = any_unit::quantity(&format!("1 {symbol}"), "expected a unit such as mm, N or rad/s")?;
             heading.unit(si)
         }
         Some(symbol) if values.has_scale => heading.unit("1").map_err(|_| {
-            format!("`{}` has the unit `{symbol}`; expected no unit, since `scale` has it", heading.name)
+            format!(
+                "`{}` has the unit `{symbol}`, which cannot be combined with `scale`: remove the unit or `scale`",
+                heading.name
+            )
         }),
         _ => heading.unit(values.kind.unit(values.dimension)),
     }

@@ -39,8 +39,12 @@ pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Opt
         reading.known(&table, &KEYS);
         return flat(reading, &table, values, &[]);
     }
-    let number = reading.number(entry, values.alone, values.dimension)?;
-    Some(Signal::constant(number))
+    let before = reading.problems.len();
+    let number = reading.number(entry, values.alone, values.dimension);
+    if let Some(problem) = reading.problems.get_mut(before).filter(|own| own.text.starts_with("expected")) {
+        problem.text += ", or a signal such as { amplitude = 1.0, frequency = \"10 Hz\" }";
+    }
+    Some(Signal::constant(number?))
 }
 
 /// Reads a signal whose keys are in a table together with the keys `also`; at least one of all
@@ -52,7 +56,7 @@ pub(super) fn flat(
     also: &[&str],
 ) -> Option<Signal> {
     if !KEYS.iter().chain(also).any(|key| table.has(key)) {
-        let parts = ["constant", "amplitude and frequency", "harmonics", "sweep", "steps", "table", "input"];
+        let parts = ["constant", "amplitude with frequency", "harmonics", "sweep", "steps", "table", "input"];
         let parts: Vec<_> = parts.iter().chain(also).copied().collect();
         reading.refuse_table(table, format!("requires one or more of {}", parts.join(", ")));
         return None;
@@ -165,6 +169,10 @@ fn pairs(reading: &mut Reading, list: &Entry, values: Values, allowed: &str) -> 
         reading.refuse(list, allowed);
         return None;
     };
+    if !items.is_empty() && items.iter().all(|item| item.value.as_array().is_none()) {
+        reading.refuse(list, allowed);
+        return None;
+    }
     let mut all = Vec::with_capacity(items.len());
     for item in &items {
         let pair = reading.items(item);
@@ -248,7 +256,7 @@ fn input(reading: &mut Reading, table: &FileTable) -> Option<bool> {
     let Some(entry) = reading.optional(table, "input") else { return Some(false) };
     let found = entry.value.as_bool();
     if found.is_none() {
-        reading.refuse(&entry, "expected true or false");
+        reading.refuse(&entry, "expected true or false, without quotation marks");
     }
     found
 }

@@ -14,12 +14,16 @@ pub(super) fn read(
     dimension: Dimension,
 ) -> Option<(f64, Option<Signal>)> {
     let allowed = kind.allowed(dimension);
+    let allowed = match series::is_given(table) {
+        true => allowed,
+        false => format!("{allowed}; `points` or a curve, such as `cubic`, may replace it"),
+    };
     let entry = reading.required(table, "stiffness", &allowed)?;
     if !entry.value.is_table() {
         return Some((reading.number(&entry, kind, dimension)?, None));
     }
     if series::is_given(table) {
-        reading.refuse(&entry, format!("cannot step in time with `series_damping` or `slip`; {allowed}"));
+        reading.refuse(&entry, "cannot step in time with `series_damping` or `slip`; expected a number");
         return None;
     }
     let values = Values { kind: kinds::STEPPED, alone: kind, dimension };

@@ -2,24 +2,28 @@
 
 use super::reading::{Lines, QUOTED, quoted};
 use crate::refusal::{Problem, cut};
+use crate::table::has_decimal_comma;
 use std::ops::Range;
 use toml::Spanned;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 /// The text as TOML, and its first syntax error.
 pub(super) fn toml(text: &str) -> (Spanned<DeTable<'_>>, Vec<Problem>) {
     let (root, errors) = DeTable::parse_recoverable(text);
     // Further errors are mostly consequences of the first.
     let first = errors.first();
-    let problem = first.map(|error| problem(text, &error.span().unwrap_or(0..0), error.message()));
+    let parameters = root.get_ref().get("parameters").map(|own| own.get_ref());
+    let problem =
+        first.map(|error| problem(text, &error.span().unwrap_or(0..0), error.message(), parameters));
     (root, problem.into_iter().collect())
 }
 
 /// Beginnings of the library's messages about text without quotation marks.
 const UNQUOTED: [&str; 3] = ["string values must be quoted", "invalid boolean", "extra `=`"];
 /// Beginnings of the library's messages about numbers.
-const NUMBERS: [&str; 6] = [
+const NUMBERS: [&str; 7] = [
     "invalid float",
+    "invalid fraction",
     "invalid integer",
     "invalid mantissa",
     "invalid exponent",
@@ -32,13 +36,13 @@ const NO_EQUALS: [&str; 3] = ["key with no value", "missing value for key", "mis
 const QUOTES: [&str; 4] = ["\"\"\"", "'''", "\"", "'"];
 
 /// Returns the problem of a syntax error: its span, and the library's message.
-fn problem(text: &str, span: &Range<usize>, said: &str) -> Problem {
+fn problem(text: &str, span: &Range<usize>, said: &str, parameters: Option<&DeValue>) -> Problem {
     let whole = span.start.min(text.len());
     let at = (0..=whole).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
     let begin = text[..at].rfind('\n').map_or(0, |at| at + 1);
     let line = text[begin..].lines().next().unwrap_or("");
     let (start, end) = (Place::after(&text[..begin]), Place::after(&text[..begin + line.len()]));
-    let begins = |all: &[&str]| all.iter().any(|own| said.starts_with(own));
+    let plain = line.split('#').next().unwrap_or("").trim();
     let of = |at: usize, name: String, value: Option<&str>, said: String| Problem {
         line: Some(Lines::of(text).of_byte(at)),
         value: value.filter(|_| !name.is_empty()).map(str::to_owned),
@@ -67,42 +71,48 @@ fn problem(text: &str, span: &Range<usize>, said: &str) -> Problem {
     }
     let opened = |open: char, close: char| line.matches(open).count() < line.matches(close).count();
     let other = [('[', ']'), ('{', '}')].into_iter().find(|(open, close)| opened(*open, *close));
-    if let Some((open, _)) = other.filter(|_| start.open.is_empty()) {
+    if let Some((open, close)) = other.filter(|_| start.open.is_empty()) {
+        if open == '[' && is_heading(line) {
+            let heading = plain.trim_end_matches(close);
+            let said = format!("one `{close}` too many in `{}`; write {heading}{close}", cut(plain, QUOTED));
+            return of(at, String::new(), None, said);
+        }
         let name = if end.key.is_empty() { String::new() } else { end.name() };
         let said = format!("missing opening bracket `{open}` in `{}`", cut(line.trim(), QUOTED));
         return of(at, name, None, said);
     }
-    if begins(&NO_EQUALS) {
+    if begins(said, &NO_EQUALS) {
+        if plain.contains('.') && plain.chars().all(is_key) {
+            let word = cut(plain, QUOTED);
+            let said = format!("`{word}`: expected a heading in brackets, [{word}], or `=` and a value");
+            return of(at, String::new(), None, said);
+        }
         let name = if said.contains("assignment") { end.name() } else { start.name() };
         return of(at, name, None, format!("missing `=`{}", after_key(text, at, line, said)));
     }
     let rest = line.get(at - begin..).unwrap_or("").split('#').next().unwrap_or("").trim();
-    if begins(&UNQUOTED) {
-        let word = match said {
-            _ if said.starts_with("extra") => rest.to_owned(),
-            _ if said.starts_with("invalid") => word_at(text, at).to_owned(),
-            _ => quoted(text, span),
-        };
-        if word.is_empty() {
-            return here("missing value after `=`".into());
-        }
-        let word = cut(&word, QUOTED);
-        let plain = word.trim_matches(['"', '\'', '“', '”', '„', '‘', '’']);
-        return of(at, end.name(), Some(&*word), format!("must be in quotation marks: \"{plain}\""));
-    }
-    if begins(&NUMBERS) {
-        let word = cut(word_at(text, at), QUOTED);
-        return of(at, end.name(), Some(&*word), "expected a number, such as 12, 0.5 or 1e-3".into());
+    let is_parameter = |word: &str| parameters.is_some_and(|own| own.get(word).is_some());
+    if let Some((value, said)) = of_value(text, at, (span, said), (rest, end.key), &is_parameter) {
+        return of(at, end.name(), Some(&*value).filter(|value| !value.is_empty()), said);
     }
     match said {
         _ if said.starts_with("missing comma") || said.starts_with("extra assignment") => {
             here("missing comma between two items".into())
         }
-        _ if said.starts_with("unquoted keys cannot be empty") => {
-            of(at, start.name(), None, "missing key before `=`".into())
-        }
+        _ if said.starts_with("unquoted keys cannot be empty") => match line.trim().starts_with('[') {
+            true => of(at, String::new(), None, without_name(line)),
+            false => of(at, start.name(), None, "missing key before `=`".into()),
+        },
         _ if said.starts_with("unexpected key or value") && !rest.is_empty() => {
-            here(format!("unexpected `{}` after the value", cut(rest, QUOTED)))
+            let value = line.split_once('=').and_then(|own| own.1.split('#').next()).unwrap_or("").trim();
+            match value.strip_prefix('(').and_then(|own| own.strip_suffix(')')) {
+                Some(list) => here(format!("write a list in square brackets: [{}]", cut(list, QUOTED))),
+                None if has_decimal_comma(value) => {
+                    let said = format!("write a decimal point: {}", value.replace(',', "."));
+                    of(at, end.name(), Some(value), said)
+                }
+                None => here(format!("unexpected `{}` after the value", cut(rest, QUOTED))),
+            }
         }
         _ => {
             let value = quoted(text, span);
@@ -110,6 +120,72 @@ fn problem(text: &str, span: &Range<usize>, said: &str) -> Problem {
             of(at, String::new(), None, said)
         }
     }
+}
+
+fn begins(said: &str, all: &[&str]) -> bool {
+    all.iter().any(|own| said.starts_with(own))
+}
+
+/// A value and its fault, if the library's message is about the value; `rest` is the line from the
+/// error on.
+fn of_value(
+    text: &str,
+    at: usize,
+    (span, said): (&Range<usize>, &str),
+    (rest, key): (&str, &str),
+    is_parameter: &dyn Fn(&str) -> bool,
+) -> Option<(String, String)> {
+    let word = match said {
+        _ if said.starts_with("extra") => rest.to_owned(),
+        _ if said.starts_with("string values") => quoted(text, span),
+        _ => word_at(text, at).to_owned(),
+    };
+    let fault = match said {
+        _ if begins(said, &UNQUOTED) && word.is_empty() => "missing value after `=`".into(),
+        // A word that begins as `nan` or `inf` is a number for the library.
+        _ if begins(said, &UNQUOTED) || (begins(said, &NUMBERS) && word.starts_with(char::is_alphabetic)) => {
+            unquoted(&word, key, is_parameter(&word))
+        }
+        _ if said.starts_with("invalid fraction") && word.ends_with('.') => {
+            format!("a digit is missing after the decimal point; write {}0", cut(&word, QUOTED))
+        }
+        _ if begins(said, &NUMBERS) => "expected a number, such as 12, 0.5 or 1e-3".into(),
+        _ => return None,
+    };
+    Some((cut(&word, QUOTED).into_owned(), fault))
+}
+
+/// The fault of a value without quotation marks.
+fn unquoted(word: &str, key: &str, is_parameter: bool) -> String {
+    let plain = word.trim_matches(['"', '\'', '“', '”', '„', '‘', '’']);
+    let plain = cut(plain, QUOTED);
+    if ["true", "false"].contains(&&*plain.to_lowercase()) {
+        return match key {
+            "input" => format!("write `{}`, in small letters", plain.to_lowercase()),
+            _ => "expected a number, or a text in quotation marks".into(),
+        };
+    }
+    let is_name = |part: &str| part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let is_term = |part: &str| !part.is_empty() && (is_name(part) || part.parse::<f64>().is_ok());
+    let parts = |word: &str| word.split(['+', '*', '/']).all(|part| is_term(part.trim()));
+    if is_parameter || word.contains(['+', '*', '/']) && parts(word) {
+        return format!("write an expression in quotation marks, beginning with `=`: \"= {plain}\"");
+    }
+    match word.starts_with(['“', '”', '„', '‘', '’']) {
+        true => format!("use straight quotation marks: \"{plain}\""),
+        false => format!("must be in quotation marks: \"{plain}\""),
+    }
+}
+
+/// The fault of a heading with an empty name.
+fn without_name(line: &str) -> String {
+    let heading = line.split('#').next().unwrap_or("").trim();
+    let before = heading.trim_matches(['[', ']']).trim_end_matches('.');
+    let (after, example) = match before.is_empty() || before.contains("..") || before.starts_with('.') {
+        true => (String::new(), "body"),
+        false => (format!(" after `{before}.`"), before),
+    };
+    format!("`{}`: a name is missing{after}; write a heading such as [{example}.NAME]", cut(heading, QUOTED))
 }
 
 /// Returns the closing bracket that is missing before an error, and the byte of its opening
@@ -205,7 +281,7 @@ impl<'t> Place<'t> {
                 }
                 (None, '[') if own.open.is_empty() && text[line..at].trim().is_empty() => {
                     let heading = rest.lines().next().unwrap_or("");
-                    own.table = heading.trim_start_matches('[').split(']').next().unwrap_or("").trim();
+                    own.table = heading.trim_start_matches('[').split([']', '#']).next().unwrap_or("").trim();
                     step = heading.len();
                 }
                 (None, '[') => own.open.push((']', at)),

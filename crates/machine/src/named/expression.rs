@@ -41,10 +41,19 @@ impl Expression {
         if text.len() > LONGEST {
             return Err(format!("expected an expression of at most {LONGEST} bytes"));
         }
+        if text.is_empty() {
+            return Err("the expression is empty; write a number or a parameter after `=`".into());
+        }
         let mut parser = Parser { rest: text, names };
         let root = parser.sum()?;
         match parser.rest {
             "" => Ok(Self { text: text.into(), root }),
+            rest if rest.starts_with('^') || rest.starts_with("**") => {
+                Err("powers are not supported; write a product, such as k * k".into())
+            }
+            rest if rest.starts_with(',') => {
+                Err("`,` is not allowed in an expression; write a decimal point".into())
+            }
             rest => Err(format!("expected an operator before `{rest}`: + - * /{}", no_unit(rest))),
         }
     }
@@ -252,6 +261,14 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
         let term = match self.names.clone().position(|own| own == name) {
             Some(place) => Term::Parameter(place),
             None if name == "pi" => Term::Number(PI),
+            None if self.rest[end..].trim_start().starts_with('(') => {
+                return Err(format!(
+                    "`{name}`: functions are not supported; expected numbers, parameters, pi, + - * / and ( )"
+                ));
+            }
+            None if self.names.clone().next().is_none() => {
+                return Err(format!("no parameter is called `{name}`; the file has no [parameters]"));
+            }
             None => {
                 let near = advice(name, self.names.clone());
                 return Err(format!("no parameter is called `{name}`; {near}"));

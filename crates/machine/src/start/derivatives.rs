@@ -23,10 +23,15 @@ impl Start {
         let place = |own: &str| all.iter().position(|name| name == own);
         if let Some(own) = name.strip_prefix("start.") {
             let refused = || {
-                let near = advice(own, all.iter().map(String::as_str).chain(["time"]));
+                let known: Vec<_> = all.iter().map(|own| format!("start.{own}")).collect();
+                let near = advice(name, known.iter().map(String::as_str).chain(["start.time"]));
                 Refusal::one(Problem::new(name, None, format!("no start value has this name; {near}")))
             };
             return if own == "time" { Ok(By::Time) } else { place(own).map(By::Start).ok_or_else(refused) };
+        }
+        if place(name).is_some() {
+            let text = format!("is not a parameter; its start value is `start.{name}`");
+            return Err(Refusal::one(Problem::new(name, None, text)));
         }
         let name = assembly.description.parameter(name)?.name;
         let of_body = name.strip_prefix("body.").map(|name| name.replace(".start.", "."));

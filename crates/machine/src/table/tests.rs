@@ -41,7 +41,7 @@ fn what_is_no_table_is_refused_by_its_line() {
             "line 2: `0,1` is separated by a comma; expected 2 cells separated by semicolons",
         ),
         ("time,box.s\n0 1\n", "line 2: `0 1` is separated by a blank; expected 2 cells"),
-        ("time,box.s\n0,inf\n", "line 2: `inf` is not a number; expected a finite number"),
+        ("time,box.s\n0,inf\n", "line 2: `inf` is not a number; expected a number"),
     ] {
         let found = read(text).unwrap_err();
         assert!(found.starts_with(words), "{text}: {found}");

@@ -75,7 +75,7 @@ fn kinds_of_tables_keys_words_and_units_are_offered_where_they_may_stand() {
     );
     assert_eq!(
         at(&after(&format!("{stop}gap = |"))).allowed,
-        "expected a finite number in m, cm, mm, um or in"
+        "expected a number in m, or with a unit: m, cm, mm, um, in"
     );
     assert_eq!(
         names(&after("[parameters]\nplay = 1.0\n[stop.b]\nbetween = [\"ground\", \"ball\"]\ngap = \"|")),

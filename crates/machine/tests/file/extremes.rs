@@ -13,37 +13,37 @@ fn said(line: &str) -> String {
 const SAID: [(&str, &str); 17] = [
     (
         "load.l = { on = \"a\", sweep = { amplitude = 1.0, from = 1.0, to = 2.0, duration = 1e-300 } }",
-        "m.toml:4: load.l.sweep.duration = 1e-300: expected a finite number > 0 in s, ms, us, min or h, at least 1e-9 s in size",
+        "m.toml:4: load.l.sweep.duration = 1e-300: must be at least 1e-9 s",
     ),
     (
         "load.l = { on = \"a\", sweep = { amplitude = 1.0, from = 1e-300, to = 2.0, duration = 1.0 } }",
-        "m.toml:4: load.l.sweep.from = 1e-300: expected a finite number >= 0 in Hz, mHz, kHz, MHz, rpm, 1/min or rad/s, at least 1e-12 Hz in size",
+        "m.toml:4: load.l.sweep.from = 1e-300: must be 0, or at least 1e-12 Hz",
     ),
     ("load.l = { on = \"a\", sweep = { amplitude = 1.0, from = 0.0, to = 2.0, duration = 1.0 } }", "read"),
     (
         "load.l = { on = \"a\", steps = [[0.0, 1.0]], repeat = 1e-299 }",
-        "m.toml:4: load.l.repeat = 1e-299: expected a finite number > 0 in s, ms, us, min or h, at least 1e-9 s in size",
+        "m.toml:4: load.l.repeat = 1e-299: must be at least 1e-9 s",
     ),
     (
         "load.l = { on = \"a\", amplitude = 1.0, frequency = \"1e-320 Hz\" }",
-        "m.toml:4: load.l.frequency = \"1e-320 Hz\": expected a finite number > 0 in Hz, mHz, kHz, MHz, rpm, 1/min or rad/s, at least 1e-12 Hz in size",
+        "m.toml:4: load.l.frequency = \"1e-320 Hz\": must be at least 1e-12 Hz",
     ),
     (
         "spring.s = { between = [\"ground\", \"a\"], stiffness = 1.0, series_damping = 1e-320 }",
-        "m.toml:4: spring.s.series_damping = 1e-320: expected a finite number > 0 in N.s/m, kN.s/m, N.s/mm, kg/s, N/(m/s), Ns/m, kNs/m or Ns/mm, at least 1e-150 N.s/m in size",
+        "m.toml:4: spring.s.series_damping = 1e-320: must be at least 1e-150 N.s/m",
     ),
     (
         "spring.s = { between = [\"ground\", \"a\"], stiffness = 1e-320, series_damping = 1.0 }",
-        "m.toml:4: spring.s.stiffness = 1e-320: expected a finite number > 0 in N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m or lbf/in, at least 1e-150 N/m in size",
+        "m.toml:4: spring.s.stiffness = 1e-320: must be at least 1e-150 N/m",
     ),
     ("spring.s = { between = [\"ground\", \"a\"], stiffness = 0.0 }", "read"),
     (
         "parameters.small = 1e-200\nload.l = { on = \"a\", amplitude = 1.0, frequency = \"= small\" }",
-        "m.toml:5: load.l.frequency = \"= small\": is 1e-200; expected a finite number > 0, at least 1e-12 in size",
+        "m.toml:5: load.l.frequency = \"= small\": is 1e-200; must be at least 1e-12 Hz",
     ),
     (
         "load.l = { on = \"a\", table = [[0.0, 1.0], [1e-320, 2.0]] }",
-        "m.toml:4: load.l.table[1] = [1e-320, 2.0]: must be at least 1e-12 s after 0.0 s, the time of the previous knot; only interpolation = \"hold\" allows less",
+        "m.toml:4: load.l.table[1] = [1e-320, 2.0]: must be at least 1e-12 s after 0.0 s, the time of the previous row; only interpolation = \"hold\" allows less",
     ),
     ("load.l = { on = \"a\", table = [[0.0, 1.0], [1e-320, 2.0]], interpolation = \"hold\" }", "read"),
     (
@@ -68,7 +68,7 @@ const SAID: [(&str, &str); 17] = [
     ),
     (
         "parameters = { bad = \"5 foo\", good = 1.0 }\nspring.s = { between = [\"ground\", \"a\"], stiffness = \"= bad\", damping = \"= good\" }",
-        "m.toml:4: parameters.bad = \"5 foo\": expected a finite number, with or without a unit, or an expression such as \"= backlash / 2\"",
+        "m.toml:4: parameters.bad = \"5 foo\": `foo` is not a known unit; expected a unit such as mm, N or rad/s",
     ),
 ];
 

@@ -71,16 +71,16 @@ fn golden_refusals_leave_the_machine_as_it_was() {
         (
             "stop.upper.gap",
             0.001,
-            "stop.upper.gap = 0.001: the start violates the stop with e = 0.002 m; expected e <= gap",
+            "stop.upper.gap = 0.001: e = 0.002 m at the start is beyond the gap; a rigid stop requires e <= gap: increase the gap, or change the start",
         ),
-        ("stop.upper.gap", f64::NAN, "stop.upper.gap = NaN: expected a finite number"),
-        ("body.box.mass", 0.0, "body.box.mass = 0.0: expected a finite number > 0"),
+        ("stop.upper.gap", f64::NAN, "stop.upper.gap = NaN: must be a finite number"),
+        ("body.box.mass", 0.0, "body.box.mass = 0.0: must be greater than 0"),
         (
             "friction.guide.force",
             0.6,
             "friction.guide.static = 0.5: must be at least friction.guide.force = 0.6",
         ),
-        ("link.gear.arms.drum", 0.0, "link.gear.arms.drum = 0.0: expected a finite number other than 0"),
+        ("link.gear.arms.drum", 0.0, "link.gear.arms.drum = 0.0: must not be 0"),
         (
             "load.shaker.steps[0].time",
             2.0,
@@ -105,7 +105,7 @@ fn golden_reading_a_value_of_a_parameter() {
     let gap = sound().parameter("stop.upper.gap").unwrap();
     assert_eq!(gap.read("7 mm"), Ok(0.007));
     let refused = gap.read("7 N").unwrap_err().to_string();
-    assert_eq!(refused, "stop.upper.gap = \"7 N\": expected a finite number in m, cm, mm, um or in");
+    assert_eq!(refused, "stop.upper.gap = \"7 N\": cannot be in `N`; expected one of m, cm, mm, um, in");
 }
 
 proptest! {

@@ -26,14 +26,20 @@ fn refusals_say_what_a_stiffness_may_be() {
         let said = refused(stiffness);
         words.iter().for_each(|word| assert!(said.contains(word), "{said}"));
     };
-    let only = "is not supported in a stiffness, which is constant between its steps; use constant, steps or a table with";
-    says("{ constant = 2.0, amplitude = 1.0, frequency = 3.0 }", &["spring.mesh.stiffness.harmonics", only]);
+    let only = "is not supported in a stiffness, which is constant between its steps; use `constant` with";
+    says("{ constant = 2.0, amplitude = 1.0, frequency = 3.0 }", &["spring.mesh.stiffness.amplitude", only]);
     let sweep = "{ constant = 2.0, sweep = { amplitude = 1.0, from = 1.0, to = 2.0, duration = 3.0 } }";
     says(sweep, &["spring.mesh.stiffness.sweep", only]);
     says("{ constant = 2.0, input = true }", &["spring.mesh.stiffness.input", only]);
-    says("{ table = [[0.0, 1.0], [1.0, 2.0]] }", &["spring.mesh.stiffness.table", only]);
+    says(
+        "{ table = [[0.0, 1.0], [1.0, 2.0]] }",
+        &["spring.mesh.stiffness.table", "requires interpolation = \"hold\""],
+    );
     says("{ constant = 2.0 }", &["does not step"]);
-    says("{ constant = 2.0, steps = [[0.1, -3.0]] }", &["-1.0", "after steps[0]", "must be at least 0"]);
+    says(
+        "{ constant = 2.0, steps = [[0.1, -3.0]] }",
+        &["steps[0].height = -3.0", "-1.0 N/m", "must be at least 0", "-2.0 N/m or more"],
+    );
     says("{ constant = -2.0, steps = [[0.1, 3.0]] }", &["before the first step"]);
     says("{ table = [[0.0, -1.0], [1.0, 2.0]], interpolation = \"hold\" }", &["this value of the table"]);
     says(

@@ -134,7 +134,7 @@ fn what_every_row_depends_on_is_checked_first() {
         request.check().unwrap_err().to_string()
     };
     let twice = refused(&|r| r.over.push(axis("stop.restitution", &[0.5])));
-    assert!(twice.contains("kappa, stop.restitution"), "{twice}");
+    assert!(twice.contains("kappa and stop.restitution: determine the same quantity"), "{twice}");
     assert!(refused(&|r| r.measures.clear()).contains("0 outputs"));
     assert!(refused(&|r| r.designs = Designs::Rows { names: vec![], rows: vec![] }).contains("0 designs"));
     assert!(refused(&|r| r.over[0].values = vec![1.0; 60_000]).contains("120000 motions"));

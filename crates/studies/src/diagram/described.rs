@@ -118,10 +118,9 @@ fn at(machine: &Machine, request: &DiagramRequest<Machine>, value: f64) -> Resul
 /// Message that refuses a chain of values, with the reason.
 fn runs_on_in_words(why: &str) -> String {
     format!(
-        "{why}, and each value continues at the time at which the previous one ended; increase \
-         --discard until the change lies in the discarded periods of the first value, or use \
-         --anew (anew=True in Python): each value then has the same start, and the diagram does \
-         not show hysteresis"
+        "{why}, but each value continues the motion of the previous value at a later time; use --anew \
+         (anew=True in Python): each value then has the same start, and the diagram does not show \
+         hysteresis; or increase --discard until the change lies in the discarded periods of the first value"
     )
 }
 

@@ -44,7 +44,8 @@ impl Bounds {
             }
             if !(least..=most).contains(&begin[k]) {
                 return refused(format!(
-                    "{}: its initial value {} must lie within its range, {least} to {most}",
+                    "{}: its initial value {} must lie within its range, {least} to {most} (SI); widen the range, \
+                     or set another value",
                     own.name, begin[k]
                 ));
             }

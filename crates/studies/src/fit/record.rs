@@ -11,9 +11,7 @@ fn place(names: &[Heading], name: &str) -> Result<usize> {
     names.iter().position(|own| own.name == name).ok_or_else(|| {
         let known: Vec<&str> = names.iter().map(|own| own.name).collect();
         let known = known.join(", ");
-        wrong(format!(
-            "has no column `{name}`, only `{known}`; expected a first line with the names of the columns"
-        ))
+        wrong(format!("no column is called `{name}` (found {known}); the first line must name the columns"))
     })
 }
 

@@ -162,7 +162,7 @@ fn an_element_without_events_is_waited_for_a_hundred_seconds() {
     let (mut motion, section) = machine.motion(&Start::default()).unwrap();
     let mut followed = motion.clone();
     let error = section.advance(&mut motion, &mut |_| ()).unwrap_err().to_string();
-    assert!(error.contains("events of stop.floor: none within the last 100 s"), "{error}");
+    assert!(error.contains("events of stop.floor: none in the last 100 s, until t = 100.0 s"), "{error}");
     assert!(section.follow(&mut followed, &mut Flows::default(), &mut []).is_err());
     assert_eq!((motion.time(), followed.time()), (100.0, 100.0));
 }

@@ -315,7 +315,7 @@ const tests = {
     await type("]\nga");
     await offers("gap");
     await tab.keyboard.press("Tab");
-    await tab.waitForFunction("/expected a finite number in m, cm/.test(document.querySelector('#offersWords').textContent)");
+    await tab.waitForFunction("/expected a number in m, or with a unit: m, cm/.test(document.querySelector('#offersWords').textContent)");
     await type("4 m");
     await offers("m,mm");
     await tab.click("#offers li:nth-child(2)");

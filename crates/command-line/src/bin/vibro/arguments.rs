@@ -142,16 +142,14 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     if !has_file(command) {
         return Ok(());
     }
-    let (refused, allowed) =
-        if file.is_some() { (WITHOUT_FILE, WITH_FILE) } else { (WITH_FILE, WITHOUT_FILE) };
-    let under = |heading| command.get_arguments().filter(move |a| a.get_help_heading() == Some(heading));
-    let Some(given) = under(refused).find(is_given) else { return Ok(()) };
+    let refused = if file.is_some() { WITHOUT_FILE } else { WITH_FILE };
+    let mut under = command.get_arguments().filter(move |a| a.get_help_heading() == Some(refused));
+    let Some(given) = under.find(is_given) else { return Ok(()) };
     let whose = match file {
         Some(file) => format!("an option of the paper's machine, but {} is a machine file", file.display()),
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
-    let names: Vec<String> = under(allowed).map(option).chain(["--set".into()]).collect();
-    let problem = format!("is {whose}; expected one of {}", names.join(", "));
+    let problem = format!("is {whose}; `vibro {words} --help` lists the options");
     Err(Error::Refused { what: option(given), problem })
 }
 

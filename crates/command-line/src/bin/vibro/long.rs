@@ -203,6 +203,9 @@ fn folders_of_parts(given: &Path) -> Result<Vec<PathBuf>> {
     if is_parts(given) {
         return Ok(vec![given.into()]);
     }
+    if !given.exists() {
+        return Err(Error::Config { path: given.into(), problem: "no such folder".into() });
+    }
     let entries = std::fs::read_dir(given).map_err(Error::file("reading", given))?;
     let mut found: Vec<PathBuf> = entries.flatten().map(|e| e.path()).filter(|p| is_parts(p)).collect();
     found.sort();
@@ -222,8 +225,8 @@ fn shards(given: &[PathBuf]) -> Result<Vec<Shards>> {
     for given in given {
         let folders = folders_of_parts(given)?;
         if folders.is_empty() {
-            let problem = "holds no shard (a folder that ends in .parts); a study with one part is \
-                           drawn by the shard that computes this part"
+            let problem = "has no shard, that is a folder NAME.parts; give the --out folder of a run with \
+                           --shard (a study with one part is drawn by the shard that computes this part)"
                 .into();
             return Err(Error::Config { path: given.clone(), problem });
         }

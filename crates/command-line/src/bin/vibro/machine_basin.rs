@@ -61,8 +61,11 @@ pub fn basin(file: &Path, common: &Common, a: &Basin) -> Result<()> {
     let machine = machine(file, &a.section, common)?;
     let (ranges, given): (Vec<&String>, Vec<&String>) = a.start.iter().partition(is_axis);
     let [x, y] = ranges[..] else {
-        let problem = "expected two ranges, e.g. --start block.s=-4mm:4mm --start block.v=-1:1".into();
-        return Err(Error::Refused { what: format!("{} ranges of --start", ranges.len()), problem });
+        let problem = format!(
+            "expected two ranges, e.g. --start block.s=-4mm:4mm --start block.v=-1:1; found {}",
+            ranges.len()
+        );
+        return Err(Error::Refused { what: "--start".into(), problem });
     };
     let (x, y) = (axis(&machine, x, a.resolution)?, axis(&machine, y, a.resolution)?);
     let given: Vec<String> = given.into_iter().cloned().collect();

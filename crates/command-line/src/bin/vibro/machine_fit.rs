@@ -16,7 +16,7 @@ use vibro::studies::{self, Study, fit_json};
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_machine::Start;
-use vibro_numerics::quantities::quantity_in;
+use vibro_numerics::quantities::{quantity_in, symbols};
 use vibro_studies::fit::{
     self, Filter, FitRequest, Fitted, Free, Measured, Misfit, Segments, fit_records, misfit,
 };
@@ -24,19 +24,22 @@ use vibro_studies::{Machine, QuantityName};
 
 /// Parses a number with an optional unit of a dimension, SI.
 fn number(name: &str, unit: &'static str, text: &str) -> Result<f64> {
+    let units: Vec<_> = symbols(unit).collect();
     let plain = text.trim().parse::<f64>().ok();
     let read = plain.or_else(|| quantity_in(unit, text.trim()).map(|quantity| quantity.value));
     read.filter(|x| x.is_finite()).ok_or_else(|| Error::Refused {
         what: format!("{name} = {text}"),
-        problem: format!("expected a number, in {unit} or with a unit"),
+        problem: match unit {
+            "1" => "expected a number".into(),
+            _ => format!("expected a number in {unit}, or with a unit: {}", units.join(", ")),
+        },
     })
 }
 
 /// Parses the range of a record or start parameter, SI.
 fn range_of(machine: &Machine, text: &str) -> Result<(f64, f64)> {
-    let form = || Error::form(text, "NAME=LOW:HIGH, e.g. stop.steel.gap=3mm:5mm");
-    let (name, range) = text.split_once('=').ok_or_else(form)?;
-    let (low, high) = range.split_once(':').ok_or_else(form)?;
+    let (name, range) = text.split_once('=').ok_or_else(|| form(text))?;
+    let (low, high) = range.split_once(':').ok_or_else(|| form(text))?;
     let name = name.trim();
     let column = name.strip_prefix("record.offset.").or_else(|| name.strip_prefix("start."));
     let column =
@@ -50,6 +53,12 @@ fn range_of(machine: &Machine, text: &str) -> Result<(f64, f64)> {
     if ends.0 < ends.1 { Ok(ends) } else { Err(reversed(text)) }
 }
 
+/// Error for a range of another form.
+fn form(text: &str) -> Error {
+    let problem = "expected NAME=LOW:HIGH without a count, e.g. stop.steel.gap=3mm:5mm".into();
+    Error::Refused { what: format!("--within {text}"), problem }
+}
+
 /// Error for a range whose end is not above its begin.
 fn reversed(text: &str) -> Error {
     let problem = "LOW must be less than HIGH in NAME=LOW:HIGH".into();
@@ -58,7 +67,7 @@ fn reversed(text: &str) -> Error {
 
 /// Parses the range of a machine parameter, SI, with the syntax of an axis.
 fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(f64, f64)> {
-    let (_, range) = text.split_once('=').unwrap_or_default();
+    let (_, range) = text.split_once('=').filter(|own| own.1.contains(':')).ok_or_else(|| form(text))?;
     let ends: Vec<f64> =
         range.split(':').filter_map(|end| Some(machine.quantity(name, end).ok()?.value)).collect();
     // The error of an axis would mention its number of values.
@@ -68,8 +77,7 @@ fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(
         return Err(reversed(text));
     }
     let axis = read_axis(machine, text)?;
-    let form = || Error::form(text, "a range without a count, NAME=LOW:HIGH");
-    Ok(axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?.ends)
+    Ok(axis.range().filter(|range| range.count.is_none()).ok_or_else(|| form(text))?.ends)
 }
 
 /// Free parameters with their ranges. A machine parameter's range has the syntax of an axis.

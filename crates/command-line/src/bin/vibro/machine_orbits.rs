@@ -9,6 +9,7 @@ use crate::machine_studies::{default_quantity, invocation, machine, read_axis, s
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile, Settling};
 use crate::output;
 use crate::progress::Progress;
+use crate::ranges::in_option;
 use crate::study_arguments::Response;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -27,10 +28,10 @@ use vibro_studies::{Machine, Measure};
 /// Longest period in common periods of the drive.
 const MOST_PERIODS: u32 = 32;
 
-/// The measure of `--of`: a measure, or the largest value of a quantity.
-fn measure(machine: &Machine, of: Option<&String>) -> Result<Measure> {
+/// The measure of an option: a measure, or the largest value of a quantity.
+fn measure(machine: &Machine, of: Option<&String>, option: &'static str) -> Result<Measure> {
     match of {
-        Some(of) => Ok(read_measure(of, &machine.description)?),
+        Some(of) => read_measure(of, &machine.description).map_err(in_option(option)),
         None => Ok(Measure::Amplitude(default_quantity(machine)?)),
     }
 }
@@ -73,7 +74,7 @@ pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
     let settling = &a.settling;
     let machine = machine(file, &settling.section(), common)?;
     let start = start_of(&machine, &settling.start)?;
-    let of = a.gradient.as_ref().map(|of| measure(&machine, Some(of))).transpose()?;
+    let of = a.gradient.as_ref().map(|of| measure(&machine, Some(of), "--gradient")).transpose()?;
     let wanted = wanted(&machine, a, &start)?;
     let mut options = vec![("start", start.to_string()), ("discard", settling.discard.to_string())];
     options.extend(of.as_ref().map(|of| ("gradient", of.to_string())));
@@ -107,8 +108,11 @@ pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
 /// The family of the one parameter of `--vary`.
 fn family(machine: &mut Machine, vary: &[String]) -> Result<Family> {
     let [vary] = vary else {
-        let problem = "expected one parameter, as --vary NAME=FROM:TO, e.g. stop.steel.gap=1mm:8mm".into();
-        return Err(Error::Refused { what: format!("{} --vary", vary.len()), problem });
+        let problem = format!(
+            "expected one parameter, as --vary NAME=FROM:TO, e.g. stop.steel.gap=1mm:8mm; found {}",
+            vary.len()
+        );
+        return Err(Error::Refused { what: "--vary".into(), problem });
     };
     family_over(machine, vary)
 }
@@ -194,7 +198,7 @@ fn branches(
     let mut machine = machine(file, &settling.section(), common)?;
     let family = family(&mut machine, asked.vary)?;
     let start = start_of(&machine, &settling.start)?;
-    let measure = measure(&machine, asked.of)?;
+    let measure = measure(&machine, asked.of, "--of")?;
     let all = [
         (vary, in_words(&family)),
         ("of", measure.to_string()),
@@ -245,10 +249,12 @@ pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
 pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     let mut machine = machine(file, &SectionArguments { period: None, section: None }, common)?;
     let [first, second] = &a.vary[..] else {
-        let problem = "expected two parameters, first the parameter of the special points, e.g. \
-                       --vary load.shaker.amplitude=1N:9N --vary stop.steel.gap=1mm:8mm"
-            .into();
-        return Err(Error::Refused { what: format!("{} --vary", a.vary.len()), problem });
+        let problem = format!(
+            "expected two parameters, first the parameter of the special points, e.g. --vary \
+             load.shaker.amplitude=1N:9N --vary stop.steel.gap=1mm:8mm; found {}",
+            a.vary.len()
+        );
+        return Err(Error::Refused { what: "--vary".into(), problem });
     };
     let families = [family_over(&mut machine, first)?, family_over(&mut machine, second)?];
     let [over, second] = &families;

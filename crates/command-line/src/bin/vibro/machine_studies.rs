@@ -68,6 +68,10 @@ pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<Strin
     if is_range && numbers.len() != 2 {
         return Err(form());
     }
+    let is_one = !is_range && numbers.len() == 1 && machine.description.parameter(name).is_ok();
+    if is_one && machine.quantity(name, numbers[0]).is_err() {
+        return Err(form());
+    }
     let read =
         numbers.iter().map(|number| Ok(machine.quantity(name, number)?)).collect::<Result<Vec<_>>>()?;
     let is_bare = |number: &&str| number.parse::<f64>().is_ok();
@@ -112,7 +116,11 @@ fn diagram_request(
     exponents: Option<u32>,
 ) -> Result<diagram::DiagramRequest<Machine>> {
     let of = match &a.of {
-        Some(of) => of.parse().map_err(in_option("--of"))?,
+        Some(of) => {
+            let of: QuantityName = of.parse().map_err(in_option("--of"))?;
+            of.find(&machine.description).map_err(in_option("--of"))?;
+            of
+        }
         None => default_quantity(machine)?,
     };
     let request = diagram::DiagramRequest {
@@ -147,15 +155,12 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
         return draw_planes(machine, common, a, exponents);
     }
     let [vary] = &a.vary[..] else {
-        let what = if a.vary.is_empty() {
-            "no --vary".into()
-        } else {
-            format!("--vary {}", a.vary.join(" --vary "))
-        };
-        let problem = "expected one parameter, as --vary NAME=FROM:TO[:COUNT]; use --pair \
-                       NAME,NAME for a plane of two parameters"
-            .into();
-        return Err(Error::Refused { what, problem });
+        let problem = format!(
+            "expected one parameter, as --vary NAME=FROM:TO[:COUNT]; found {}; use --pair NAME,NAME for a \
+             plane of two parameters",
+            a.vary.len()
+        );
+        return Err(Error::Refused { what: "--vary".into(), problem });
     };
     let request = diagram_request(&mut machine, vary, a, exponents)?;
     let mut options = vec![
@@ -181,9 +186,12 @@ fn draw(file: &Path, common: &Common, a: &Bifurcation, exponents: Option<u32>) -
 fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents: Option<u32>) -> Result<()> {
     let axes = a.vary.iter().map(|text| axis(&mut machine, text, a.resolution, MOST_OF_PLANE));
     let axes: Vec<ParameterAxis<String>> = axes.collect::<Result<_>>()?;
-    let named = |name: &str| {
+    let named = |pair: &str, name: &str| {
         let found = axes.iter().find(|axis| axis.name == name.trim()).cloned();
-        found.ok_or_else(|| Error::form(name, "a parameter with a range (--vary NAME=FROM:TO)"))
+        found.ok_or_else(|| {
+            let problem = format!("{name} has no range; add --vary {name}=FROM:TO");
+            Error::Refused { what: format!("--pair {pair}"), problem }
+        })
     };
     let start = start_of(&machine, &a.start)?;
     let mut studies = Vec::new();
@@ -193,7 +201,7 @@ fn draw_planes(mut machine: Machine, common: &Common, a: &Bifurcation, exponents
             let form = "two names separated by a comma, e.g. stop.steel.gap,body.block.mass";
             return Err(Error::form(pair, form));
         };
-        let (x, y) = (named(x)?, named(y)?);
+        let (x, y) = (named(pair, x)?, named(pair, y)?);
         let options = [
             ("vary", format!("{} {}", counted(&x), counted(&y))),
             ("pair", format!("{},{}", x.name, y.name)),

@@ -126,7 +126,7 @@ pub struct Orbits {
     #[arg(hide_default_value = true, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
-    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a length from 1e-5 to 0.2"))]
+    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a number from 1e-5 to 0.2"))]
     pub step: f64,
     /// Options for a machine file.
     #[command(flatten, next_help_heading = WITH_FILE)]
@@ -165,7 +165,7 @@ pub struct ResponseOfFile {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
     /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
-    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a length from 1e-5 to 0.2"))]
+    #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a number from 1e-5 to 0.2"))]
     pub step: f64,
 }
 

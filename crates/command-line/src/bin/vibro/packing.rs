@@ -44,7 +44,7 @@ pub fn pack(machine: &Description, arguments: &Fmu, common: &Common) -> Result<(
     let refused =
         |what: String| move |error: vibro_pack::Error| Error::Refused { what, problem: error.to_string() };
     let path = kit(arguments.kit.as_deref())?;
-    let kit = Kit::read(&path).map_err(refused(format!("--kit {}", path.display())))?;
+    let kit = Kit::read(&path).map_err(refused("--kit".into()))?;
     let version = if arguments.fmi == "2" { Version::Fmi2 } else { Version::Fmi3 };
     std::fs::create_dir_all(&common.out).map_err(Error::file("making folder", &common.out))?;
     let to = common.out.join(vibro_pack::file_name(&machine.name, version));
@@ -56,6 +56,10 @@ pub fn pack(machine: &Description, arguments: &Fmu, common: &Common) -> Result<(
 /// The library: the one named by the user, or the first one found.
 fn kit(named: Option<&Path>) -> Result<PathBuf> {
     if let Some(path) = named {
+        if !path.is_file() {
+            let what = format!("--kit {}", path.display());
+            return Err(Error::Refused { what, problem: "no such file".into() });
+        }
         return Ok(path.to_owned());
     }
     let folder = std::env::var_os(ARCHIVES).map(PathBuf::from);
@@ -66,10 +70,10 @@ fn kit(named: Option<&Path>) -> Result<PathBuf> {
     places.find(|path| path.is_file()).ok_or_else(|| Error::Refused {
         what: "fmu".into(),
         problem: format!(
-            "found no {KIT_FILE}, the prebuilt library that an FMU contains: in the repository \
-             `cargo run --bin fmu-build` writes it to target/; the Python package of a release \
-             contains it (`python -c \"import vibro_impact as vi; print(vi.fmu_path().parent)\"`); \
-             give it by --kit, or its folder by the environment variable {ARCHIVES}"
+            "found no {KIT_FILE}, the prebuilt library that an FMU contains; give it by --kit FILE, or its \
+             folder by the environment variable {ARCHIVES}. The Python package of a release contains it \
+             (`python -c \"import vibro_impact as vi; print(vi.fmu_path().parent)\"`); in the repository \
+             `cargo run --bin fmu-build` writes it to target/"
         ),
     })
 }

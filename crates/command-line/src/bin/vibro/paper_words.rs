@@ -13,7 +13,12 @@ pub enum Of {
 
 /// Parts of help texts that describe both machines, and their replacements for a machine's file
 /// and for the paper's machine. A default is written `[default: A; with FILE B]`.
-const WORDS: [[&str; 3]; 23] = [
+const WORDS: [[&str; 3]; 24] = [
+    [
+        ", from the settled motion or from the orbit of a given word (--word)",
+        ", from the settled motion",
+        ", from the settled motion or from the orbit of a given word (--word)",
+    ],
     [". Without FILE, the paper's machine", "", ""],
     [" [default without FILE: f10=0.5:5]", "", " [default: f10=0.5:5]"],
     ["f10=0.5:5 or, with FILE, stop.steel.gap=1mm:8mm:200", "stop.steel.gap=1mm:8mm:200", "f10=0.5:5"],

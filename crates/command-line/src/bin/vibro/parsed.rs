@@ -19,7 +19,7 @@ pub fn matches() -> ArgMatches {
     // Without FILE the old spellings for the paper's machine are parsed; the help does not
     // describe them.
     let command = if asks { with_required_file(command()) } else { command() };
-    command.try_get_matches().unwrap_or_else(|error| explained(error, &words).exit())
+    command.try_get_matches().unwrap_or_else(|error| explained(without_hidden(error, &words), &words).exit())
 }
 
 /// The commands with FILE as a required argument.
@@ -28,6 +28,24 @@ fn with_required_file(command: clap::Command) -> clap::Command {
         true => command.mut_arg(FILE, |file| file.required(true)),
         false => command,
     })
+}
+
+/// The error without a list of commands, which has hidden ones, and without a hidden option as a
+/// tip.
+fn without_hidden(mut error: clap::Error, words: &[String]) -> clap::Error {
+    if error.kind() == ErrorKind::MissingSubcommand {
+        let problem = "a command is required, such as check, run or sweep; `vibro --help` lists all\n";
+        return clap::Error::raw(ErrorKind::MissingSubcommand, problem);
+    }
+    if let Some(ContextValue::String(tip)) = error.get(ContextKind::SuggestedArg) {
+        let all = command();
+        let own = words.iter().find_map(|word| all.find_subcommand(word)).unwrap_or(&all);
+        let is_hidden = |arg: &clap::Arg| arg.is_hide_set() && arg.get_long() == Some(&tip[2..]);
+        if tip.starts_with("--") && own.get_arguments().any(is_hidden) {
+            error.remove(ContextKind::SuggestedArg);
+        }
+    }
+    error
 }
 
 /// Error for an unknown command. It names the spelling of a command in the wrong group.

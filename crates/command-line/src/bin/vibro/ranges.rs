@@ -63,9 +63,22 @@ pub fn whole<T>(
 where
     T: FromStr + PartialOrd + fmt::Debug + Clone + Send + Sync + 'static,
 {
+    let words = format!("a whole number from {:?} to {:?}", allowed.start(), allowed.end());
+    whole_of(allowed, words)
+}
+
+/// Parser of a whole number in a range; errors state `words`.
+pub fn whole_of<T>(
+    allowed: RangeInclusive<T>,
+    words: impl Into<String>,
+) -> impl Fn(&str) -> std::result::Result<T, String> + Clone + Send + Sync + 'static
+where
+    T: FromStr + PartialOrd + Clone + Send + Sync + 'static,
+{
+    let words = words.into();
     move |text| match text.parse::<T>() {
         Ok(number) if allowed.contains(&number) => Ok(number),
-        _ => Err(format!("expected a whole number from {:?} to {:?}", allowed.start(), allowed.end())),
+        _ => Err(format!("expected {words}")),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::common_arguments::{
     ConstantLoads, START_VALUE, SectionArguments, WITH_FILE, WITHOUT_FILE, start_help,
 };
 use crate::orbits_arguments::ResponseOfFile;
-use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole};
+use crate::ranges::{ParameterPair, ParameterRange, ParameterValues, Share, real, whole, whole_of};
 use clap::builder::ArgPredicate::IsPresent;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -106,7 +106,8 @@ pub struct Lyapunov {
     /// further periods come first, in which the perturbation aligns with the direction of fastest
     /// growth [default: 1500; with FILE 400]
     #[arg(long, value_name = "N", default_value = "1500", default_value_if("file", IsPresent, "400"))]
-    #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
+    #[arg(hide_default_value = true)]
+    #[arg(value_parser = whole_of(1..=u32::MAX, "a whole number of at least 1; with FILE from 8 to 1000000"))]
     pub periods: u32,
     /// The diagram.
     #[command(flatten)]

@@ -21,7 +21,7 @@ fn designs<N: AxisName>(a: &Sweep, vary: &[AxisArgument<N>]) -> Result<Designs<N
     match a.sobol {
         None => Ok(Designs::Grid(vary.iter().map(|axis| axis.sampled(a.resolution)).collect::<Result<_>>()?)),
         Some(count) if (1..=DIMENSIONS).contains(&vary.len()) => {
-            const EXPECTED: &str = "name=from:to without a count: --sobol sets the number of points";
+            const EXPECTED: &str = "NAME=FROM:TO without a count: --sobol sets the number of points";
             let intervals = vary.iter().zip(&a.vary).map(|(axis, typed)| axis.interval(typed, EXPECTED));
             let intervals = intervals.collect::<Result<_>>()?;
             Ok(Designs::Sobol { intervals, count })
