@@ -183,6 +183,10 @@ impl Problem {
         u: &DVector<f64>,
         with_derivatives: bool,
     ) -> Result<Residual, Obstacle> {
+        if self.word.is_empty() && self.driven_period(place).is_none() {
+            // Neither events nor a drive determine the period.
+            return Err(Obstacle::Order);
+        }
         let (own, size, first) = (self.units.state.len(), self.size(), self.first_time());
         let Numbers { states, times, period, drifts } = self.numbers(place, u);
         let end = self.end(place, times[0], period);

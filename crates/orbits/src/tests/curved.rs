@@ -15,6 +15,8 @@ const COLLOCATED: f64 = 1e-10;
 const GRAZED: f64 = 1e-7;
 /// Tolerance for the moduli of multipliers, and for an orbit that is simulated again.
 const ROUNDING: f64 = 1e-9;
+/// Tolerance for the multiplier at a branch point, where its derivative by the parameter is large.
+const BRANCHING: f64 = 1e-5;
 /// Tolerance for a column, relative: rounding of the difference that it is compared with.
 const APART: f64 = 1e-6;
 
@@ -175,4 +177,45 @@ fn second_method_multipliers_and_columns_of_curved_chains() {
             assert!(apart < APART, "{frequency} Hz, {parameter}: {apart:e}");
         }
     }
+}
+
+/// A symmetric orbit loses its symmetry where a multiplier of the motion passes 1, and continues
+/// as an unstable orbit.
+#[test]
+fn second_method_a_symmetric_orbit_loses_its_symmetry() {
+    let text = "name = \"Softening\"\nbody.b = { mass = 1.0 }\n\
+        spring.e = { between = [\"ground\", \"b\"], stiffness = 1.0, cubic = -0.2, damping = 0.1 }\n\
+        load.l0 = { on = \"b\", amplitude = 0.15, frequency = 0.13 }\n";
+    let (machine, range) = (machine(text), (0.01, 0.6));
+    let family = Family::new(&machine, "load.l0.amplitude", range).unwrap();
+    let orbit = Orbit::settled(&machine, &Start::default(), 400).unwrap();
+    let branches = [branch(&family, &orbit, &Default::default()).unwrap()];
+    let found = specials(&branches, 0, "BP");
+    let orbits = |value: f64| branches.iter().flat_map(move |b| b.orbits_at(value));
+    let symmetric = |orbit: &Orbit| {
+        let extents =
+            &orbit.watched(&[vibro_machine::Quantity::of_body(0, vibro_machine::What::S)]).extents[0];
+        (extents.largest + extents.least).abs() < ROUNDING
+    };
+    for value in &found {
+        let orbit = orbits(*value).find(symmetric).expect("an orbit");
+        assert!((moduli_by_motion(&orbit)[0] - 1.0).abs() < BRANCHING, "{value}");
+    }
+    assert_eq!(found.len(), 1, "{found:?}");
+    let beyond = orbits(0.6).find(symmetric).expect("the symmetric orbit beyond");
+    assert_eq!(beyond.stability(), Stability::Unstable);
+    assert!(specials(&branches, 0, "LP").iter().all(|fold| (fold - found[0]).abs() > BRANCHING));
+}
+
+/// A limit cycle that leaves its stop has no events by which its period would be known: the branch
+/// ends at the touch.
+#[test]
+fn invariant_a_limit_cycle_that_leaves_its_stop_ends_at_the_touch() {
+    let text = "name = \"Cycle\"\nbody.b = { mass = 1.0, start = { s = 0.5, v = 0.2 } }\n\
+        spring.e = { between = [\"ground\", \"b\"], stiffness = 1.0, cubic = 2.0 }\n\
+        damper.d = { between = [\"ground\", \"b\"], cubic = 0.05, damping = -0.2 }\n\
+        stop.s = { between = [\"ground\", \"b\"], gap = 0.8, restitution = 0.7 }\n";
+    let family = Family::new(&machine(text), "stop.s.gap", (0.8, 1.5)).unwrap();
+    let branches = grown(&family, 3, 1);
+    assert_eq!(specials(&branches, 1, "GR").len(), 1);
 }
