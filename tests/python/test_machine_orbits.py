@@ -142,7 +142,7 @@ def test_an_unstable_orbit_is_found_by_its_word_and_period():
         (lambda: example("impact_pair.toml").orbit(settle=-1), "settle = -1"),
         (lambda: example("two_blocks.toml").orbit(), "it is chaotic"),
         (lambda: example("relay_bounce.toml").orbit(), "load.magnet has a step"),
-        (lambda: example("impact_pair.toml").orbit().follow("stop.left.gap", 2, 3), "must lie in the range 2 to 3"),
+        (lambda: example("impact_pair.toml").orbit().follow("stop.left.gap", 2, 3), "must lie in the range 2 m to 3 m"),
         (lambda: example("impact_pair.toml").orbit().measure("power.lost"), "is not a measure of an orbit"),
         (lambda: example("impact_pair.toml").orbit().gradient("class"), "is not a measure of an orbit"),
         (lambda: vi.Machine(OSCILLATOR).poincare("wall", phase=1.0), "cannot be combined with a section of an element's events"),
