@@ -237,6 +237,7 @@ fn closed_form_units_have_the_exponents_that_their_names_say() {
             "kg" => [1, 0, 0, 0],
             "m" => [0, 1, 0, 0],
             "m2" => [0, 2, 0, 0],
+            "m3" => [0, 3, 0, 0],
             "s" => [0, 0, 1, 0],
             "s2" => [0, 0, 2, 0],
             "rad" => [0, 0, 0, 1],

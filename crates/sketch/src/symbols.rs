@@ -239,7 +239,7 @@ impl Hand<'_> {
 
     /// The arrow across a symbol whose law is curved.
     fn across(&mut self, x: f64, y: f64) {
-        self.arrow((x - 34.0, y + 28.0), (x + 30.0, y - 25.0));
+        self.arrow((x - 40.0, y + 24.0), (x + 36.0, y - 18.0));
     }
 
     fn zigzag(&mut self, from: f64, to: f64, y: f64) {

@@ -2,7 +2,6 @@
 //! `upper.f`, `shaker.f`.
 
 use super::flight::Flow;
-use super::measures::Measure;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -110,9 +109,10 @@ impl QuantityName {
         if let Some(place) = all.iter().position(|quantity| quantity.name == name) {
             return Ok(all.swap_remove(place));
         }
-        match name.parse::<Measure>().ok().and_then(|own| own.quantity().cloned()) {
+        // An output of a sweep, such as amplitude.box.s, has the quantity's name in it.
+        match name.split_once('.').map(|own| own.1).filter(|of| all.iter().any(|q| q.name == *of)) {
             Some(of) => {
-                let problem = format!("`{name}` is an output of a sweep; expected a quantity, such as {of}");
+                let problem = format!("`{name}` is not a quantity; expected a quantity, such as {of}");
                 Err(Error::Described { problem })
             }
             None => Err(unknown(&name, &all.into_iter().map(|q| q.name).collect::<Vec<_>>())),

@@ -214,7 +214,7 @@ fn second_method_orbits_over_corners_and_pads_are_motions() {
     let wanted = WantedWord::parse("press glue, press pad", &orbit.place().assembly).unwrap();
     assert!(wanted.is(orbit.word(), &orbit.place().assembly), "{words}");
     let refused = WantedWord::parse("corner q", &orbit.place().assembly).unwrap_err().to_string();
-    assert!(refused.contains("elements with corner: p"), "{refused}");
+    assert!(refused.contains("such elements: p"), "{refused}");
     let family = Family::new(&machine, "spring.p.points[2].f", (0.8, 1.2)).unwrap();
     let found = branch(&family, &orbit, &Default::default()).unwrap();
     assert!(found.points.len() > 3, "{}", found.points.len());
