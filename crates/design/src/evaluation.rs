@@ -218,7 +218,7 @@ pub(crate) struct Evaluator<'a> {
     all: Mutex<Kept>,
 }
 
-/// Evaluated designs. Those of a stage are sorted by their values after it.
+/// Evaluated designs. A stage's designs are sorted by their values when it ends.
 #[derive(Default)]
 struct Kept {
     designs: Vec<Evaluation>,
@@ -319,7 +319,7 @@ impl<'a> Evaluator<'a> {
         all
     }
 
-    /// At most `most` of the best designs, any two of which differ by at least `distance` in some
+    /// At most `most` of the best designs. Any two differ by at least `distance` in some
     /// coordinate of the unit box.
     pub fn apart(&self, distance: f64, most: usize) -> Vec<Evaluation> {
         let mut kept: Vec<(Vec<f64>, Evaluation)> = Vec::new();
