@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line
-//!     ─▶ sdist ─▶ wheels ─▶ contents (the same again, of what was built) ─▶ notes, sums
+//!     ─▶ sdist ─▶ wheels ─▶ contents (the same checks on the built files) ─▶ notes, checksums
 //! ```
 
 pub mod agreement;
