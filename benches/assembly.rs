@@ -1,5 +1,5 @@
-//! Machines from text files: compared with the 3-DOF core on its own machine, growth with the
-//! number of bodies, stiff contacts and stiff springs; as ratios in one run.
+//! Speed of machines from text files, as ratios within one run: against the 3-DOF core on the
+//! 3-DOF machine, over the number of bodies, with stiff contacts, with stiff springs.
 //! `cargo bench -p benches --bench assembly`
 
 use std::fmt::Write as _;
@@ -11,10 +11,10 @@ use vibro_machine::derivative::Gradient;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::{Assembly, Differentiated, Motion, Quantity, What};
 
-/// Number of rounds of each machine; the smallest time counts.
+/// Number of rounds of most machines; the smallest time counts. Some machines are timed once.
 const ROUNDS: usize = 7;
-/// Number of rounds of the 3-DOF core's machine, short enough that many are not interrupted. Each
-/// round runs every way once, so that changes of the computer's speed affect all ways alike.
+/// Number of rounds of the 3-DOF machine, so short that many are not interrupted. Each times all
+/// three variants once, so that changes of the computer's speed affect all alike.
 const TURNS: usize = 200;
 
 /// The 3-DOF machine as the text of a file.
@@ -48,8 +48,8 @@ fn paper_machine(p: &vibro_impact::Parameters) -> String {
     .concat()
 }
 
-/// A driven chain like a gear train: every second joint has play on both sides with stops of this
-/// law; the others have a spring, the first of them with `keys`.
+/// A driven chain like a gear train: bodies are joined alternately by a clearance (two opposite
+/// stops with the keys `law`) and by a spring, the first spring with the keys `keys`.
 fn chain_of(bodies: usize, law: &str, keys: &str) -> String {
     let mut text = String::from("name = \"Chain\"\n");
     for i in 0..bodies {
@@ -184,7 +184,7 @@ fn machine(text: &str) -> Arc<Assembly> {
     Arc::new(Assembly::new(description).expect("a machine"))
 }
 
-/// Time of a motion, ns, and its number of events.
+/// Time of the last four fifths of a motion, ns, and their number of events.
 fn follow(assembly: &Arc<Assembly>, end: f64, accounts: bool) -> (f64, usize) {
     let mut m = Motion::new(assembly.clone()).expect("a motion");
     if !accounts {
@@ -208,8 +208,8 @@ fn follow_varied(assembly: &Arc<Assembly>, end: f64) -> (f64, usize) {
     (begin.elapsed().as_nanos() as f64, events)
 }
 
-/// Times, ns, of a motion with 200 values of a body, and of the gradient of the sum of their
-/// squares with respect to at most thirty parameters.
+/// Two times, ns: of a motion sampled at 200 times, and of the same motion with the gradient of
+/// the sum of squared samples with respect to at most thirty parameters.
 fn follow_gradient(assembly: &Arc<Assembly>, end: f64) -> [f64; 2] {
     let all = assembly.description.parameters();
     let names: Vec<&str> = all.iter().take(30).map(|p| p.name.as_str()).collect();

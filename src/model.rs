@@ -75,12 +75,12 @@ pub struct Model {
     pub gap: f64,
     /// κ.
     pub restitution: f64,
-    /// Constant loads on the three bodies, N. Like all loads they are arguments of
-    /// [`acceleration`](Self::acceleration), which is linear.
+    /// Constant loads on the three bodies, N. Like all loads they are passed to
+    /// [`acceleration`](Self::acceleration) and are not part of the matrices.
     pub constant_loads: [f64; 3],
     /// Bound r on the rates of both modes and of the drive, 1/s: a weighted maximum norm of the
-    /// bodies' matrices, and at least ω1. The parts of the motion due to drive and loads are
-    /// bounded apart (docs/numerics.md, section 1).
+    /// bodies' matrices, and at least ω1. The contributions of drive and loads are bounded
+    /// separately (docs/numerics.md, section 1).
     pub rate: f64,
 }
 
@@ -115,14 +115,14 @@ pub struct ImpactFactors {
     pub loss: f64,
 }
 
-/// Largest ratio of the system's rate to the drive frequency. At a larger ratio a drive period has
-/// so many sub-steps that their roundings would cost digits, and a period would take minutes.
+/// Largest ratio of the system's rate to the drive frequency. At a larger ratio the accumulated
+/// round-off of a drive period's many sub-steps would cost digits.
 const MAX_RATE_RATIO: f64 = 1e7;
 /// Smallest rate, 1/s, which keeps the sub-step finite. A slower system does not move noticeably
 /// within minutes.
 const MIN_RATE: f64 = 1e-3;
-/// Largest number in squares and products of the theory; larger numbers make them overflow. Its
-/// reciprocal is the smallest number; smaller ones make them underflow.
+/// Largest value of 1/m, 1/L, the drive's acceleration, and L times the rate. Products of larger
+/// values may overflow. The limit on 1/m and 1/L also prevents underflow of products with m and L.
 const MAX_PRODUCT: f64 = 1e100;
 /// Largest rate (1/s) and mass (kg). Above it the energies of the largest speeds and the fifth
 /// derivatives of the largest displacements overflow.
@@ -137,9 +137,9 @@ impl Model {
     /// Equations of motion for a set of parameters.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a parameter outside its range; [`Error::PrecisionLost`] if the
-    /// rates of the system are so large, or so far from the drive's frequency, that double
-    /// precision does not resolve the motion.
+    /// [`Error::OutOfRange`] for a parameter outside its range; [`Error::PrecisionLost`] if a
+    /// rate, a mass, the gap or the drive is so large or so small, or the rates so far from the
+    /// drive's frequency, that double precision does not resolve the motion.
     pub fn new(p: &Parameters) -> Result<Self> {
         p.validate()?;
         let (m1, m2, m3) = (p.box_mass, p.block_mass, p.secondary_mass);
@@ -190,10 +190,10 @@ impl Model {
         Ok(model)
     }
 
-    /// Bound on the norm of both modes' matrices, 1/s. The norm is the maximum norm with w weighted
-    /// by 1/α and the velocities weighted by the reciprocal of the rate itself. The result is the
-    /// smallest bound for several α. The rows of rest are weighted means of the rows of flight for
-    /// box and block.
+    /// Bound on the norm of both modes' matrices, 1/s. The norm is the maximum norm with w
+    /// weighted by 1/α and the velocities by 1/r, where r is the bound. The result is the smallest
+    /// bound for several α. In rest, the row of box and block is the mass-weighted mean of their
+    /// rows in flight.
     fn norm(&self) -> f64 {
         let norm = |alpha: f64| {
             let block = (self.k1 + 2.0 * self.k2) / alpha + self.k2;

@@ -46,7 +46,7 @@ fn closed_form_of_the_uncoupled_oscillators() {
         let State { x, v } = simulator.state();
         let (x1, v1) = oscillator(0.05, 1.0, 0.15, 1.04, 0.7, 0.3, -0.4, t);
         let (x3, v3) = oscillator(0.15, 1.0, 0.0, 1.0, 0.0, 0.5, 0.2, t);
-        // The coordinate w is compared by way of x2 = x1 + w.
+        // The simulator integrates w = x2 - x1; it is checked through x2.
         for (ours, exact) in [(x[0], x1), (v[0], v1), (x[2], x3), (v[2], v3), (x[1], -0.2 + 0.1 * t)] {
             assert!((ours - exact).abs() < ROUNDING, "t = {t}: {ours} {exact}");
         }
@@ -82,8 +82,8 @@ fn closed_form_of_polynomial_loads() {
     }
 }
 
-/// Box and block without springs and loads: the block moves between the stops, in each flight κ
-/// times as fast as in the previous one.
+/// Box and block without springs and loads: the block moves between the stops; in each flight its
+/// speed relative to the box is κ times the previous one.
 #[test]
 fn closed_form_of_a_free_block_between_the_stops() {
     let p = Parameters {
@@ -121,7 +121,7 @@ fn closed_form_of_a_free_block_between_the_stops() {
 /// known instant.
 #[test]
 fn closed_form_of_a_bouncing_block_that_comes_to_rest() {
-    const CLOSED_EARLY: f64 = 1e-7; // s, longest rest of a run that is closed
+    const CLOSED_EARLY: f64 = 1e-7; // s; the last bounces, replaced by rest, are shorter
     for kappa in [0.0, 0.3, 0.75, 0.95] {
         let p = Parameters {
             box_mass: 1e9, // a wall
@@ -197,9 +197,10 @@ fn closed_form_of_the_release() {
 }
 
 /// A heavy block that its load holds at a stop of a light box: box and block swing on the box's
-/// spring as one body. The error is rounding, about ε S for each sub-step (docs/numerics.md,
-/// section 1). If the box's small share of the mass were computed as 1 minus the block's, it would
-/// have few digits, and the error of the motion would be a thousand times as large.
+/// spring as one body. The error is rounding: about ε S per sub-step, with the size S of the
+/// motion (docs/numerics.md, section 1). If the box's small share of the mass were computed as 1
+/// minus the block's, it would have few digits, and the error of the motion would be a thousand
+/// times as large.
 #[test]
 fn closed_form_a_heavy_block_at_rest_in_a_light_box() {
     for (ratio, end) in [(1e2, 100.0), (1e6, 10.0), (1e8, 1.0)] {
@@ -219,7 +220,7 @@ fn closed_form_a_heavy_block_at_rest_in_a_light_box() {
         assert_eq!(simulator.contact(), Contact::RestUpper);
         let frequency = (p.box_stiffness / (p.box_mass + p.block_mass)).sqrt();
         let exact = 1.0 + 0.1 * (frequency * end).cos();
-        // The gap, the displacement and the load; the rate is r² = k1/m1.
+        // S = gap + |x| + f2/(m2 r²), where r² = k1/m1 = `ratio`.
         let size = 1.0 + 1.1 + 1.0 / ratio;
         let rounding = f64::EPSILON * size * simulator.work_counters().substeps as f64;
         let error = (simulator.state().x[0] - exact).abs();

@@ -1,4 +1,5 @@
-//! Pauses before events, the laws of pending events, and the next event.
+//! Pauses before events, application of the event laws after a pause, prediction of the next
+//! event.
 
 use vibro_impact::simulator::{AdvanceOutcome, Contact, DueEvent, Event, Loads, Pause, advance_together};
 use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
@@ -6,8 +7,8 @@ use vibro_impact::{Groups, Parameters, Scales, Simulator, State};
 /// Rounding of a few hundred additions: the input energy of a motion with pauses is summed in a
 /// different order.
 const SUM_ROUNDING: f64 = 1e-12;
-/// Rounding of the drive's phase, which a pause computes again, amplified by some tens of impacts
-/// of a stable motion.
+/// Tolerance for rounding of the drive's phase: each pause recomputes it, and some tens of impacts
+/// of a stable motion amplify the error.
 const PHASE_ROUNDING: f64 = 1e-11;
 
 fn start() -> State {
@@ -34,8 +35,8 @@ fn bits(s: &Simulator) -> Vec<u64> {
 
 #[test]
 fn invariant_pause_and_law_give_the_bits_of_a_stop_after_the_impact() {
-    // κ 0.7: impacts alone; 0 and 0.3: capture into rest and release as well, with pauses at the
-    // releases.
+    // With small κ the block also comes to rest. The comparison ends at its first release, which
+    // is a pause, too.
     for (f10, kappa) in [(1.5, 0.7), (3.5, 0.75), (1.5, 0.0), (1.5, 0.3), (3.0, 1.0)] {
         let p = system(f10, kappa);
         let end = 30.0 * p.period();
@@ -47,7 +48,7 @@ fn invariant_pause_and_law_give_the_bits_of_a_stop_after_the_impact() {
             if let Some(DueEvent::Release { side }) = before.due_event() {
                 assert_eq!(before.contact().side(), f64::from(side));
                 releases = true;
-                break; // from here on the phase is computed again at other times
+                break; // from here on the two recompute the phase at different times
             }
             assert_eq!(reason == AdvanceOutcome::EventDue, seen == AdvanceOutcome::Impact, "{kappa}");
             if reason == AdvanceOutcome::End {
@@ -157,7 +158,7 @@ fn invariant_a_pause_in_an_advance_counts_as_its_first_impact() {
     assert!(s.advance_to(time - 0.1).is_err() && s.due_event().is_some(), "an error applies nothing");
     assert_eq!(s.advance_to_impact(100.0).unwrap(), AdvanceOutcome::Impact);
     assert_eq!((s.time(), s.due_event()), (time, None));
-    // An advance of zero length applies it as well.
+    // An advance of zero length also applies the due event.
     s.advance_until(100.0, Pause::BeforeEvent, None).unwrap();
     let count = s.impacts().upper + s.impacts().lower;
     s.advance_to(s.time()).unwrap();
@@ -198,7 +199,7 @@ fn closed_form_changes_while_an_event_is_due() {
 fn invariant_energies_balance_and_each_pause_has_its_event_over_a_thousand_pauses() {
     /// Rounding of a thousand sums, relative to the largest energy.
     const BALANCE: f64 = 1e-11;
-    /// Largest number of pauses at one instant: impact, capture into rest and release.
+    /// Largest number of pauses at one instant, e.g. an impact that ends in rest, and the release.
     const AT_ONE_TIME: u32 = 3;
     for (f10, kappa) in [(3.0, 0.0), (3.0, 0.1), (1.5, 0.75), (1.5, 1.0)] {
         for force in [[0.0; 4], [-0.02, 1e-5, 0.0, 0.0]] {
@@ -231,8 +232,8 @@ fn invariant_energies_balance_and_each_pause_has_its_event_over_a_thousand_pause
 
 #[test]
 fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
-    // An advance to that time may end just before the event; a pause during an advance to a later
-    // end reaches it.
+    // The predicted time is a double, so an advance to it may end just before the event. An
+    // advance to a later end then pauses at the event.
     for kappa in [0.0, 0.3, 0.75] {
         let mut s = simulator(&system(1.5, kappa));
         for _ in 0..100 {
@@ -251,8 +252,8 @@ fn invariant_the_time_told_is_the_events_but_for_its_rounding() {
 
 #[test]
 fn second_method_the_lanes_take_the_ends_that_one_by_one_takes() {
-    // The current time as a double differs from the current time by rounding, in either direction;
-    // the next double below is accepted too.
+    // `time()` is the double-double time of the simulator, rounded to a double in either
+    // direction. The next double below it is accepted as an end, too.
     let mut s = simulator(&system(1.5, 0.75)).without_energy_accounts();
     for _ in 0..50 {
         s.advance_until(1e4, Pause::BeforeEvent, None).unwrap();

@@ -8,7 +8,7 @@ fn at_stop(side: f64, relative: f64) -> State {
     State { x: [0.0, side, 0.0], v: [0.0, relative, 0.0] }
 }
 
-/// Machine without springs on box and block, on which only the given push acts.
+/// Machine without springs on box and block. At rest only the given push acts.
 fn pushed(push: f64) -> Parameters {
     Parameters {
         box_stiffness: 0.0,
@@ -35,7 +35,7 @@ impl Push for Parameters {
 fn closed_form_contact_at_the_start() {
     for side in [1.0, -1.0] {
         let rest = if side > 0.0 { Contact::RestUpper } else { Contact::RestLower };
-        // The box pushed towards the block presses it; pulled away, the box leaves the block
+        // If pushed towards the block, the box presses it; if pulled away, it leaves the block
         // behind.
         let pressed = Simulator::new(&pushed(-0.1 * side), &at_stop(side, 0.0), 0.0).unwrap();
         assert_eq!(pressed.contact(), rest);
@@ -146,7 +146,8 @@ fn second_method_a_drive_phase_of_any_size_is_its_rest_of_a_turn() {
 
 #[test]
 fn invariant_extreme_but_allowed_parameters_keep_the_stops_and_the_energy() {
-    /// Bound relative to the energy that passed through; stiff springs store much more.
+    /// Bound relative to the largest of mechanical energy, damped energy and work. Stiff springs
+    /// store much more than the work.
     const BOUND: f64 = 1e-9;
     let p = Parameters::default();
     let cases = [
@@ -208,9 +209,9 @@ fn invariant_a_step_of_nothing_from_the_present_is_none() {
     }
 }
 
-/// Motions with absurd speeds end soon and stay within the stops. The bound on the acceleration of
-/// a sub-step, far above the acceleration just after a release or between two fast impacts, must
-/// not limit the step. (Found by the fuzzer.)
+/// Motions with absurd speeds end soon and stay within the stops. Just after a release or between
+/// two fast impacts, the bound on a sub-step's acceleration is far above the acceleration; it must
+/// not shorten the step. (Found by the fuzzer.)
 #[test]
 fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for speed in [1e3, 1e12] {
@@ -247,7 +248,8 @@ fn invariant_absurd_speeds_end_and_keep_the_stops() {
     for power in [-340, -600, -1070] {
         assert!(matches!(scaled(2f64.powi(power)), Err(Error::PrecisionLost { .. })), "{power}");
     }
-    // Squares of speeds must not overflow either: every state that is reached can be restored.
+    // Squares of speeds must not overflow either; otherwise a state that is reached could not be
+    // restored.
     assert!(refused(&Parameters { stop_gap: 1e101, ..p }, 0.0));
     assert!(refused(&Parameters { stop_gap: 1e99, drive_frequency: 1e3, ..p }, 0.0));
     let mut simulator = Simulator::new(&p, &State::default(), 0.0).unwrap();

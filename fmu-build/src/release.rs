@@ -1,9 +1,9 @@
-//! One command assembles a release: archives, wheels, pages, sums, notes, in one folder that can
-//! be distributed unchanged.
+//! Assembles a release with one command: archives, wheels, pages, checksums and notes, in one
+//! folder that can be distributed as it is.
 //!
 //! ```text
 //! agreement (versions, tokens, changelog) ─▶ archives ─▶ example machines, command line
-//!     ─▶ sdist ─▶ wheels ─▶ contents (the same again, of what was built) ─▶ notes, sums
+//!     ─▶ sdist ─▶ wheels ─▶ contents (the same checks on the built files) ─▶ notes, checksums
 //! ```
 
 pub mod agreement;
@@ -28,7 +28,7 @@ use std::fs;
 use std::path::Path;
 use wheels::WHEELS;
 
-/// Name of the file of sums.
+/// Name of the checksum file.
 pub const SUMS: &str = "SHA256SUMS";
 /// Name of the notes.
 pub const NOTES: &str = "RELEASE_NOTES.md";
@@ -50,8 +50,9 @@ struct Assembly<'a> {
     left_out: Vec<String>,
 }
 
-/// Assembles a release and replaces a folder by it. Returns the files of the release and the parts
-/// that were left out. `only` selects platforms by FMI 3.0 tuples; an empty list selects all.
+/// Assembles a release and replaces the contents of the folder `into` by it. Returns the files of
+/// the release and the parts that were left out. `only` selects platforms by FMI 3.0 tuples; an
+/// empty list selects all.
 ///
 /// # Errors
 /// [`Error::Release`] if the sources disagree, if the built files disagree, or if a tag is
@@ -171,7 +172,8 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Installs this machine's wheel in a clean environment and runs it and the native library.
+    /// Installs the wheel for this computer in a clean Python environment and compares its results
+    /// with the native library.
     fn try_own_wheel(&mut self) -> Result<()> {
         let version = &self.agreed.version;
         let own = WHEELS.iter().find(|p| p.is_own()).map(|p| p.file(version));
@@ -212,7 +214,7 @@ fn check_replaceable(folder: &Path) -> Result<()> {
     })
 }
 
-/// Replaces a folder by the files of another, which may be on another disk. The file of sums is
+/// Replaces a folder by the files of another, which may be on another disk. The checksum file is
 /// copied last, so that a folder with this file is complete.
 fn copy(folder: &Path, into: &Path) -> Result<()> {
     clear(into)?;
@@ -235,7 +237,7 @@ fn clear(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::file("making the folder", folder))
 }
 
-/// The sums of all files, in the form of `sha256sum`.
+/// SHA-256 checksums of all files, in the format of `sha256sum`.
 fn sums(folder: &Path) -> Result<String> {
     let reading = || Error::file("reading the folder", folder);
     let mut lines = Vec::new();

@@ -117,8 +117,8 @@ pub fn compute<T: Send + 'static>(
     }
 }
 
-/// Results of `each` for `count` motions by index, on all threads. The exception of a signal has
-/// the results so far as its attribute `partial`: a list with `None` for unfinished motions.
+/// Results of `each` for `count` motions by index, on all threads. The attribute `partial` of a
+/// signal's exception is the list of results, with `None` for unfinished motions.
 pub fn each_of<T>(
     py: Python<'_>,
     count: usize,

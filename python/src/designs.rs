@@ -1,6 +1,5 @@
 //! Machines of many motions: given one by one, or as one machine with rows of parameter values.
-//! Each machine is created by the thread that runs its motion, so that Python needs no object for
-//! it.
+//! With rows, the thread that runs a motion creates its machine, without a Python object.
 
 use crate::arrays::rows_of_states;
 use crate::failure::Failure;
@@ -22,7 +21,7 @@ pub enum GivenAssemblies<'py> {
     Several(Vec<PyRef<'py, Described>>),
 }
 
-/// Described machines for another thread.
+/// Owned copies of the described machines, which can be sent to another thread.
 pub enum Assemblies {
     Rows(Described, Vec<String>, Rows),
     Several(Vec<Described>),
@@ -47,7 +46,7 @@ impl Rows {
 }
 
 impl GivenAssemblies<'_> {
-    /// The machines for another thread.
+    /// Owned copies of the machines.
     pub fn owned(&self) -> PyResult<Assemblies> {
         Ok(match self {
             Self::Rows(machine, names, table) => {
@@ -75,7 +74,7 @@ impl Assemblies {
         }
     }
 
-    /// Checks names of measures and of a section's element, which are common to all machines.
+    /// Checks the names of the measures and of the section's element, for all machines.
     ///
     /// # Errors
     /// If no machine has all of these names.
@@ -122,34 +121,35 @@ pub fn start_of(starts: &[Numbers], index: usize) -> &Numbers {
 /// The paper's machines as Python gives them.
 #[derive(FromPyObject)]
 pub enum GivenSystems<'py> {
-    /// Values in SI; groups; indices, counted over both lists, of the values that change from
-    /// motion to motion; and these values, a row for each motion.
+    /// Values in SI; dimensionless groups; indices of the values that change from motion to
+    /// motion, counted through the first list, then the second; and these values, a row for each
+    /// motion.
     Rows(Vec<(String, f64)>, Vec<(String, f64)>, Vec<usize>, PyReadonlyArray2<'py, f64>),
     Several(Vec<PyRef<'py, System>>),
 }
 
-/// Starts of the paper's machines as Python gives them: states in SI, or one start for all
-/// motions, with numbers in units of L and L ω10 unless given in SI.
+/// Starts of the paper's machines as Python gives them: a state for each motion, in SI, or one
+/// start for all motions. Each coordinate of the common start is in units of L or L ω10, or in SI.
 #[derive(FromPyObject)]
 pub enum GivenStarts<'py> {
     States(PyReadonlyArray2<'py, f64>),
     Rule([f64; 6], [Option<f64>; 6]),
 }
 
-/// The paper's machines for another thread.
+/// Owned parameters of the paper's machines, which can be sent to another thread.
 pub enum Systems {
     Rows(Vec<(Name, f64)>, Vec<(Name, f64)>, Vec<usize>, Rows),
     Several(Vec<Parameters>),
 }
 
-/// Starts of the paper's machines for another thread.
+/// Owned starts of the paper's machines, which can be sent to another thread.
 pub enum Starts {
     States(Vec<State>),
     Rule(StartRule),
 }
 
 impl GivenSystems<'_> {
-    /// The machines for another thread.
+    /// Owned copies of the machines.
     pub fn owned(&self) -> PyResult<Systems> {
         Ok(match self {
             Self::Rows(si, groups, places, table) => {
@@ -164,7 +164,7 @@ impl GivenSystems<'_> {
 }
 
 impl GivenStarts<'_> {
-    /// The starts for another thread.
+    /// Owned copies of the starts.
     pub fn owned(&self) -> PyResult<Starts> {
         Ok(match self {
             Self::States(states) => Starts::States(rows_of_states(states)?),

@@ -5,7 +5,7 @@
 //! from the returned arrays. This crate does the computations. Long computations run in a separate
 //! thread, so that Python's other threads continue and Ctrl-C is handled (`background.rs`).
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! |---|---|
 //! | `machine.rs` | a described machine, its starts and sections, as Python objects |
 //! | `machine_studies.rs` | measures and diagrams of described machines |
@@ -16,7 +16,7 @@
 //! | `machine_settled.rs` | basins, sections and all exponents of described machines |
 //! | `paper_system.rs` | parameters of the paper's machine, and loads, as Python objects |
 //! | `paper_motion.rs` | motions of the paper's machine: sampled, many at once, sections |
-//! | `paper_studies.rs` | bifurcation diagrams, exponents, basins and measures of the paper's machine |
+//! | `paper_studies.rs` | diagrams, exponents, basins and measures of the paper's machine |
 //! | `paper_steady.rs` | closed forms |
 //! | `paper_orbits.rs` | periodic orbits of the paper's machine and their branches |
 //! | `designs.rs` | machines of many motions, given one by one or as rows of numbers |

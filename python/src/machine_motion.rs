@@ -232,8 +232,8 @@ pub fn follow_many(
 pub type Ends<'py> = (Array2<'py, f64>, Vec<Option<String>>);
 
 /// Simulates one motion of each of many machines until a time (s), and returns the final states.
-/// Each motion has its own start, or all have a common one; all machines have the same columns.
-/// With `in_rows` a failed motion has a reason in its row instead of ending the computation.
+/// Each motion has its own start, or all have a common one; all machines have the same columns. If
+/// `in_rows`, a failed motion has a reason in its row instead of ending the computation.
 #[pyfunction]
 #[pyo3(signature = (machines, starts, until, in_rows, progress = None))]
 pub fn simulate_many<'py>(

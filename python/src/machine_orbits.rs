@@ -23,7 +23,7 @@ pub struct Orbit {
 
 #[pymethods]
 impl Orbit {
-    /// Its events in words.
+    /// The orbit's word: its sequence of events as text.
     #[getter]
     fn word(&self) -> String {
         self.orbit.word().in_words(&self.orbit.place().assembly)
@@ -41,7 +41,7 @@ impl Orbit {
         self.orbit.word().periods
     }
 
-    /// Time, kind and element of each event.
+    /// Time, kind and element of each event, without samples of blocks.
     #[getter]
     fn events(&self) -> Vec<(f64, &'static str, String)> {
         let assembly = &self.orbit.place().assembly;
@@ -70,7 +70,7 @@ impl Orbit {
         self.orbit.violation()
     }
 
-    /// Numbers of a start on the orbit.
+    /// Names and values of a start on the orbit.
     #[getter]
     fn start(&self) -> Numbers {
         self.orbit.start().numbers()
@@ -100,8 +100,8 @@ impl Orbit {
     }
 }
 
-/// The orbit on which a motion settles, or an orbit with a given word or period: a number of
-/// common periods of the drive, or a time, s.
+/// The orbit on which a motion settles, or an orbit with a given word or period. The period is a
+/// number of common periods of the drives (`periods`) or a time, s (`time`).
 #[pyfunction]
 #[pyo3(signature = (machine, start, settle, section, word, periods, time, starts, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
@@ -153,7 +153,7 @@ pub struct BranchArrays<'py> {
     starts: Vec<Option<Numbers>>,
 }
 
-/// A branch with a measure of each of its orbits, and a start on it.
+/// A branch with a measure of each orbit and a start on each orbit.
 struct Measured {
     branch: Branch,
     values: Vec<(f64, Option<Numbers>)>,
@@ -218,7 +218,8 @@ pub fn follow<'py>(
     arrays(py, &family, found)
 }
 
-/// All branches over a range of a parameter, found from settled motions and special points.
+/// The branches over a range of a parameter that are reached from settled motions and special
+/// points.
 #[pyfunction]
 #[pyo3(signature = (machine, name, ends, of, start, seeds, depth, settle, section, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]

@@ -1,4 +1,5 @@
-//! Settled motions of described machines: basins of attraction, sections, all exponents.
+//! Settled motions of machines from files: basins of attraction, Poincaré sections, Lyapunov
+//! spectra.
 
 use crate::arrays::{Array1, Array2, column, plane};
 use crate::background::compute;
@@ -54,7 +55,8 @@ pub struct BasinsArrays<'py> {
     ended: Option<String>,
 }
 
-/// Basins of attraction over two numbers of the start, each given as name, ends and cells.
+/// Basins of attraction over two components of the initial state, each given as name, ends and
+/// number of cells.
 #[pyfunction]
 #[pyo3(signature = (machine, x, y, start, discard, section, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of the package")]
@@ -133,7 +135,7 @@ pub fn section<'py>(
     })
 }
 
-/// All exponents of a motion.
+/// Lyapunov spectrum of a motion.
 #[derive(IntoPyObject)]
 pub struct SpectrumArrays<'py> {
     exponents: Array1<'py, f64>,
@@ -143,7 +145,7 @@ pub struct SpectrumArrays<'py> {
     running: Array2<'py, f64>,
 }
 
-/// All exponents of a machine's motion over a number of returns.
+/// Lyapunov spectrum of a machine's motion over a number of returns to the section.
 #[pyfunction]
 #[pyo3(signature = (machine, start, settle, periods, section, progress = None))]
 pub fn spectrum<'py>(

@@ -9,7 +9,7 @@ use vibro_impact::load::{Body, Interpolation, Load};
 use vibro_impact::simulator::Pause;
 use vibro_impact::{Parameters, Simulator, State};
 
-/// The run reaches its rows in different steps than a plain advance.
+/// Tolerance between rows of a run and a single advance, whose steps and rounding differ.
 const ROUNDING: f64 = 1e-10;
 
 fn columns(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
@@ -103,7 +103,8 @@ fn a_changed_record_is_another_study() {
     let given = format!("box={}", record.display());
     let out = folder("run-changing");
     drawn(&out, &["run", "--load", &given, "--duration", "2"]);
-    // A file with equal contents and an equal time written differently make an equal study.
+    // Another file with the same contents, and the same duration in another unit, are the same
+    // study.
     let copy = format!("box={}", file("run-moved.csv", "0,0\n1,0.5\n2,0\n").display());
     drawn(&out, &["run", "--load", &copy, "--duration", "2000ms"]);
     file("run-changing.csv", "0,0\n1,0.6\n2,0\n");
@@ -149,7 +150,7 @@ fn picture(out: &Path) -> (Vec<String>, usize) {
     (texts.map(String::from).collect(), svg.len())
 }
 
-/// Whether a picture contains words, as a separate text or within one.
+/// Whether a picture's joined texts contain these words.
 fn says(texts: &[String], words: &str) -> bool {
     // A caption is split into lines.
     texts.join(" ").contains(words)

@@ -69,7 +69,7 @@ impl Value {
         }
     }
 
-    /// Larger distance from the value to an end of its error bar.
+    /// Distance from the value to the farther end of its error bar.
     pub fn error(&self) -> f64 {
         (self.value - self.bar.0).max(self.bar.1 - self.value).max(0.0)
     }
@@ -105,7 +105,7 @@ pub struct Evaluation {
     pub goal: Option<Value>,
     /// The limited measures.
     pub limits: Vec<Option<Value>>,
-    /// The motion with the worst goal, in words; empty if there is one motion.
+    /// The motion with the worst goal, in words; empty if there is one motion or no value.
     pub place: String,
     /// Reason for missing values, or a caveat.
     pub reason: Option<String>,
@@ -142,7 +142,8 @@ impl Evaluation {
         found
     }
 
-    /// Replaces a measure's value by a peak in the band (signed) if the peak is worse.
+    /// Replaces a measure's value by a peak within the band if the peak is worse, and shifts the
+    /// error bar with it. `peak` has the sign for minimization: larger is worse.
     pub(crate) fn raise(&mut self, evaluator: &Evaluator, (measure, peak): (usize, f64), place: &[f64]) {
         let (request, sweep) = (evaluator.request, &evaluator.sweep);
         let sign = sweep.measures[measure].sign();
@@ -205,7 +206,7 @@ pub struct Control<'a> {
     pub progress: &'a (dyn Fn(&Now) + Sync),
 }
 
-/// Number of evaluations to which local searches and comparison correspond in the progress.
+/// Share of local searches and comparison in the progress, in evaluations.
 const FURTHER: f64 = 30.0;
 
 /// Evaluates designs and keeps all of them.
@@ -217,11 +218,11 @@ pub(crate) struct Evaluator<'a> {
     all: Mutex<Kept>,
 }
 
-/// Evaluated designs, in order.
+/// Evaluated designs. A stage's designs are sorted by their values when it ends.
 #[derive(Default)]
 struct Kept {
     designs: Vec<Evaluation>,
-    /// Signed and plain goal of the best design that meets the limits.
+    /// Goal of the best feasible design: with the sign for minimization, and as it is.
     best: Option<(f64, f64)>,
 }
 
@@ -318,8 +319,8 @@ impl<'a> Evaluator<'a> {
         all
     }
 
-    /// The best designs that differ from each other by at least `distance` in the unit box, in
-    /// some coordinate.
+    /// At most `most` of the best designs. Any two differ by at least `distance` in some
+    /// coordinate of the unit box.
     pub fn apart(&self, distance: f64, most: usize) -> Vec<Evaluation> {
         let mut kept: Vec<(Vec<f64>, Evaluation)> = Vec::new();
         for own in self.ranked() {

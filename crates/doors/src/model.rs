@@ -12,14 +12,15 @@ use std::fmt::Debug;
 /// Variables, continuous states and saved states of a component.
 ///
 /// Each method checks all its arguments before it changes anything, so that a refused call leaves
-/// the component unchanged. A type leaves out the methods for capabilities that it does not offer:
-/// their defaults refuse the call, and name what is missing.
+/// the component unchanged. A type omits the methods of capabilities that it does not offer. Their
+/// defaults do nothing, return an empty result, or refuse the call with the name of the missing
+/// capability.
 ///
 /// All values are passed as `f64`: Integers and enumerations are exact in it, Booleans and clocks
-/// are 0 and 1. The doors ask an instance for its variables, so a component may learn its
-/// variables at instantiation. There are no String, Binary and structural variables, no input
-/// clocks and no Scheduled Execution.
-#[allow(unused_variables)] // of the defaults
+/// are 0 and 1. The FMI 2.0 and 3.0 interfaces ("doors") query the variables of an instance, so a
+/// component may determine its variables only at instantiation. There are no String, Binary and
+/// structural variables, no input clocks and no Scheduled Execution.
+#[allow(unused_variables)] // the default methods do not use their arguments
 pub trait Model: Sized + Debug + 'static {
     /// Type of the component's refusals; [`Problem`](crate::Problem) if it needs no others.
     type Problem: Refusal;
@@ -67,8 +68,8 @@ pub trait Model: Sized + Debug + 'static {
     /// variables, and arrays are in row-major order. No value is NaN or infinite.
     ///
     /// # Errors
-    /// [`Problem::Reference`](crate::Problem::Reference), before anything is written, if a
-    /// reference does not have a variable of these types.
+    /// [`Problem::Reference`](crate::Problem::Reference) if a reference belongs to no variable of
+    /// these types; then nothing has been written.
     fn get(
         &mut self,
         bases: Bases,
@@ -116,8 +117,8 @@ pub trait Model: Sized + Debug + 'static {
         not_offered("derivatives of outputs")
     }
 
-    /// `fmi2GetDirectionalDerivative`, `fmi3GetDirectionalDerivative`: passes the derivative of
-    /// unknown `i` along `seed` in the space of knowns to `write`.
+    /// `fmi2GetDirectionalDerivative`, `fmi3GetDirectionalDerivative`: passes to `write`, for each
+    /// unknown `i`, its directional derivative Σ ∂unknown/∂known · seed.
     ///
     /// # Errors
     /// By default always.
@@ -148,7 +149,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2SetContinuousStates`, `fmi3SetContinuousStates`: sets all continuous states.
     ///
     /// # Errors
-    /// If the states are not possible; then nothing has changed. By default always.
+    /// If the states are not admissible; then nothing has changed. By default always.
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Self::Problem> {
         not_offered("continuous states")
     }

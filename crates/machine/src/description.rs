@@ -35,7 +35,7 @@ pub struct Description {
     pub dampers: Vec<Damper>,
     /// Bodies in modal coordinates.
     pub modals: Vec<Modal>,
-    /// Bodies with matrices, as [`add_matrix`](Self::add_matrix) adds them.
+    /// Bodies given by matrices, added by [`add_matrix`](Self::add_matrix).
     pub matrices: Vec<Matrix>,
     /// One-sided contacts, rigid and compliant.
     pub stops: Vec<Stop>,
@@ -66,7 +66,7 @@ pub enum Dimension {
     Rotation,
 }
 
-/// A body with one coordinate s, positive in one direction.
+/// A body with one coordinate s and a chosen positive direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     /// Its name, unique among the bodies and other than `ground`.
@@ -92,7 +92,7 @@ pub enum BodyKind {
     /// Prescribed: a signal of time is the rate or the acceleration.
     Integrated(Integrated),
     /// Node on a body with many coordinates: s = Σ factor · coordinate, without an inertia of its
-    /// own. Each term is the index of a coordinate's body and a factor other than 0.
+    /// own. Each term is the index of the body that has the coordinate, and a nonzero factor.
     Node(Vec<(usize, f64)>),
 }
 
@@ -106,7 +106,7 @@ impl BodyKind {
 /// The motion of a body whose rate or acceleration is prescribed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Integrated {
-    /// Meaning of the signal.
+    /// Whether the signal is the rate or the acceleration.
     pub level: Level,
     /// Rate or acceleration.
     pub signal: Signal,
@@ -116,7 +116,7 @@ pub struct Integrated {
     pub v: f64,
 }
 
-/// The time derivative of a coordinate that a signal prescribes.
+/// Which time derivative of a coordinate a signal prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// The rate, m/s or rad/s.
@@ -179,10 +179,10 @@ impl Arms {
 }
 
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e'
-/// resists e: it acts on a body by -arm · f. [`curve`](Self::curve) adds higher powers of e. With
-/// [`points`](Self::points), straight lines through them replace preload + stiffness · e. With a
-/// dashpot or slider in [`series`](Self::series), f = stiffness · (e - x) + damping · e', where x
-/// is the inner displacement.
+/// resists e: the force on a body is -arm · f. [`curve`](Self::curve) adds higher powers of e.
+/// With [`points`](Self::points), straight lines through them replace preload + stiffness · e.
+/// With a dashpot or slider in [`series`](Self::series), f = stiffness · (e - x) + damping · e',
+/// where x is the inner displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the elements.
@@ -191,8 +191,8 @@ pub struct Spring {
     pub arms: Arms,
     /// Stiffness, N/m or N m/rad; not negative.
     pub stiffness: f64,
-    /// Stiffness that steps in time, by constant and steps or by a held record; `stiffness` is
-    /// then 0.
+    /// Piecewise constant stiffness over time, by constant and steps or by a held record;
+    /// `stiffness` is then 0.
     pub stepped: Option<Signal>,
     /// Damping, N s/m or N m s/rad; not negative.
     pub damping: f64,
@@ -202,8 +202,9 @@ pub struct Spring {
     /// `None` for a power that the force does not have. With any of them, the stiffness may be
     /// negative.
     pub curve: Curve,
-    /// Points of the force without its dashpot: none, or two or more with increasing e. The first
-    /// and the last line extend beyond the points. With points, stiffness and preload are 0.
+    /// Points (e, f) of a piecewise linear force without the dashpot's part: none, or at least
+    /// two, with increasing e. The end lines extend beyond the points. Stiffness and preload are 0
+    /// if there are points.
     pub points: Vec<ForcePoint>,
     /// Dashpot or slider in series; `None` for an ordinary spring.
     pub series: Option<Series>,
@@ -238,7 +239,7 @@ pub struct Damper {
     pub arms: Arms,
     /// Damping, N s/m or N m s/rad; positive, or of any sign with `cubic`.
     pub damping: f64,
-    /// Coefficient of e'³ in the force, N s³/m³ or N m s³/rad³; `None` for a straight dashpot.
+    /// Coefficient of e'³ in the force, N s³/m³ or N m s³/rad³; `None` for a linear dashpot.
     pub cubic: Option<f64>,
 }
 
@@ -323,7 +324,7 @@ pub struct Friction {
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// Sliding level, N or N m; there is no friction while it is not positive.
+    /// Sliding level, N or N m; while it is zero or negative, friction does not act.
     pub force: Signal,
     /// Static level, if it differs from `force`; at least `force`.
     pub static_force: Option<Signal>,
@@ -442,7 +443,7 @@ impl SweepLaw {
 }
 
 impl Sweep {
-    /// Turns from time 0 to its end.
+    /// Number of cycles of the sine from time 0 to the end of the sweep.
     pub fn turns(&self) -> f64 {
         match self.law {
             SweepLaw::Logarithmic if self.from != self.to => {

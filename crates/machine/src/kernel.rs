@@ -281,7 +281,7 @@ impl SparseMatrix {
         self.rows.len() - 1
     }
 
-    /// Whether there are no rows.
+    /// Whether the matrix has no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -131,7 +131,7 @@ fn same_parts<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> S
     first.unwrap_or("").to_owned()
 }
 
-/// The valid name of which an unknown name is probably a misspelling or the last parts.
+/// The valid name that an unknown name probably misspells, or whose last parts it is.
 pub(crate) fn nearest<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
     let first = same_parts(name, valid.clone());
     let rest = name.get(first.len()..).filter(|rest| !rest.is_empty() && name.len() <= LONGEST_MISSPELT)?;

@@ -12,25 +12,27 @@ fn machine(text: &str) -> Arc<Assembly> {
     Arc::new(Assembly::new(description).expect("an assembly"))
 }
 
-/// Largest difference from 50 digits, over the factor by which the motion magnifies a change of its
-/// start: some tens of roundings of coordinates and rates of order 1 to 10.
+/// Tolerance on the difference from 50 digits, divided by the motion's amplification of a change
+/// of its start: some tens of roundings of coordinates and rates of order 1 to 10.
 const ROUNDINGS: f64 = 1e-13;
 
-/// Rounding of a state after twenty periods, relative to its amplitudes.
+/// Rounding of a state after twenty periods, relative to its amplitudes; also the tolerance for
+/// derivatives of an amplitude.
 const RETURNED: f64 = 1e-12;
 /// Rounding of the energy accounts of order 100 J over a thousand events.
 const BALANCED: f64 = 1e-11;
-/// Series in a period of a spring without a linear part are about 20. Without a time scale of the
-/// motion's own they are thousands.
+/// Largest number of series in a call. A period of a purely cubic spring takes about 20, but
+/// thousands if sub-steps do not follow the motion's own time scale.
 const SERIES: u64 = 60;
 /// Rounding of the energy accounts over a hundred events, relative to the first energy.
 const BALANCE: f64 = 1e-12;
-/// Rounding of a place of 0.1 m after a hundred events, magnified by the motion.
+/// Rounding of a displacement of order 0.1 m after a hundred events, amplified by the motion, m.
 const PAUSED: f64 = 1e-11;
-/// Error of a difference of motions: the square of the shift and roundings over it.
+/// Relative tolerance for a central difference of motions: truncation, and rounding divided by the
+/// shift.
 const OF_DIFFERENCE: f64 = 1e-6;
-/// Shift of a start for a difference of motions: its square and the rounding of 1e-15 over it
-/// are below the tolerance of 1e-6.
+/// Shift of an initial value, or relative shift of a parameter, for central differences: its
+/// square, and rounding of 1e-15 divided by it, are below 1e-6.
 const DIFFERENCE: f64 = 1e-6;
 
 /// Largest difference of a derivative from 50 digits, relative to the largest of its column: the
@@ -57,7 +59,7 @@ fn closed_form_period_of_a_hardening_spring() {
         let stiffness = if k > 0.0 { format!("stiffness = {k}, ") } else { String::new() };
         let square = (k + c * amplitude * amplitude) / mass;
         let period = 4.0 * complete(c * amplitude * amplitude / (2.0 * mass * square)) / square.sqrt();
-        // From the middle with all the energy, from the largest displacement with none.
+        // Starts: at rest at the largest displacement; at the middle with all energy kinetic.
         let fastest = amplitude * ((k + 0.5 * c * amplitude * amplitude) / mass).sqrt();
         for (start, speed) in [(amplitude, 0.0), (0.0, fastest)] {
             let text = format!(
@@ -78,7 +80,7 @@ fn closed_form_period_of_a_hardening_spring() {
 }
 
 /// A chain with curved springs and dashpots, stops, friction and a drive: the energy accounts
-/// balance, and the motion at half the sub-steps is the same.
+/// balance, and pauses every 0.01 s change the motion only by rounding.
 #[test]
 fn invariant_energy_accounts_balance() {
     let text = "name = \"Chain\"\ngravity = 9.81\n\
@@ -112,8 +114,8 @@ fn invariant_energy_accounts_balance() {
     }
 }
 
-/// Random chains against Taylor series in 50 digits (`data/make_curved.py`): the number of impacts,
-/// and the states within roundings that the motion has magnified.
+/// Random chains against Taylor series in 50 digits (`data/make_curved.py`): number of impacts,
+/// and states up to the rounding that the motion has amplified.
 #[test]
 fn second_method_random_chains_in_fifty_digits() {
     let all = include_str!("data/curved.txt");
@@ -171,7 +173,7 @@ fn second_method_variations_are_differences_of_motions() {
     }
 }
 
-/// What is not computed for curved forces is refused with the element.
+/// Options that curved forces do not support are refused; the message names the element.
 #[test]
 fn refusals_name_the_element() {
     let duffing = "name = \"D\"\nbody.b = { mass = 1.0 }\n\
@@ -214,8 +216,8 @@ fn closed_form_derivatives_of_an_amplitude() {
     }
 }
 
-/// Stops, friction and a drive over many events: no event is missed, as zero tolerances do not
-/// grow with the slope of the curved forces.
+/// Stops, friction and a drive over many events: no event is missed, because the tolerance for a
+/// zero of an event function does not grow with the slope of the curved forces.
 #[test]
 fn invariant_energy_balances_over_many_events() {
     let text = "name = \"Chain\"\nbody.a = { mass = 1.0 }\nbody.b = { mass = 0.3 }\n\
@@ -236,8 +238,8 @@ fn invariant_energy_balances_over_many_events() {
     assert!(events > 500 && off.abs() < BALANCED, "{events} events, off by {off:e} J");
 }
 
-/// A softening spring lets its body go: the motion ends in finite time, which is an error with the
-/// element, and the state before it stays.
+/// A softening spring drives its body to infinity in finite time. The error names the spring, and
+/// the motion keeps its last finite state.
 #[test]
 fn a_motion_that_ends_in_finite_time_says_so() {
     let text = "name = \"E\"\nbody.b = { mass = 1.0, start = { s = 1.5 } }\n\
@@ -248,7 +250,7 @@ fn a_motion_that_ends_in_finite_time_says_so() {
     assert!(motion.time() < 10.0 && motion.body(0).iter().all(|x| x.is_finite()), "{:?}", motion.body(0));
 }
 
-/// Signals turn while the body does not move: it sticks, or its load begins with a high power of
+/// The load varies while the body hardly moves: it sticks, or its load begins with a power of
 /// time.
 #[test]
 fn closed_form_bodies_at_rest_under_signals() {
@@ -259,7 +261,7 @@ fn closed_form_bodies_at_rest_under_signals() {
     let mut motion = Motion::new(machine(text)).expect("a motion");
     motion.advance_to(10.0).expect("an end");
     assert_eq!(motion.body(0), [0.0, 0.0, 0.0]);
-    // m s'' = 6 t³ with a spring that is too weak to matter: s = 0.3 t⁵.
+    // The load begins as 3.75 t², and the spring is too weak to matter: s begins as 0.31 t⁴.
     let record = "[[0.0, 0.0], [0.5, 0.75], [1.0, 6.0]]";
     let text = format!(
         "name = \"R\"\nbody.b = {{ mass = 1.0 }}\n\
@@ -271,7 +273,7 @@ fn closed_form_bodies_at_rest_under_signals() {
     assert!(motion.body(0)[0] > 0.1, "{:?}", motion.body(0));
 }
 
-/// Derivatives by numbers of random chains against differences in 50 digits
+/// Derivatives of random chains by a parameter against differences in 50 digits
 /// (`data/make_curved.py`).
 #[test]
 fn second_method_derivatives_by_numbers_are_differences_in_fifty_digits() {
@@ -337,7 +339,7 @@ fn second_method_a_gradient_is_differences_of_sums() {
 }
 
 /// A prescribed body stands still after the last knot of its record: the knot is not missed,
-/// however the series before it ends.
+/// wherever the last sub-step before it ends.
 #[test]
 fn invariant_energy_balances_after_the_last_knot_of_a_record() {
     let text = "name = \"T\"\nbody.b0 = { mass = 0.168023, start = { s = -0.0006827272, v = -0.001386739 } }\n\

@@ -15,12 +15,12 @@ use vibro_machine::{Assembly, Motion};
 
 /// Roundings of a few dozen operations.
 const ROUNDING: f64 = 1e-13;
-/// Error of the snap-through spring in four seconds: roundings, which its falling line amplifies
-/// by exp(√(167/0.7) t) while it acts.
+/// Tolerance for the snap-through spring over four seconds. Its segment of negative stiffness
+/// (-167 N/m on 0.7 kg) amplifies rounding errors by up to exp(√(167/0.7) t).
 const SNAP: f64 = 1e-11;
 
-/// Relative errors of a random machine: its energy, and the difference between direct and general
-/// law in the largest coordinate. Stiff buffers amplify rounding.
+/// Relative tolerance for random machines: energy balance, and difference between the direct and
+/// the general event law. Stiff buffers amplify rounding.
 const BALANCE: f64 = 1e-10;
 const BOTH: BothLaws = BothLaws { events: 200, end: 3.0, rounding: BALANCE };
 
@@ -32,7 +32,7 @@ fn by_points(terms: &[(usize, f64)], damping: f64, all: &[(f64, f64)]) -> Spring
     Spring { points: points(all), ..spring(terms, 0.0, damping) }
 }
 
-/// A body of 1 kg on a spring by points.
+/// A body of 1 kg on a spring with a piecewise linear force.
 fn alone(s: f64, v: f64, all: &[(f64, f64)]) -> Description {
     Description {
         name: "Alone".into(),
@@ -50,8 +50,8 @@ fn corners(events: &[Event]) -> Vec<(f64, f64)> {
     events.iter().filter_map(corner).collect()
 }
 
-/// For slopes k for e < 0 and K for e > 0, a body of speed v alternates half turns of duration
-/// π/√K and π/√k.
+/// For stiffness k at e < 0 and K at e > 0, a body of 1 kg alternates between half-periods of π/√K
+/// and π/√k.
 #[test]
 fn closed_form_two_slopes_are_half_turns() {
     let (k, stiff, v) = (100.0f64, 900.0f64, 0.6);
@@ -73,7 +73,8 @@ fn closed_form_two_slopes_are_half_turns() {
     assert!((e - 30.0 / stiff.sqrt()).abs() < ROUNDING && (f - stiff * e).abs() < stiff * ROUNDING);
 }
 
-/// Two points are a straight spring with a preload, bit for bit; equal slopes cause no event.
+/// A spring through two points is bitwise equal to a linear spring with preload. Points on one
+/// line cause no events.
 #[test]
 fn closed_form_straight_lines_have_no_corner() {
     let mut straight = alone(0.1, 0.0, &[(0.0, 3.0), (1.0, 28.0)]);
@@ -89,8 +90,8 @@ fn closed_form_straight_lines_have_no_corner() {
     assert!(c.states().iter().zip(a.states()).all(|(c, a)| (c - a).abs() < 10.0 * ROUNDING));
 }
 
-/// On a falling slope -κ the motion is a hyperbolic cosine; force and stored energy, measured from
-/// e = 0, follow the lines, and the stored energy is negative.
+/// On a segment of negative stiffness the motion is a hyperbolic cosine. The force follows the
+/// curve, and the stored energy (zero at e = 0) is its integral, here negative.
 #[test]
 fn closed_form_a_falling_line() {
     let all = [(-0.2, -1.0), (-0.1, 2.5), (0.1, -2.5), (0.2, 1.0)];
@@ -107,8 +108,8 @@ fn closed_form_a_falling_line() {
     assert_eq!(m.energy().balance(), 0.0);
 }
 
-/// At a corner with e' = 0, the first nonzero derivative of e decides; if e stays on the corner
-/// forever, the left line acts.
+/// At a corner with e' = 0, the sign of the first nonzero derivative of e decides which segment
+/// acts; if all are zero, the segment to the left acts.
 #[test]
 fn closed_form_a_start_on_a_corner() {
     let lines = [(-0.1, -10.0), (0.0, 0.0), (0.2, 180.0)];
@@ -198,7 +199,7 @@ fn second_method_derivatives_by_points() {
     assert!(met >= 6, "{met}");
     assert!(names.iter().any(|name| name == "spring.membrane.points[1].e"), "{names:?}");
     assert!(names.iter().any(|name| name == "spring.membrane.points[4].f"), "{names:?}");
-    // A straight spring also has derivatives with respect to numbers that bend it.
+    // A curve whose points lie on one line also has derivatives with respect to each point.
     let straight = alone(0.05, 0.4, &[(-0.3, -4.5), (-0.02, 2.5), (0.02, 3.5), (1.0, 28.0)]);
     differences::compare(&straight, 0.9);
 }
@@ -250,7 +251,7 @@ fn golden_points_in_files() {
     assert!(said.contains("spring.membrane.points[4].e") && said.contains("greater than 0.06"), "{said}");
 }
 
-/// The machine with lines, one of them falling, in place of its springs.
+/// Replaces each spring's stiffness by a piecewise linear curve with one falling segment.
 fn bent(mut d: Description) -> Description {
     for spring in &mut d.springs {
         let k = std::mem::take(&mut spring.stiffness);

@@ -28,8 +28,8 @@ const SUBDIVISIONS: u32 = 512;
 /// Tolerance of a bound, relative to the largest value found before: round-off.
 const BOUND_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Largest number of Newton steps. Each is safeguarded by bisection; bisection alone would need 52
-/// steps.
+/// Largest number of Newton steps. Each is safeguarded by bisection; bisection alone would need
+/// about 30.
 const NEWTON_STEPS: usize = 80;
 
 /// Tolerance for the argument at a turning point. Half of the digits suffice, because the value
@@ -133,7 +133,7 @@ pub fn raise_to_maximum(polynomial: &Polynomial, best: &mut f64) {
 fn raise(polynomial: &Polynomial, b: &Polynomial, from: f64, to: f64, best: &mut f64, depth: u32) {
     *best = best.max(b[0].abs()).max(b[DEGREE].abs());
     let bound = b.iter().fold(0.0_f64, |bound, x| bound.max(x.abs()));
-    // These comparisons do not detect NaN; the coefficients of a flight have been checked.
+    // NaN passes these comparisons undetected; callers have already checked the coefficients.
     if bound <= *best * (1.0 + BOUND_ROUNDING) || depth == 0 {
         return;
     }
@@ -190,8 +190,8 @@ fn turning_point(polynomial: &Polynomial, from: f64, to: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Taylor truncation error of cos over one radian at degree 16 is 1.6e-16; rounding adds a few
-    /// ulps.
+    /// Over at most 0.75 rad the truncation error at degree 16 is 2e-17 for values and 5e-16 for
+    /// slopes; rounding adds a few ulps.
     const TOLERANCE: f64 = 1e-15;
 
     /// cos(a + r t) on t ∈ [0, 1].
@@ -242,7 +242,7 @@ mod tests {
             *c = f64::EPSILON * if k % 2 == 0 { 1.0 } else { -1.0 };
         }
         p[0] = 1.0;
-        stays_within(&p, -1.0, 1.0); // either answer is correct, within the permitted subdivisions
+        stays_within(&p, -1.0, 1.0); // either answer is correct, but the call must end
         let mut best = 0.0;
         raise_to_maximum(&p, &mut best);
         assert!((best - 1.0).abs() < 20.0 * f64::EPSILON);

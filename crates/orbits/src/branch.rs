@@ -80,7 +80,7 @@ pub struct Branch<C = super::problem::Problem> {
     pub points: Vec<OrbitPoint>,
     /// Whether the branch ends where it begins.
     pub closed: bool,
-    /// Index of the point from which both directions begin.
+    /// Index of the starting point of both directions.
     pub(super) began_at: Option<usize>,
     pub(super) of: C,
 }

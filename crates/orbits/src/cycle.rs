@@ -1,7 +1,7 @@
 //! The motion over a period for given event times, which is linear in the initial state unless
 //! forces are curved.
 //!
-//! An event at a given time is a linear map of the augmented state, whatever it does to the
+//! An event at a given time is a linear map of the augmented state, also if it changes the
 //! velocities. The motion over a word therefore follows from its start and its event times. It is
 //! an orbit if it returns to its start and each event function is zero at its event's time.
 //! Sensitivities to start and times are computed with the motion. They do not grow with
@@ -35,8 +35,8 @@ pub struct Leg {
     pub(super) knots: Vec<KnotWithin>,
     /// Its linear system.
     pub flow: Arc<Flow>,
-    /// Derivative of the state at its end with respect to the one at its start: exp(A span) without
-    /// curved forces.
+    /// Derivative of the state at its end with respect to the state at its start: exp(A span)
+    /// without curved forces.
     pub(super) propagator: DMatrix<f64>,
     /// z' at its end.
     pub(super) rate: Vec<f64>,

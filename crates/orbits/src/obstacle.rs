@@ -2,7 +2,7 @@
 
 use vibro_studies::Error;
 
-/// Reason why there is no orbit at some phases and parameters.
+/// Reason why some phases and parameters have no orbit.
 #[derive(Debug)]
 pub(super) enum Obstacle {
     /// The impacts are not in the order of the word.

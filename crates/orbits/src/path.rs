@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub(super) const LEAST_STEP: f64 = 1e-7;
 /// Smallest cosine of the angle between the tangents at both ends of a step.
 pub(super) const COSINE: f64 = 0.95;
-/// Factor by which the step grows after few Newton steps, and shrinks after many.
+/// Growth of the step after few Newton steps, and its reduction after many, as factors.
 const GROWTH: f64 = 1.4;
 const REDUCTION: f64 = 1.5;
 /// Minimum number of points of a closed branch.

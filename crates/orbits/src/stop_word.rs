@@ -96,7 +96,7 @@ impl OrbitWord {
         self.letters.len()
     }
 
-    /// Whether there is no impact.
+    /// Whether the word has no impact.
     pub fn is_empty(&self) -> bool {
         self.letters.is_empty()
     }

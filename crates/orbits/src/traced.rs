@@ -11,7 +11,7 @@ pub(super) struct Traced<E> {
     pub points: Vec<OrbitPoint>,
     /// Whether the branch ends where it begins.
     pub closed: bool,
-    /// Index of the point from which both directions begin.
+    /// Index of the starting point of both directions.
     pub began_at: usize,
     /// The ends at the first and at the last point.
     pub ends: [PathEnd<E>; 2],

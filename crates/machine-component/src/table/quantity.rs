@@ -2,14 +2,15 @@
 
 use vibro_machine::{Owner, What};
 
-/// The source of a variable's value, by the indices of bodies and elements in the description.
+/// Source of a variable's value. Bodies and elements are given by their indices in the
+/// description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Time.
     Time,
     /// A parameter, by its index.
     Parameter(usize),
-    /// A number or parameter that follows by an expression, by its index.
+    /// A number or parameter that an expression computes; the field is its index.
     Following(usize),
     /// An input, by its index.
     Input(usize),
@@ -23,7 +24,8 @@ pub enum Quantity {
     Impulse(usize),
     /// The state of a friction element.
     FrictionState(usize),
-    /// The number of corners that a spring has passed, by the spring's index.
+    /// Index of the line of a piecewise linear spring that acts now, counted from 0 at the least
+    /// elongation; the field is the spring's index.
     Line(usize),
     /// The state of a slider, by the index of its spring among the springs in series.
     SliderState(usize),
@@ -34,7 +36,8 @@ pub enum Quantity {
     /// Derivatives of the states at the end of the last step with respect to the states at its
     /// start.
     Transition,
-    /// Derivatives of the states at the end of the last step with respect to the inputs.
+    /// Derivatives of the states at the end of the last step with respect to the inputs and their
+    /// first three time derivatives at its start.
     Response,
     /// Derivatives of the states at the end of the last step with respect to tunable parameters.
     ByParameters,
@@ -68,6 +71,6 @@ pub enum Energy {
     Lost,
     /// Energy that steps of stiffness have added since the start.
     Switched,
-    /// Mechanical energy minus its value from work and losses: rounding.
+    /// Mechanical energy minus its value from start, work, losses and switching: round-off only.
     Residual,
 }

@@ -9,7 +9,7 @@ const REMAINDER: f64 = 1e-16;
 /// Size of the last two terms, relative to the largest of the first three, at the span with which
 /// the search for the longest span begins.
 const LAST: f64 = 1e-17;
-/// Largest number of steps by which a span is shortened.
+/// Largest number of times a span is shortened.
 const SHORTENINGS: usize = 100;
 /// Relative allowance for the rounding error of a sum of coefficients.
 const ROOM: f64 = 1e-12;
@@ -24,7 +24,7 @@ pub(crate) struct CurveTerms<'a> {
     pub(crate) series: &'a CurveSeries,
     /// Norm of the row of its argument: Σ |ℓᵢ| wᵢ.
     pub(crate) reach: f64,
-    /// Norm of the column by which it acts on z': max |yᵢ| / wᵢ.
+    /// Norm of its column in z': max |yᵢ| / wᵢ.
     pub(crate) effect: f64,
     /// C with |xₖ| ≤ C radius⁻ᵏ; set by [`Remainder::prepare`].
     pub(crate) scale: f64,
@@ -32,7 +32,7 @@ pub(crate) struct CurveTerms<'a> {
     pub(crate) most: f64,
 }
 
-/// Data from which the remainder of a power series is bounded over a fraction of the span.
+/// Data for a bound on the remainder of a power series over a fraction of the span.
 pub(crate) struct Remainder<'a> {
     /// Length of the span of the computed series, s.
     pub(crate) span: f64,

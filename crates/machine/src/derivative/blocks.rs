@@ -99,7 +99,8 @@ impl Tangent {
         for (j, input) in own.inputs.iter().enumerate() {
             let (factor, by) = (inputs[0][j], inputs[1][j]);
             let value = &rows.inputs[j];
-            // The limits of all inputs; `put_output` drops those of inputs that it does not read.
+            // The limits of all inputs; `put_output` drops the limits of inputs that it does not
+            // read.
             let tangent = self.input_by(system, (d, along), input);
             sum.row += by * &value.row + factor * &tangent.row;
             let beyond = value.beyond.iter().zip(&tangent.beyond);

@@ -18,7 +18,7 @@ pub(crate) const LAST_CURVE_ORDER: usize = 28;
 /// Rate times the longest span over which coefficients are computed. The proved span of the series
 /// may be longer or shorter.
 pub(crate) const CURVE_REACH: f64 = 4.0;
-/// Factor by which the span of a series is shortened if its terms overflow.
+/// Reduction factor of a series' span if its terms overflow.
 pub(crate) const CURVE_OVERFLOW: f64 = 1e-3;
 /// Power of two by which the span of the computed coefficients may exceed their radius of
 /// convergence. Beyond it they are computed again.
@@ -31,7 +31,7 @@ pub(crate) struct CurveInMode {
     pub(crate) curved: Curved,
     /// Norm of the argument's row: Σ |ℓᵢ| wᵢ.
     pub(super) reach: f64,
-    /// Norm of the column by which φ acts on the accelerations, and on other rates: max |yᵢ| / wᵢ.
+    /// Norm of φ's column for the accelerations, and of its column for other rates: max |yᵢ| / wᵢ.
     pub(super) effects: [f64; 2],
 }
 
@@ -52,8 +52,8 @@ impl CurveInMode {
         system.curved.iter().map(in_mode).collect()
     }
 
-    /// For a norm whose weights of velocities are `faster` times larger: the norms of the row of the
-    /// argument and of the column of φ.
+    /// For a norm whose weights of velocities are `faster` times larger: the norms of the
+    /// argument's row and of φ's column.
     #[inline(always)]
     fn norms(&self, faster: f64) -> (f64, f64) {
         let reach = if self.curved.is_of_rate { faster * self.reach } else { self.reach };
@@ -84,7 +84,8 @@ fn with_slopes(rate: f64, curves: &[CurveInMode], size: impl Fn(&Functional) -> 
         let own = curve.rate(size(&curve.curved.argument));
         *if curve.curved.is_of_rate { &mut damping } else { &mut stiffness } += own;
     }
-    // A factor of at least 1 times the weights of velocities raises the norm of A at most by itself.
+    // If the weights of velocities grow by a factor ≥ 1, the norm of A grows at most by this
+    // factor.
     let faster = (stiffness / rate).sqrt().max(1.0);
     faster * rate + stiffness / faster + damping
 }

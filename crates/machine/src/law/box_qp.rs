@@ -49,7 +49,7 @@ pub struct Solution {
     pub free: Vec<usize>,
 }
 
-/// The objective is unbounded below along a direction, so there is no solution: mechanically,
+/// The objective is unbounded below along a direction, so a solution does not exist: mechanically,
 /// nothing can give way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jam {

@@ -207,7 +207,8 @@ impl PassageSearch<'_> {
         high
     }
 
-    /// Returns the part of a span in which the watched stops' e stay within reach: 1, 1/2, … 1/64.
+    /// Returns the longest part of a span, 1, 1/2, … 1/64, that keeps the watched stops' e within
+    /// reach.
     #[inline(always)]
     pub(super) fn part_within_reach(&self, ahead: &Ahead) -> f64 {
         let (mut part, least) = (1.0, 0.5f64.powi(HALVINGS));

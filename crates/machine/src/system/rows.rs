@@ -16,7 +16,7 @@ pub struct Elongation {
     pub w: Functional,
     /// Part of e'' due to prescribed bodies.
     pub drift: Functional,
-    /// The vector L⁻¹ w.
+    /// L⁻¹ w, with the Cholesky factor L of the mass matrix.
     pub column: Functional,
     /// The change of the velocities by a unit impulse, M⁻¹ w.
     pub mobility: Functional,
@@ -54,8 +54,8 @@ pub struct SpringRows {
     pub curve: Option<usize>,
 }
 
-/// One side of the limits of a continuous block's output. It is listed among the stops, with the
-/// output's excess beyond the limit as the stop's excess and force.
+/// One side of the limits of a continuous block's output. It is stored as a stop whose excess and
+/// force both equal the output's excess beyond the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutputLimit {
     /// Index of the block.
@@ -66,14 +66,14 @@ pub struct OutputLimit {
     pub is_upper: bool,
 }
 
-/// A part that acts while a stepped stiffness has one of its levels.
+/// Condition under which a row of a stepped stiffness acts: the stiffness is at this level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopLevel {
     /// The coordinate of the signal that counts the levels.
     pub counter: usize,
-    /// The counter's value while the part acts.
+    /// The counter's value while the row acts.
     pub level: f64,
-    /// The stop to which the part belongs; `None` for a spring, which has no gap.
+    /// The stop to which the row belongs; `None` for a spring, which has no gap.
     pub stop: Option<usize>,
 }
 
@@ -90,7 +90,8 @@ impl StopLevel {
 pub struct StopRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// e - gap. For a freewheel e', which it keeps at 0 as a rigid stop keeps e - gap.
+    /// e - gap; for a freewheel e'. A closed freewheel holds e' = 0, like a closed rigid stop
+    /// e = gap.
     pub excess: Functional,
     /// Contact law.
     pub law: StopLaw,
@@ -98,15 +99,16 @@ pub struct StopRows {
     pub force: Functional,
     /// The spring's share of a compliant stop's force: stiffness (e - gap).
     pub spring: Functional,
-    /// Whether a friction follows the stop's force.
+    /// Whether a friction element uses the stop's force as its normal force.
     pub is_followed: bool,
     /// The level at which the stop acts, if its stiffness steps in time.
     pub level: Option<StopLevel>,
-    /// Whether this is a freewheel, which keeps no place.
+    /// Whether this is a freewheel, which constrains the rate e' and not the elongation e.
     pub is_freewheel: bool,
     /// The limit of a continuous block's output, if this is one.
     pub limit: Option<OutputLimit>,
-    /// Decrease of rates of states of first order per unit of the force, with the states' indices.
+    /// Indices of the first-order states on which the force acts, and the decrease of each state's
+    /// rate per unit of force.
     pub further: Vec<(usize, f64)>,
 }
 
@@ -143,7 +145,8 @@ impl StopRows {
         self.force != self.spring
     }
 
-    /// Whether the force has a limit that is a multiple of the spring's force.
+    /// Whether the force is bounded: below by 0 (`NoPull`), or between 0 and a multiple of the
+    /// spring's force (`Elastogap`).
     pub fn is_limited(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::NoPull | DampingLimit::Elastogap, .. })
     }
@@ -185,13 +188,13 @@ impl StopRows {
 pub struct FrictionRows {
     /// Its elongation.
     pub elongation: Elongation,
-    /// The friction's levels: usually one. If it follows a stop, one for each state in which the
-    /// stop has a force.
+    /// Pairs of sliding and static level: one pair; for a friction that follows a stop, one for
+    /// each stop state with a force.
     pub levels: Vec<LevelRows>,
-    /// For each level, the stop that it follows, with its state. There are several stops if the
-    /// stop's stiffness steps.
+    /// For each entry of `levels`, the index and the state of the followed stop. A stop with a
+    /// stepped stiffness has one index for each stiffness level.
     pub follows: Option<Vec<(usize, StopState)>>,
-    /// Whether the levels may pass zero while they act.
+    /// Whether the levels may change sign during contact, because the stop's force may pull.
     pub passes: bool,
     /// Whether the static level is given separately.
     pub has_static: bool,
@@ -207,8 +210,7 @@ pub struct LevelRows {
 }
 
 impl FrictionRows {
-    /// The index of the levels in these states of the stops; `None` if the followed stop has no
-    /// force.
+    /// Index in `levels` for the given stop states; `None` if the followed stop has no force.
     #[inline]
     pub fn place(&self, stops: &[StopState]) -> Option<usize> {
         match &self.follows {
@@ -217,18 +219,19 @@ impl FrictionRows {
         }
     }
 
-    /// The levels in these states of the stops.
+    /// Sliding and static level for the given stop states; `None` as in [`place`](Self::place).
     #[inline]
     pub fn at(&self, stops: &[StopState]) -> Option<&LevelRows> {
         self.place(stops).map(|place| &self.levels[place])
     }
 }
 
-/// A state of first order.
+/// A first-order state.
 #[derive(Clone, Debug)]
 pub struct FirstOrder {
     /// The state's rate while it moves.
     pub rate: Functional,
-    /// The branch with a slider whose stretch this is; it moves only while the slider is held.
+    /// If the state is the spring stretch of a branch with a slider, the branch's index. The state
+    /// changes only while the slider is held.
     pub slider: Option<usize>,
 }

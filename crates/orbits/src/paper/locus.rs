@@ -35,7 +35,7 @@ use vibro_studies::{Error, Result as Outcome};
 ///
 /// # Errors
 /// [`Error::Form`] if the label does not define a curve or the start is outside the ranges;
-/// [`Error::NoOrbit`] if there is no such point near the start.
+/// [`Error::NoOrbit`] if the start has no such point nearby.
 pub fn locus(family: &Family, start: &LocusStart) -> Outcome<Vec<LocusPoint>> {
     let [first, second] = family.spans() else {
         let text = format!("{} parameters", family.spans().len());

@@ -51,7 +51,7 @@ pub struct SearchedValue {
     /// The parameter.
     pub value: f64,
     /// Period, in drive periods, of the orbit on which the motion settled with the parameter
-    /// rising; `None` if there was no stable orbit within the tree's limits.
+    /// rising; `None` without a stable orbit within the tree's limits.
     pub rising: Option<u32>,
     /// As `rising`, with the parameter falling.
     pub falling: Option<u32>,

@@ -16,16 +16,17 @@ pub struct ResponsePoint {
     pub value: f64,
     /// Sheet of the solution.
     pub sheet: Sheet,
-    /// C; for the exact orbit the corresponding number of multiple scales, A2/(1-ε+ε²).
+    /// Amplitude C. For the exact orbit, its equivalent A2/(1-ε+ε²) in the multiple-scales theory.
     pub c: f64,
     /// Amplitude of U.
     pub b: f64,
     /// Amplitudes of X1, X2, X3.
     pub a: [f64; 3],
-    /// Amplitude of W: 1 if the block stays clear of the stops between its impacts, more if a
-    /// theory passes them; for strong coupling |W| at the impact.
+    /// Largest |W|: 1 if the block does not touch the stops between its impacts, greater than 1 if
+    /// the solution penetrates a stop. For strong coupling: |W| at the impact.
     pub w: f64,
-    /// Whether the curve from here to the next point is stable and admissible.
+    /// Whether the curve from here to the next point is stable and admissible; at the last point
+    /// of an open curve, from the previous point to here.
     pub stable: bool,
     /// Whether the block stays clear of the stops between its impacts.
     pub clear: bool,
@@ -58,7 +59,8 @@ pub struct Response {
     pub curves: Vec<Vec<ResponsePoint>>,
 }
 
-/// The response by a theory along a parameter over a range, with `nodes` points per sheet.
+/// The response by a theory along a parameter over a range, with `nodes` nodes per sheet and
+/// interval, plus the special points.
 ///
 /// # Errors
 /// Error for values out of range, and errors of the theory.
@@ -75,14 +77,14 @@ pub fn response(
         set.with(along, value)?;
     }
     let groups = |value: f64| -> vibro_impact::Result<Groups> { Ok(*set.with(along, value)?.groups()) };
-    // A branch has points only where there is a machine, so the alternative is never used.
+    // A branch has points only at values that give a valid machine, so the fallback is never used.
     let at = |value: f64| groups(value).unwrap_or(*set.groups());
     let curves = match method {
         Method::MultipleScales => {
             let branch = continuation::multiple_scales(groups, range, nodes)?;
             let point = |value: f64, p: &vibro_impact::steady::multiple_scales::FixedPoint| {
                 let g = at(value);
-                // The κ of a solution has a manifold.
+                // `Manifold::new` succeeds for the κ of every solution, so NaN does not occur.
                 let w = Manifold::new(g.kappa).map_or(f64::NAN, |m| m.w_max(p.c));
                 Motion {
                     c: p.c,
@@ -128,7 +130,7 @@ pub fn response(
     Ok(Response { method, curves })
 }
 
-/// Motion by a theory, with the meaning of the fields of [`ResponsePoint`].
+/// Amplitudes of one solution; the fields mean the same as in [`ResponsePoint`].
 struct Motion {
     c: f64,
     b: f64,

@@ -27,12 +27,13 @@ use vibro_studies::paper::stroboscopic::dimensional;
 use vibro_studies::paper::{Name, ParameterSet};
 use vibro_studies::parts::PartStore;
 
-/// Largest number of values, in each direction, from whose settled motions branches start.
+/// Limit on the diagram's values among the seeds of the tree. A diagram with more values gets
+/// seeds on a grid of at least this size instead.
 const MOST_SEEDS: usize = 1001;
 /// Drive periods after which a row that no branch covers is examined again. By then, the transient
 /// of a row next to a bifurcation has decayed.
 const LATER: u32 = 20_000;
-/// Decimals of a located value in words: ten digits are certain.
+/// Number of decimals of a printed located value; ten are reliable.
 const DECIMALS: usize = 10;
 
 /// The branch on which a periodic row of a diagram lies, or the reason why the row has none.
@@ -44,7 +45,8 @@ pub enum Covering {
         range: StableRange,
         /// The branch's word, with its closing sign.
         word: String,
-        /// Distance of the motion's states from the orbit's, in units of L and L ω10.
+        /// Largest difference between the stroboscopic states of motion and orbit, in units of L
+        /// and L ω10.
         distance: f64,
     },
     /// The block rests at a stop during the motion. Branches describe only orbits without rest.
@@ -86,8 +88,8 @@ pub struct DiagramOrbits {
 pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
     let span = Span::new(sweep.axis.name, sweep.axis.from, sweep.axis.to)?;
     let family = Family::new(set, span)?;
-    // The search refuses a free block and undamped modes, whatever the word. It does not matter
-    // here whether the word UL has an orbit.
+    // The search also reports errors of the machine that do not depend on the word, e.g. an
+    // undamped mode in resonance. It does not matter here whether the word UL has an orbit.
     let middle = family.system(&[0.5 * (span.from + span.to)])?;
     match search(&middle, &OrbitWord::new("UL", 1, 2)?, 1) {
         Ok(_) | Err(vibro_studies::Error::NoOrbit { .. }) => Ok(family),
@@ -97,8 +99,8 @@ pub fn sweep_family(set: &ParameterSet, sweep: &Sweep) -> Result<Family> {
 
 impl DiagramOrbits {
     /// Follows all branches in the range of a sweep and assigns each periodic row of its diagram
-    /// to a branch. Finished branches are kept in `store`. `told` receives the number of traced
-    /// starts and the number of waiting starts.
+    /// to a branch. Finished branches are kept in `store`. `told` reports the progress: numbers of
+    /// starting orbits already followed and still queued.
     ///
     /// # Errors
     /// The errors of the machines and of the store.
@@ -110,8 +112,8 @@ impl DiagramOrbits {
         (store, told): (&dyn PartStore, &(dyn Fn(usize, usize) + Sync)),
     ) -> Result<Self> {
         let family = sweep_family(set, sweep)?;
-        // Branches also start at the diagram's values. Otherwise a window that contains only one
-        // of these values could be missed.
+        // Branches also start at up to `MOST_SEEDS` values of the diagram. Otherwise a window that
+        // contains only one of these values could be missed.
         let steps = sweep.axis.count.min(MOST_SEEDS) - 1;
         let seeds = steps * (options.seeds.saturating_sub(1)).div_ceil(steps).max(1) + 1;
         let options = TreeOptions { seeds, ..options.clone() };

@@ -1,7 +1,7 @@
 //! Time scale of a power series with curved forces, from the norms of its own terms.
 //!
 //! The scale of a motion under curved forces changes with its amplitude. It is not estimated in
-//! advance: the last terms tell how fast the coordinates change, whatever moves them.
+//! advance: the last terms show how fast the coordinates change, for any cause.
 
 use super::LAST_CURVE_ORDER;
 
