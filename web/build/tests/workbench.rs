@@ -119,9 +119,8 @@ fn the_modules_keep_to_their_types() {
 }
 
 /// Largest page without libraries, bytes. The goal of 1.1 MB is missed since the core has curved
-/// forces: the page had 1,130 kB in November 2026, of which the core took 1,052 kB, the scripts
-/// 31 kB, text and style 41 kB. The rest is room for changes of some kilobytes.
-const LARGEST: u64 = 1_150_000;
+/// forces: the page had 1,144,122 bytes in November 2026. The rest is room for small changes.
+const LARGEST: u64 = 1_180_000;
 
 #[test]
 #[ignore = "needs node and Chromium (Debian: apt install nodejs npm chromium)"]
