@@ -145,7 +145,8 @@ pub(crate) fn text_of(path: &Path) -> Result<String, Refusal> {
 /// Why a file cannot be read, with advice for a file that is not UTF-8 text.
 pub fn unread(error: &io::Error, advice: &str) -> String {
     match error.kind() {
-        io::ErrorKind::NotFound => "no such file".into(),
+        // A reader of records may say more, as the page in a browser does.
+        io::ErrorKind::NotFound if error.get_ref().is_none() => "no such file".into(),
         io::ErrorKind::InvalidData => format!("is not UTF-8 text; {advice}"),
         io::ErrorKind::IsADirectory => "is a folder; expected a file".into(),
         _ => format!("cannot be read: {error}"),
