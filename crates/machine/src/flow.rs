@@ -34,9 +34,7 @@ use crate::norm::{norm, rate_bound};
 use crate::signals::SMALL;
 use crate::system::{DENSE, STIFF, System};
 use apart::Apart;
-pub(crate) use curved::{
-    CURVE_OVERFLOW, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, halvings, part, rate_at,
-};
+pub(crate) use curved::{CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, rate_at, shortened};
 use exponential::series_orders;
 use kept::Kept;
 use std::sync::Arc;

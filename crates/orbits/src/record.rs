@@ -3,6 +3,7 @@
 use super::problem::Units;
 use super::timed::Timed;
 use super::word::{Cause, Chatter, Letter};
+use nalgebra::DVectorView;
 use vibro_machine::mode::Mode;
 use vibro_machine::motion::EventKind;
 use vibro_machine::system::System;
@@ -188,21 +189,17 @@ fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
 impl Observer for Record {
     fn flight(&mut self, _: &System, flight: ObservedFlight<'_>) {
         let part = flight.span / SAMPLES as f64;
-        if flight.flow.is_curved() {
-            let mut z = flight.start.to_vec();
-            for _ in 0..SAMPLES {
-                self.include(&z);
-                z = flight.flow.after(&z, part);
-            }
-            return self.include(&z);
-        }
-        let propagator = flight.flow.propagator(part);
-        let mut z = nalgebra::DVector::from_column_slice(flight.start);
+        // Without curved forces one propagator serves all samples.
+        let propagator = (!flight.flow.is_curved()).then(|| flight.flow.propagator(part));
+        let mut z = flight.start.to_vec();
         for _ in 0..SAMPLES {
-            self.include(z.as_slice());
-            z = &propagator * z;
+            self.include(&z);
+            z = match &propagator {
+                Some(propagator) => (propagator * DVectorView::from_slice(&z, z.len())).as_slice().to_vec(),
+                None => flight.flow.after(&z, part),
+            };
         }
-        self.include(z.as_slice());
+        self.include(&z);
     }
 
     fn passage(&mut self, system: &System, passage: Passage<'_>) {

@@ -4,9 +4,7 @@ use super::columns::Columns;
 use super::curved::CurvesInMode;
 use super::mode::VariedMode;
 use crate::curved::{CurveSeries, Polynomial};
-use crate::flow::{
-    CURVE_OVERFLOW, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, halvings, part, rate_at,
-};
+use crate::flow::{CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, rate_at, shortened};
 
 /// Size of the last terms relative to the first ones, of the state and of each column.
 const LAST: f64 = 1e-18;
@@ -91,10 +89,8 @@ impl VariedMode {
         let terms = loop {
             let terms = self.curved_terms(z, span);
             let is_finite = terms[LAST_CURVE_ORDER].iter().all(|x| x.is_finite());
-            match halvings(&self.group_norms(&terms, z.width, 0)).filter(|n| *n > 0) {
-                _ if span < f64::MIN_POSITIVE => break terms,
-                _ if !is_finite => span *= CURVE_OVERFLOW,
-                Some(halvings) => span *= 0.5f64.powi(halvings),
+            match shortened(span, is_finite, &self.group_norms(&terms, z.width, 0), 0) {
+                Some(shorter) => span = shorter,
                 None => break terms,
             }
         };

@@ -2,7 +2,7 @@
 
 mod pace;
 
-pub(crate) use pace::{GroupNorms, halvings, part};
+pub(crate) use pace::{GroupNorms, part, shortened};
 
 use super::ahead::{Ahead, HeadAhead, Series};
 use super::{FlowTable, ORDERS, RADIUS};
@@ -18,11 +18,9 @@ pub(crate) const LAST_CURVE_ORDER: usize = 28;
 /// Rate times the longest span over which coefficients are computed. The proved span of the series
 /// may be longer or shorter.
 pub(crate) const CURVE_REACH: f64 = 4.0;
-/// Reduction factor of a series' span if its terms overflow.
-pub(crate) const CURVE_OVERFLOW: f64 = 1e-3;
-/// Power of two by which the span of the computed coefficients may exceed their radius of
-/// convergence. Beyond it they are computed again.
-const MOST_HALVINGS: i32 = 3;
+/// The span of the computed coefficients may be 2³ times their radius of convergence. Beyond it they
+/// are computed again.
+const MOST_EXCESS: i64 = 3;
 
 /// A curved force in a mode.
 #[derive(Clone, Debug)]
@@ -140,11 +138,8 @@ impl Ahead {
                 (groups[k], signals[k]) = series.norms(table, k);
             }
             let is_finite = series.term(LAST_CURVE_ORDER).iter().all(|x| x.is_finite());
-            let halvings = halvings(&groups).filter(|n| *n > MOST_HALVINGS);
-            match halvings {
-                _ if scale < f64::MIN_POSITIVE => break,
-                _ if !is_finite => scale *= CURVE_OVERFLOW,
-                Some(halvings) => scale *= 0.5f64.powi(halvings),
+            match shortened(scale, is_finite, &groups, MOST_EXCESS) {
+                Some(shorter) => scale = shorter,
                 None => break,
             }
         }

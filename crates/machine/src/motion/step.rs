@@ -210,7 +210,7 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// Length of a sub-step without an event, s.
+    /// Length of a sub-step without an event, s; with curved forces, the length of the last series.
     pub(super) fn full_length(&self) -> f64 {
         if self.table().is_curved() { self.scratch.ahead.span } else { self.table().length }
     }
@@ -224,9 +224,9 @@ impl Motion {
         } else {
             self.by_series(goal, at_knot)
         };
-        let Some(Flown { place, dt, whole, reaches, length }) = flown else { return Err(self.too_large()) };
+        let Some(Flown { place, dt, whole, reaches }) = flown else { return Err(self.too_large()) };
         self.hybrid.time = if reaches { goal } else { self.hybrid.time.plus(dt) };
-        let progresses = dt > PROGRESS * length;
+        let progresses = dt > PROGRESS * self.full_length();
         if progresses {
             self.hybrid.chain = 0;
         }
@@ -300,8 +300,7 @@ impl Motion {
                 assembly.system.signals.carry_within(start, end.dt, z);
             }
         }
-        let place = passage.map(|passage| passage.place);
-        Flown { place, dt, whole, reaches, length: table.length }
+        Flown { place: passage.map(|passage| passage.place), dt, whole, reaches }
     }
 
     /// Flies a sub-step by one series of the actual state; the series ends a little after the
@@ -349,12 +348,9 @@ impl Motion {
         ahead.series.at(part, hybrid.z.as_mut_slice());
         assembly.system.fill_curved(hybrid.z.as_mut_slice());
         // The length of a series with curved forces follows from its remainder.
-        let (length, is_full) = match table.is_curved() {
-            true => (ahead.span, !is_end),
-            false => (table.length, ahead.span >= table.length),
-        };
+        let is_full = if table.is_curved() { !is_end } else { ahead.span >= table.length };
         let whole = passage.is_none() && part == 1.0 && is_full;
-        Some(Flown { place, dt, whole, reaches, length })
+        Some(Flown { place, dt, whole, reaches })
     }
 
     /// Prepares the next sub-step, at whose start event functions are no longer at zero. If the
@@ -401,8 +397,6 @@ struct Flown {
     whole: bool,
     /// Whether it has reached its goal.
     reaches: bool,
-    /// Length of a full sub-step, s.
-    length: f64,
 }
 
 /// A sub-step, compiled for each vector instruction set of a computer. Products are not fused, so

@@ -10,24 +10,26 @@ pub(crate) type GroupNorms = [f64; 3];
 
 /// Orders among which the largest term is sought: bodies may start from rest.
 const FIRST: usize = LAST_CURVE_ORDER / 2;
-/// Size of the last terms relative to the first ones at the span that gives the pace.
+/// Limit for the last terms, relative to the first terms. The time after which they reach it is
+/// the inverse of the pace.
 const LAST: f64 = 1e-17;
 /// Fraction of the radius of convergence at which terms are compared. The last terms are
 /// [`LAST`] there.
 const PART: f64 = 0.25;
+/// Factor for the span of a series whose terms overflow.
+const OVERFLOW: f64 = 1e-3;
 
 /// Binary exponent of a positive number.
 fn exponent(x: f64) -> i64 {
     (x.to_bits() >> 52) as i64
 }
 
-/// Power of two by which a span is longer than the radius of convergence, as the terms of the
-/// series suggest: the last terms are then 2^(k n) times too large. Negative if it is shorter, and
-/// `None` if all last terms are 0.
+/// Exponent n of 2 such that a span is about 2ⁿ times the radius of convergence that the terms of
+/// the series suggest. `None` if all last terms are 0.
 #[inline(always)]
-pub(crate) fn halvings(norms: &[GroupNorms]) -> Option<i32> {
+fn excess(norms: &[GroupNorms]) -> Option<i64> {
     let last = LAST_CURVE_ORDER;
-    let excess = |group: usize| {
+    let of_group = |group: usize| {
         if norms[last][group] == 0.0 {
             return None;
         }
@@ -35,7 +37,20 @@ pub(crate) fn halvings(norms: &[GroupNorms]) -> Option<i32> {
         let by_order = (0..FIRST).filter(|k| norms[*k][group] > 0.0);
         by_order.map(|k| (top - exponent(norms[k][group])).div_euclid((last - k) as i64)).min()
     };
-    (0..3).filter_map(excess).max().map(|n| n as i32 + 1)
+    (0..3).filter_map(of_group).max().map(|n| n + 1)
+}
+
+/// A shorter span for a series whose terms overflow, or whose span exceeds the radius of
+/// convergence by more than the factor 2^`most`. `None` if the series can be used.
+#[inline(always)]
+pub(crate) fn shortened(span: f64, is_finite: bool, norms: &[GroupNorms], most: i64) -> Option<f64> {
+    if span < f64::MIN_POSITIVE {
+        return None;
+    }
+    if !is_finite {
+        return Some(span * OVERFLOW);
+    }
+    excess(norms).filter(|n| *n > most).map(|n| span * 0.5f64.powi(n as i32))
 }
 
 /// The longest part of a span, about, over which the last terms of each group are at most `limit`
