@@ -145,11 +145,8 @@ impl Description {
     /// # Errors
     /// A [`Refusal`] with the nearest name, or with the parameters that determine the number.
     pub fn parameter(&self, name: &str) -> Result<Parameter, Refusal> {
-        if let Some(problem) = self.named.refusal(name) {
-            return Err(Refusal::one(problem));
-        }
         let mut all = self.parameters();
-        let place = position(&all, |p| &p.name, name).map_err(|own| Refusal::one(self.at_rest(own)))?;
+        let place = self.place_in(&all, |p| &p.name, name).map_err(Refusal::one)?;
         Ok(all.swap_remove(place))
     }
 
@@ -163,11 +160,8 @@ impl Description {
         }
         let mut copy = self.clone();
         let all = slots(&mut copy);
-        let one = |name: &&str| match self.named.refusal(name) {
-            Some(problem) => Err(Refusal::one(problem)),
-            None => Ok(all[position(&all, |s| &s.name, name).map_err(Refusal::one)?].name.clone()),
-        };
-        names.iter().map(one).collect()
+        let one = |name: &&str| Ok(all[self.place_in(&all, |s| &s.name, name)?].name.clone());
+        names.iter().map(one).collect::<Result<_, _>>().map_err(Refusal::one)
     }
 
     /// The value, in SI, of a parameter or of a number that follows from parameters.
@@ -226,6 +220,14 @@ impl Description {
         Ok(Self { starts_at_rest: false, ..changed })
     }
 
+    /// Index of the parameter with a name, or the reason why there is none.
+    fn place_in<T>(&self, all: &[T], name_of: fn(&T) -> &String, name: &str) -> Result<usize, Problem> {
+        match self.named.refusal(name) {
+            Some(follows) => Err(follows),
+            None => position(all, name_of, name).map_err(|unknown| self.at_rest(unknown)),
+        }
+    }
+
     /// The problem of an unknown name, or its reason if the name is a start of a machine at rest.
     fn at_rest(&self, unknown: Problem) -> Problem {
         let body = unknown.name.strip_prefix("body.").and_then(|own| own.split_once(".start."));
@@ -250,13 +252,12 @@ impl Description {
         let mut all = slots(&mut changed);
         let (mut problems, mut set) = (Vec::new(), Vec::new());
         for (name, value) in changes {
-            match (self.named.refusal(name), position(&all, |s| &s.name, name)) {
-                (Some(follows), _) => problems.push(follows),
-                (None, Ok(place)) => {
+            match self.place_in(&all, |s| &s.name, name) {
+                Ok(place) => {
                     *all[place].value = value;
                     set.push((all[place].name.clone(), value));
                 }
-                (None, Err(unknown)) => problems.push(self.at_rest(unknown)),
+                Err(problem) => problems.push(problem),
             }
         }
         if problems.is_empty() {

@@ -76,29 +76,33 @@ impl By {
     /// # Errors
     /// [`Error::Refused`] for an unknown parameter or a period; [`Error::OutOfRange`] for an index
     /// of a start value that the machine does not have.
-    pub(super) fn known(columns: Vec<Self>, assembly: &Assembly) -> Result<Vec<Self>, Error> {
+    pub(super) fn known(mut columns: Vec<Self>, assembly: &Assembly) -> Result<Vec<Self>, Error> {
         let (d, count) = (&assembly.description, assembly.system.states());
-        let named = |by: &'_ Self| matches!(by, Self::Parameter(_));
-        let given = columns.iter().filter(|by| named(by)).map(Self::parameter).collect::<Vec<_>>();
-        let mut names = d.usual_names(&given)?.into_iter();
-        let one = |by| match by {
-            Self::Parameter(own) => match names.next().unwrap_or(own) {
-                name if has_derivative(d, &name) => Ok(Self::Parameter(name)),
-                name => {
-                    let text = "a motion has no derivative with respect to a period or a time \
-                        between samples; use one of \
-                        the machine's other numbers";
-                    Err(Refusal::one(Problem::new(name, None, text)).into())
+        let name = |by| if let &Self::Parameter(ref name) = by { Some(&**name) } else { None };
+        let given: Vec<&str> = columns.iter().filter_map(name).collect();
+        let mut usual = d.usual_names(&given)?.into_iter();
+        for by in &mut columns {
+            match by {
+                Self::Parameter(name) => {
+                    *name = usual.next().unwrap_or_default();
+                    if !has_derivative(d, name) {
+                        let text = "a motion has no derivative with respect to a period or a time \
+                            between samples; use one of \
+                            the machine's other numbers";
+                        return Err(Refusal::one(Problem::new(&*name, None, text)).into());
+                    }
                 }
-            },
-            Self::Start(place) if place >= count => Err(Error::OutOfRange {
-                name: "index of a start value".into(),
-                value: place as f64,
-                allowed: format!("a whole number from 0 to {}", count - 1),
-            }),
-            other => Ok(other),
-        };
-        columns.into_iter().map(one).collect()
+                Self::Start(place) if *place >= count => {
+                    return Err(Error::OutOfRange {
+                        name: "index of a start value".into(),
+                        value: *place as f64,
+                        allowed: format!("a whole number from 0 to {}", count - 1),
+                    });
+                }
+                Self::Start(_) | Self::Time => {}
+            }
+        }
+        Ok(columns)
     }
 
     /// Returns the parameter's name; empty for other columns, which do not change the machine.
