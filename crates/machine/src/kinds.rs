@@ -22,6 +22,8 @@ pub struct NumberKind {
     pub any_unit: bool,
     /// Advice after the refusal of a number outside its range; may be empty.
     pub advice: &'static str,
+    /// What may stand in place of the number, after its allowed values; may be empty.
+    pub or: &'static str,
 }
 
 /// Least stiffness and damping of springs in series, whose quotient is a rate.
@@ -44,6 +46,7 @@ const fn kind(
         least: 0.0,
         any_unit: false,
         advice: "",
+        or: "",
     }
 }
 
@@ -191,9 +194,9 @@ impl NumberKind {
         let allowed = self.range.allowed.replace("finite ", "");
         let units: Vec<_> = symbols(self.unit(dimension)).collect();
         match units[0] {
-            "1" if self.any_unit => format!("expected {allowed}, with or without a unit"),
-            "1" => format!("expected {allowed}"),
-            si => format!("expected {allowed} in {si}, or with a unit: {}", units.join(", ")),
+            "1" if self.any_unit => format!("expected {allowed}, with or without a unit{}", self.or),
+            "1" => format!("expected {allowed}{}", self.or),
+            si => format!("expected {allowed} in {si}, or with a unit: {}{}", units.join(", "), self.or),
         }
     }
 

@@ -32,6 +32,9 @@ pub(super) struct Values {
     pub dimension: Dimension,
 }
 
+/// What may stand in place of a number that is a signal.
+const OR_SIGNAL: &str = ", or a signal such as { amplitude = 1.0, frequency = \"10 Hz\" }";
+
 /// Reads a signal: a number with or without a unit, or a table.
 pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Option<Signal> {
     if entry.value.is_table() {
@@ -39,12 +42,8 @@ pub(super) fn value(reading: &mut Reading, entry: &Entry, values: Values) -> Opt
         reading.known(&table, &KEYS);
         return flat(reading, &table, values, &[]);
     }
-    let before = reading.problems.len();
-    let number = reading.number(entry, values.alone, values.dimension);
-    if let Some(problem) = reading.problems.get_mut(before).filter(|own| own.text.starts_with("expected")) {
-        problem.text += ", or a signal such as { amplitude = 1.0, frequency = \"10 Hz\" }";
-    }
-    Some(Signal::constant(number?))
+    let kind = NumberKind { or: OR_SIGNAL, ..values.alone };
+    Some(Signal::constant(reading.number(entry, kind, values.dimension)?))
 }
 
 /// Reads a signal whose keys are in a table together with the keys `also`; at least one of all
