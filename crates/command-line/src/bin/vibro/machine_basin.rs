@@ -4,6 +4,7 @@ use crate::common_arguments::Common;
 use crate::long::perform_as;
 use crate::machine_studies::{invocation, machine, start_of};
 use crate::plane_arguments::Basin;
+use crate::ranges::other_number;
 use std::path::Path;
 use vibro::long_study::{LongStudy, StudyKind};
 use vibro::{Error, Result};
@@ -61,11 +62,8 @@ pub fn basin(file: &Path, common: &Common, a: &Basin) -> Result<()> {
     let machine = machine(file, &a.section, common)?;
     let (ranges, given): (Vec<&String>, Vec<&String>) = a.start.iter().partition(is_axis);
     let [x, y] = ranges[..] else {
-        let problem = format!(
-            "expected two ranges, e.g. --start block.s=-4mm:4mm --start block.v=-1:1; found {}",
-            ranges.len()
-        );
-        return Err(Error::Refused { what: "--start".into(), problem });
+        let expected = "expected two ranges, e.g. --start block.s=-4mm:4mm --start block.v=-1:1";
+        return Err(other_number("--start", expected, ranges.len()));
     };
     let (x, y) = (axis(&machine, x, a.resolution)?, axis(&machine, y, a.resolution)?);
     let given: Vec<String> = given.into_iter().cloned().collect();

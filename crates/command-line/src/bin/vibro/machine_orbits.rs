@@ -9,7 +9,7 @@ use crate::machine_studies::{default_quantity, invocation, machine, read_axis, s
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile, Settling};
 use crate::output;
 use crate::progress::Progress;
-use crate::ranges::in_option;
+use crate::ranges::{in_option, other_number};
 use crate::study_arguments::Response;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -108,11 +108,8 @@ pub fn orbit(file: &Path, common: &Common, a: &OneOrbit) -> Result<()> {
 /// The family of the one parameter of `--vary`.
 fn family(machine: &mut Machine, vary: &[String]) -> Result<Family> {
     let [vary] = vary else {
-        let problem = format!(
-            "expected one parameter, as --vary NAME=FROM:TO, e.g. stop.steel.gap=1mm:8mm; found {}",
-            vary.len()
-        );
-        return Err(Error::Refused { what: "--vary".into(), problem });
+        let expected = "expected one parameter, as --vary NAME=FROM:TO, e.g. stop.steel.gap=1mm:8mm";
+        return Err(other_number("--vary", expected, vary.len()));
     };
     family_over(machine, vary)
 }
@@ -249,12 +246,9 @@ pub fn response(file: &Path, common: &Common, a: &Response) -> Result<bool> {
 pub fn loci(file: &Path, common: &Common, a: &Loci) -> Result<()> {
     let mut machine = machine(file, &SectionArguments { period: None, section: None }, common)?;
     let [first, second] = &a.vary[..] else {
-        let problem = format!(
-            "expected two parameters, first the parameter of the special points, e.g. --vary \
-             load.shaker.amplitude=1N:9N --vary stop.steel.gap=1mm:8mm; found {}",
-            a.vary.len()
-        );
-        return Err(Error::Refused { what: "--vary".into(), problem });
+        let expected = "expected two parameters, first the parameter of the special points, e.g. --vary \
+                        load.shaker.amplitude=1N:9N --vary stop.steel.gap=1mm:8mm";
+        return Err(other_number("--vary", expected, a.vary.len()));
     };
     let families = [family_over(&mut machine, first)?, family_over(&mut machine, second)?];
     let [over, second] = &families;

@@ -88,6 +88,11 @@ pub fn in_option<E: fmt::Display>(option: &'static str) -> impl FnOnce(E) -> Err
     move |error| Error::Refused { what: option.into(), problem: error.to_string() }
 }
 
+/// Error for an option that is given another number of times than expected.
+pub fn other_number(option: &'static str, expected: &str, found: usize) -> Error {
+    Error::Refused { what: option.into(), problem: format!("{expected}; found {found}") }
+}
+
 /// Parses the texts of an option whose form depends on the machine.
 ///
 /// # Errors
