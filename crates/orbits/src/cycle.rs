@@ -124,7 +124,7 @@ fn fly(
     (z, span): (&[f64], f64),
     ([begin, end], is_timed): ([Piece; 2], bool),
 ) -> Flown {
-    // With curved forces: the product of the parts' derivatives.
+    // The product of the parts' derivatives, for curved forces only.
     let mut product: Option<DMatrix<f64>> = None;
     let mut part = |from: &[f64], span: f64| {
         if !flow.is_curved() {

@@ -120,7 +120,7 @@ impl Problem {
         let mut times: Vec<f64> = self.word.letters.iter().map(time).collect();
         let period = match self.driven_period(place) {
             Some(period) => period,
-            // Without events nothing determines the period; `residual` says so.
+            // An autonomous orbit without events has no period: `residual` refuses it.
             None => times.first_mut().map_or(0.0, |first| std::mem::replace(first, 0.0)),
         };
         if self.word.is_empty() {

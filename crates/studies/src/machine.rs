@@ -90,7 +90,7 @@ impl Machine {
         Ok(Self { description: changed?, ..self.clone() })
     }
 
-    /// A refusal with the values of parameters in the units in which these were written.
+    /// The refusal with each parameter's value in its written unit.
     fn in_written_units(&self, mut refusal: Refusal) -> Refusal {
         for problem in &mut refusal.problems {
             let value = problem.value.as_deref().and_then(|value| value.parse().ok());

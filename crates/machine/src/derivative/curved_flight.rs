@@ -30,7 +30,7 @@ pub(super) struct CurvedSeries {
 }
 
 impl CurvedSeries {
-    /// Time over which the series holds, s.
+    /// The time that the series covers, s.
     pub fn time(&self) -> f64 {
         self.part * self.span
     }

@@ -73,8 +73,8 @@ impl CurveInMode {
     }
 }
 
-/// The rate of z' = A z with the slopes of the curved forces, 1/s, in the norm in which z' = A z
-/// has the given rate. `size` returns the size of an argument.
+/// A bound of the rate of z' = A z with the slopes of the curved forces, 1/s. `rate` is the norm of
+/// A, in the same norm. `size` returns the size of an argument.
 #[inline(always)]
 fn with_slopes(rate: f64, curves: &[CurveInMode], size: impl Fn(&Functional) -> f64) -> f64 {
     let (mut stiffness, mut damping) = (0.0, 0.0);
@@ -143,8 +143,8 @@ impl Ahead {
                 None => break,
             }
         }
-        // With weights of velocities that suit the pace of the motion, the remainder is rounding
-        // of the displacements and of the velocities.
+        // The weights of velocities follow the pace of the motion. The remainder is then at most
+        // the rounding of the displacements, and at most the rounding of the velocities.
         let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
         let longest = most / scale;
         let part = table.proved_part(series, (&groups, &signals), (scale, faster), longest);
@@ -172,8 +172,9 @@ impl FlowTable {
         !self.curves.is_empty()
     }
 
-    /// Length of a sub-step in which forces count in the sizes of rates, s. With curved forces it
-    /// follows from the slopes at the largest sizes: a longer one would raise the sizes again.
+    /// Longest time, s, over which forces raise the sizes of rates: a sub-step. Curved forces
+    /// shorten it by their slopes at the largest sizes: over a longer time the sizes of rates would
+    /// raise the sizes of displacements, and these the slopes, without end.
     pub fn length_for(&self, sizes: &[f64]) -> f64 {
         if !self.is_curved() {
             return self.length;

@@ -22,13 +22,13 @@ const GROWTH: f64 = 20.0;
 const CHAOTIC: f64 = 1e13;
 /// Last fraction of a segment's length in which the next segment may begin.
 const PLACE: f64 = 0.5;
-/// Number of intervals between contact events in which a node may lie, the longest first; more of
-/// them take long in a motion that chatters.
+/// Largest number of intervals between contact events that are searched for a node, the longest
+/// first. A motion that chatters has many intervals.
 const GAPS: usize = 20;
 /// Smallest mean number of contacts in a segment.
 const CONTACTS: f64 = 3.0;
-/// Excess of horizons whose fitted motion leaves the record, over others, that ends the fit. At the
-/// smallest growth, ten horizons have the length of a segment.
+/// The fit ends if the horizons whose fitted motion leaves the record exceed the other horizons by
+/// this number. At the smallest growth, ten horizons have the length of a segment.
 const LOST: u32 = 10;
 /// Number of times at which growth and range are sampled.
 const LOOKS: usize = 400;
