@@ -78,8 +78,10 @@ impl By {
     /// of a start value that the machine does not have.
     pub(super) fn known(mut columns: Vec<Self>, assembly: &Assembly) -> Result<Vec<Self>, Error> {
         let (d, count) = (&assembly.description, assembly.system.states());
-        let name = |by| if let &Self::Parameter(ref name) = by { Some(&**name) } else { None };
-        let given: Vec<&str> = columns.iter().filter_map(name).collect();
+        let given: Vec<&str> = columns
+            .iter()
+            .filter_map(|by| if let Self::Parameter(name) = by { Some(name.as_str()) } else { None })
+            .collect();
         let mut usual = d.usual_names(&given)?.into_iter();
         for by in &mut columns {
             match by {
