@@ -1,19 +1,26 @@
-//! Curved forces: polynomials φ(x) = c₂ x² + … + c₅ x⁵ of an elongation or of its rate
-//! (docs/assembly-law.md, section 20).
+//! Curved forces: polynomials φ(x) = c₂ x² + … + c₅ x⁵ of an elongation or of its rate, and
+//! formulas, which are chains of [operations](Operation) (docs/assembly-law.md, section 20).
 //!
-//! The value of each curved force is a coordinate of the augmented state, after the signals. Every
-//! force, contact force and watched functional of a machine with curved forces is then a row on
-//! this state, as in a machine with straight laws. In a mode z' = A z holds with constant A for
-//! all coordinates except the curved forces; the rate of a curved force follows from φ. The flow
-//! is a power series ([`CurveSeries`]) whose remainder is bounded (`Remainder`).
+//! The value of each operation is a coordinate of the augmented state, after the signals. The
+//! arguments of an operation are rows on this state, which may contain the values of earlier
+//! operations. Every force, contact force and watched functional of a machine with curved forces
+//! is then a row on this state, as in a machine with straight laws. In a mode z' = A z holds with
+//! constant A for all coordinates except the operations; the rate of an operation's value follows
+//! from its derivatives. The flow is a power series ([`CurveSeries`]) whose remainder is bounded
+//! (`Remainder`).
 
+mod majorant;
+mod operation;
+mod recurrence;
 mod remainder;
 mod series;
 
-pub(crate) use remainder::{CurveTerms, Remainder};
+pub use operation::Operation;
+pub(crate) use remainder::{ArgumentTerms, CurveTerms, Remainder};
 pub use series::{CurveSeries, CurveSizes, TERMS};
 
 use crate::functional::Functional;
+use crate::system::Part;
 
 /// Lowest power of a curve; lower powers are stiffness, damping and preload.
 pub const LOWEST: usize = 2;
@@ -61,39 +68,69 @@ impl Polynomial {
     }
 }
 
-/// A curved force.
+/// An operation of a curved force.
 #[derive(Clone, Debug)]
 pub struct Curved {
-    /// x: an elongation e or its rate e'.
+    /// The first argument: for a polynomial an elongation e or its rate e'.
     pub argument: Functional,
-    /// φ, N or N m. The coefficient of xᵐ has the unit of φ divided by the m-th power of the unit
-    /// of x: m, rad, m/s or rad/s.
-    pub force: Polynomial,
+    /// The second argument of a product; a row without terms for other operations.
+    pub second: Functional,
+    /// φ. A polynomial is in N or N m; its coefficient of xᵐ has the unit of φ divided by the m-th
+    /// power of the unit of x: m, rad, m/s or rad/s.
+    pub operation: Operation,
     /// Index of φ in the augmented state.
     pub place: usize,
-    /// Whether x is a rate: φ then dissipates; otherwise it stores energy.
+    /// Whether the argument of a polynomial is a rate: φ then dissipates; otherwise it stores
+    /// energy.
     pub is_of_rate: bool,
+    /// The part of an element to which the operation belongs.
+    pub owner: Part,
 }
 
 impl Curved {
-    /// Writes φ into the augmented state, from its coordinates and rates.
+    /// Values of the arguments at a state.
+    #[inline(always)]
+    pub fn arguments(&self, z: &[f64]) -> [f64; 2] {
+        [self.argument.at(z), self.second.at(z)]
+    }
+
+    /// Sizes of the arguments, given the sizes of the coordinates.
+    #[inline(always)]
+    pub fn argument_sizes(&self, sizes: &[f64]) -> [f64; 2] {
+        [self.argument.size(sizes), self.second.size(sizes)]
+    }
+
+    /// φ as a polynomial, if it is one.
+    pub fn polynomial(&self) -> Option<Polynomial> {
+        if let Operation::Polynomial(force) = self.operation { Some(force) } else { None }
+    }
+
+    /// Writes φ into the augmented state, from its coordinates, rates and earlier operations.
     #[inline(always)]
     pub fn fill(&self, z: &mut [f64]) {
-        z[self.place] = self.force.value(self.argument.at(z));
+        z[self.place] = self.operation.value(self.arguments(z));
     }
 
     /// Writes the variation of φ into a variation of the state `z`.
     #[inline(always)]
     pub fn vary(&self, z: &[f64], variation: &mut [f64]) {
-        let slope = self.force.derivative(self.argument.at(z));
-        variation[self.place] = slope * self.argument.at(variation);
+        let slopes = self.operation.slopes(self.arguments(z));
+        let mut sum = slopes[0] * self.argument.at(variation);
+        if self.operation.is_of_two() {
+            sum += slopes[1] * self.second.at(variation);
+        }
+        variation[self.place] = sum;
     }
 
-    /// Size to which the rounding error of φ is relative: the sum of the sizes of the terms of φ,
-    /// plus the slope of the majorant times the sum of the sizes of the terms of x.
+    /// Size to which the rounding error of φ is relative: the size of φ, plus the sizes of its
+    /// derivatives times the sums of the sizes of the terms of its arguments.
     #[inline(always)]
     pub fn size(&self, z: &[f64], sizes: &[f64]) -> f64 {
-        let (x, majorant) = (self.argument.at(z).abs(), self.force.majorant());
-        majorant.value(x) + majorant.derivative(x) * self.argument.size(sizes)
+        let (value, slopes) = self.operation.sizes(self.arguments(z));
+        let own = value + slopes[0] * self.argument.size(sizes);
+        if self.operation.is_of_two() { own + slopes[1] * self.second.size(sizes) } else { own }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -157,7 +157,7 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
         let e = spring.elongation.e.dot(z);
         stored += e * (0.5 * spring.stiffness * e + spring.preload);
         if let Some(curved) = spring.curve.map(|i| &system.curved[i]).filter(|own| !own.is_of_rate) {
-            stored += curved.force.integral(e);
+            stored += curved.polynomial().map_or(0.0, |force| force.integral(e));
         }
     }
     for branch in &system.branches {

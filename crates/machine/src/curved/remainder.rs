@@ -1,7 +1,7 @@
 //! The remainder of a power series with curved forces (docs/assembly-law.md, section 20).
 
 use super::series::tail;
-use super::{CurveSeries, Polynomial};
+use super::{CurveSeries, Operation};
 
 /// Largest error of a series in the norm of (A6), relative to the largest term of the states. This
 /// is half the spacing of doubles at 1.
@@ -12,24 +12,98 @@ const LAST: f64 = 1e-17;
 /// Largest number of times a span is shortened.
 const SHORTENINGS: usize = 100;
 /// Relative allowance for the rounding error of a sum of coefficients.
-const ROOM: f64 = 1e-12;
+pub(super) const ROOM: f64 = 1e-12;
 /// Largest exponent of the growth of an error within a span.
 const GROWTH: f64 = 20.0;
 
-/// A curved force with its series, and the norms of its row and its column.
+/// Factor by which a span is shortened on which an operation may not be defined.
+const UNDEFINED: f64 = 0.7;
+
+/// The row of an argument: its norm, and the operations in it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ArgumentTerms<'a> {
+    /// Norm of the row without operations: Σ |ℓᵢ| wᵢ.
+    pub(crate) reach: f64,
+    /// Index and size of the factor of each operation in the argument.
+    pub(crate) nested: &'a [(usize, f64)],
+}
+
+/// An operation with its series, and the norms of its rows and its column.
+#[derive(Clone, Copy)]
 pub(crate) struct CurveTerms<'a> {
-    /// The force.
-    pub(crate) force: Polynomial,
+    /// The operation.
+    pub(crate) operation: Operation,
     /// Its series.
     pub(crate) series: &'a CurveSeries,
-    /// Norm of the row of its argument: Σ |ℓᵢ| wᵢ.
-    pub(crate) reach: f64,
+    /// Its arguments.
+    pub(crate) arguments: [ArgumentTerms<'a>; 2],
     /// Norm of its column in z': max |yᵢ| / wᵢ.
     pub(crate) effect: f64,
-    /// C with |xₖ| ≤ C radius⁻ᵏ; set by [`Remainder::prepare`].
+    /// ρ with |wₖ| ≤ C ρ⁻ᵏ for the operation's value w beyond the computed orders; set by
+    /// [`Remainder::prepare`].
+    pub(crate) radius: f64,
+    /// C.
     pub(crate) scale: f64,
+    /// For a [plain](Self::is_plain) polynomial: the C with |xₖ| ≤ C ρ⁻ᵏ for its argument, and
     /// Σ |xₖ| over the longest fraction that is tried; set by [`Remainder::prepare`].
-    pub(crate) most: f64,
+    pub(crate) of_argument: [f64; 2],
+    /// Norm of the derivative of the operation's value by the states, over the tube; set by
+    /// [`Remainder::bound`].
+    pub(crate) steepness: f64,
+}
+
+impl<'a> CurveTerms<'a> {
+    /// An operation whose bounds are not yet set.
+    pub(crate) fn new(
+        operation: Operation,
+        series: &'a CurveSeries,
+        arguments: [ArgumentTerms<'a>; 2],
+        effect: f64,
+    ) -> Self {
+        let (radius, scale, of_argument, steepness) = (0.0, 0.0, [0.0; 2], 0.0);
+        Self { operation, series, arguments, effect, radius, scale, of_argument, steepness }
+    }
+
+    /// Whether this is a polynomial of a row without operations.
+    #[inline(always)]
+    pub(crate) fn is_plain(&self) -> bool {
+        matches!(self.operation, Operation::Polynomial(_)) && self.arguments[0].nested.is_empty()
+    }
+
+    /// Σ |wₖ| partᵏ over the orders from `last` on, and the norm of w's derivative by the states
+    /// within `margin` of the polynomial. `known` has the operations before this one.
+    pub(super) fn tail_and_steepness(
+        &self,
+        known: &[Self],
+        (part, margin): (f64, f64),
+        last: usize,
+    ) -> (f64, f64) {
+        let ratio = part / self.radius;
+        if !(ratio < 1.0 && self.scale.is_finite()) {
+            return (f64::INFINITY, f64::INFINITY);
+        }
+        let [a, b, w, _] = self.series.of_operation();
+        let tail = match self.operation {
+            Operation::Polynomial(_) => self.scale * ratio.powi(last as i32) / (1.0 - ratio),
+            _ => {
+                let first = w[last].abs() * part.powi(last as i32) * (1.0 + ROOM);
+                first + self.scale * ratio.powi(last as i32 + 1) / (1.0 - ratio)
+            }
+        };
+        let reaches = self.arguments.map(|own| {
+            own.nested.iter().fold(own.reach, |sum, &(i, factor)| sum + factor * known[i].steepness)
+        });
+        let mut radii = [0.0; 2];
+        for ((radius, argument), (reach, series)) in
+            radii.iter_mut().zip(&self.arguments).zip(reaches.iter().zip([a, b]))
+        {
+            let sum = series[1..=last].iter().rev().fold(0.0, |sum, x| sum * part + x.abs()) * part;
+            *radius = sum * (1.0 + ROOM) + argument.beyond(known, part, last) + reach * margin;
+        }
+        let slopes = self.operation.steepest([a[0], b[0]], radii);
+        let along = |slope: f64, reach: f64| if reach > 0.0 { slope * reach } else { 0.0 };
+        (tail, along(slopes[0], reaches[0]) + along(slopes[1], reaches[1]))
+    }
 }
 
 /// Data for a bound on the remainder of a power series over a fraction of the span.
@@ -68,9 +142,17 @@ impl Remainder<'_> {
     #[inline(always)]
     pub(crate) fn prepare(&mut self, part: f64, radius: f64) {
         let last = self.last();
-        for terms in self.curves.iter_mut() {
-            terms.scale = terms.series.scale(radius, last);
-            terms.most = terms.series.sum_of_sizes(part, last);
+        let are_plain = self.curves.iter().all(CurveTerms::is_plain);
+        for i in 0..self.curves.len() {
+            let (known, later) = self.curves.split_at_mut(i);
+            let terms = &mut later[0];
+            if terms.is_plain() {
+                let (scale, most) = (terms.series.scale(radius, last), terms.series.sum_of_sizes(part, last));
+                terms.of_argument = [scale, most];
+            }
+            if !are_plain {
+                terms.majorize(known, radius, last);
+            }
         }
     }
 
@@ -78,19 +160,33 @@ impl Remainder<'_> {
     /// of the polynomial's defect times the growth factor of an error. The bound is valid if it is
     /// at most `margin`.
     ///
-    /// The tails of the curved forces come from |xₖ| ≤ C radius⁻ᵏ, with the least C for the given
+    /// The tails of plain polynomials come from |xₖ| ≤ C radius⁻ᵏ, with the least C for the given
     /// `radius` (in units of the span). Every radius larger than `part` gives a valid bound.
     #[inline(always)]
-    pub(crate) fn bound(&self, part: f64, radius: f64, margin: f64) -> f64 {
+    pub(crate) fn bound(&mut self, part: f64, radius: f64, margin: f64) -> f64 {
         let last = self.last();
         let h = self.span * part;
         let (mut defect, mut growth) = (self.rate * self.norms[last] * part.powi(last as i32), self.rate);
         let ratio = radius / part;
         let power = ratio.powi(-(last as i32));
-        for CurveTerms { force, reach, effect, scale, most, .. } in self.curves.iter() {
-            defect += effect * tail(force, *scale, (ratio, power), last);
-            let most = most * (1.0 + ROOM) + reach * margin;
-            growth += effect * force.majorant().derivative(most) * reach;
+        for i in 0..self.curves.len() {
+            let (known, later) = self.curves.split_at_mut(i);
+            let CurveTerms { operation, arguments, effect, of_argument, .. } = later[0];
+            if let (Operation::Polynomial(force), true) = (&operation, later[0].is_plain()) {
+                let (reach, [scale, most]) = (arguments[0].reach, of_argument);
+                defect += effect * tail(force, scale, (ratio, power), last);
+                let most = most * (1.0 + ROOM) + reach * margin;
+                let slope = force.majorant().derivative(most);
+                growth += effect * slope * reach;
+                later[0].steepness = slope * reach;
+                continue;
+            }
+            let (tail, steepness) = later[0].tail_and_steepness(known, (part, margin), last);
+            later[0].steepness = steepness;
+            if effect > 0.0 {
+                defect += effect * tail;
+                growth += effect * steepness;
+            }
         }
         let exponent = growth * h;
         if exponent > GROWTH {
@@ -126,7 +222,9 @@ impl Remainder<'_> {
             if bound <= limit {
                 return part;
             }
-            let factor = 0.98 * (limit / bound).powf(1.0 / last as f64);
+            let is_undefined = bound.is_infinite() && self.curves.iter().any(|own| !own.is_plain());
+            let factor =
+                if is_undefined { UNDEFINED } else { 0.98 * (limit / bound).powf(1.0 / last as f64) };
             part *= if factor.is_finite() { factor.clamp(0.1, 0.98) } else { 0.5 };
         }
         0.0

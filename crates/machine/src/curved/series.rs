@@ -1,18 +1,24 @@
 //! Power series of curved forces, order by order.
 
-use super::{LOWEST, POWERS, Polynomial};
+use super::recurrence::{self, Coefficients};
+use super::{LOWEST, Operation, POWERS, Polynomial};
 
 /// Largest number of coefficients of a series. With straight laws and rate times length 4, the
 /// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
 pub const TERMS: usize = 40;
+/// A polynomial with all powers: a coefficient may be 0 and still vary.
+const ALL: Polynomial = Polynomial { coefficients: [1.0; POWERS] };
 
-/// Coefficients of the argument x of a curved force and of its powers x², …, x⁵, by order.
+/// Coefficients of the arguments of an operation and of its value, by order.
 #[derive(Clone, Copy, Debug)]
 pub struct CurveSeries {
+    /// First argument.
     x: [f64; TERMS],
     /// Coefficients of x in reverse order, followed by zeros. With this copy, the sum for a
     /// product of two series reads both factors in ascending order of memory.
     back: [f64; 2 * TERMS],
+    /// For a polynomial: x², …, x⁵. For another operation: second argument, value, slope by the
+    /// first argument, and a helper of the recurrence.
     powers: [[f64; TERMS]; POWERS],
 }
 
@@ -23,10 +29,29 @@ impl Default for CurveSeries {
 }
 
 impl CurveSeries {
-    /// Sets the coefficient of order `k` of x, and returns the coefficient of order `k` of φ(x).
-    /// Requires that all lower orders are set.
+    /// Sets the coefficients of order `k` of the arguments, and returns the coefficient of order
+    /// `k` of the operation's value. Requires that all lower orders are set.
     #[inline(always)]
-    pub fn next(&mut self, force: &Polynomial, k: usize, x: f64) -> f64 {
+    pub fn next(&mut self, operation: &Operation, k: usize, arguments: [f64; 2]) -> f64 {
+        match operation {
+            Operation::Polynomial(force) => self.next_of_polynomial(force, k, arguments[0]),
+            _ => self.next_of_operation((operation, false), k, arguments),
+        }
+    }
+
+    /// [`next`](Self::next) for an operation other than a polynomial; with `is_majorant`, for the
+    /// sizes of its terms.
+    #[inline(never)]
+    fn next_of_operation(&mut self, of: (&Operation, bool), k: usize, [x, y]: [f64; 2]) -> f64 {
+        let [b, w, g, q] = &mut self.powers;
+        (self.x[k], b[k]) = (x, y);
+        recurrence::next(of, Coefficients { a: &self.x, b }, [w, g, q], k);
+        w[k]
+    }
+
+    /// [`next`](Self::next) for a polynomial.
+    #[inline(always)]
+    fn next_of_polynomial(&mut self, force: &Polynomial, k: usize, x: f64) -> f64 {
         self.x[k] = x;
         self.back[TERMS - 1 - k] = x;
         let Some(highest) = force.coefficients.iter().rposition(|c| *c != 0.0) else { return 0.0 };
@@ -46,8 +71,37 @@ impl CurveSeries {
         force.coefficients.iter().zip(&self.powers).map(|(c, power)| c * power[k]).sum()
     }
 
+    /// Sets all powers of the argument of a polynomial at order `k`, also powers whose coefficients
+    /// are 0. Other operations are set as by [`next`](Self::next).
+    pub fn next_of_all(&mut self, operation: &Operation, k: usize, arguments: [f64; 2]) -> f64 {
+        match operation {
+            Operation::Polynomial(force) => {
+                self.next_of_polynomial(&ALL, k, arguments[0]);
+                self.at_order(force, k)
+            }
+            _ => self.next(operation, k, arguments),
+        }
+    }
+
+    /// Coefficients of order `k` of the operation's derivatives by both arguments.
+    #[inline(always)]
+    pub fn slopes(&self, operation: &Operation, k: usize) -> [f64; 2] {
+        match operation {
+            Operation::Polynomial(force) => [self.slope_of_polynomial(force, k), 0.0],
+            Operation::Product => [self.powers[0][k], self.x[k]],
+            _ => [self.powers[2][k], 0.0],
+        }
+    }
+
+    /// Coefficients of the first argument, of the second argument, of the value, and of the slope
+    /// of an operation other than a polynomial.
+    pub(super) fn of_operation(&self) -> [&[f64; TERMS]; 4] {
+        let [b, w, g, _] = &self.powers;
+        [&self.x, b, w, g]
+    }
+
     /// Coefficient of order `k` of φ'(x).
-    pub fn slope(&self, force: &Polynomial, k: usize) -> f64 {
+    fn slope_of_polynomial(&self, force: &Polynomial, k: usize) -> f64 {
         let [c2, c3, c4, c5] = force.coefficients;
         let [square, cube, fourth, _] = &self.powers;
         2.0 * c2 * self.x[k] + 3.0 * c3 * square[k] + 4.0 * c4 * cube[k] + 5.0 * c5 * fourth[k]
@@ -71,11 +125,53 @@ impl CurveSeries {
     }
 }
 
-/// Sizes of the terms of a curved force's series, for judging their rounding errors. The size is
-/// the majorant's series at the sizes of the argument's terms, plus the series of the majorant's
-/// derivative times `shift`.
+/// Sizes of the terms of an operation's series, for judging their rounding errors. The size is the
+/// majorant's series at the sizes of the arguments' terms, plus the series of the majorant's
+/// derivatives times the shifts.
 #[derive(Clone, Debug)]
-pub struct CurveSizes {
+pub enum CurveSizes {
+    /// Of a polynomial.
+    Polynomial(PolynomialSizes),
+    /// Of another operation.
+    Operation {
+        /// The operation.
+        operation: Operation,
+        /// Sizes to which the rounding errors of the arguments at the start are relative.
+        shifts: [f64; 2],
+        /// The majorant's series.
+        series: Box<CurveSeries>,
+    },
+}
+
+impl CurveSizes {
+    /// The sizes for the arguments at the start and for the sizes to which their rounding errors
+    /// are relative.
+    pub fn of(operation: &Operation, arguments: [f64; 2], shifts: [f64; 2]) -> Self {
+        if let Operation::Polynomial(force) = operation {
+            return Self::Polynomial(PolynomialSizes::of(force, arguments[0].abs(), shifts[0]));
+        }
+        let mut series = Box::<CurveSeries>::default();
+        let arguments = if operation.is_of_two() { arguments.map(f64::abs) } else { arguments };
+        series.next_of_operation((operation, true), 0, arguments);
+        Self::Operation { operation: *operation, shifts, series }
+    }
+
+    /// Size of the term of order `k`, given the sizes of the terms of the arguments.
+    pub fn next(&mut self, k: usize, arguments: [f64; 2]) -> f64 {
+        match self {
+            Self::Polynomial(own) => own.next(k, arguments[0]),
+            Self::Operation { operation, shifts, series } => {
+                let value = series.next_of_operation((operation, true), k, arguments);
+                let slopes = series.slopes(operation, k);
+                value + shifts[0] * slopes[0] + shifts[1] * slopes[1]
+            }
+        }
+    }
+}
+
+/// [`CurveSizes`] of a polynomial.
+#[derive(Clone, Debug)]
+pub struct PolynomialSizes {
     majorant: Polynomial,
     /// Derivative of the majorant without its linear term.
     slope: Polynomial,
@@ -87,10 +183,8 @@ pub struct CurveSizes {
     change: CurveSeries,
 }
 
-impl CurveSizes {
-    /// The sizes for |x| at the start and for the size to which the rounding error of x is
-    /// relative.
-    pub fn of(force: &Polynomial, x: f64, shift: f64) -> Self {
+impl PolynomialSizes {
+    fn of(force: &Polynomial, x: f64, shift: f64) -> Self {
         let majorant = force.majorant();
         let [c2, c3, c4, c5] = majorant.coefficients;
         let mut own = Self {
@@ -105,10 +199,9 @@ impl CurveSizes {
         own
     }
 
-    /// Size of the term of order `k`, given the size of the term of the argument.
-    pub fn next(&mut self, k: usize, x: f64) -> f64 {
-        let value = self.value.next(&self.majorant, k, x);
-        value + self.shift * (self.linear * x + self.change.next(&self.slope, k, x))
+    fn next(&mut self, k: usize, x: f64) -> f64 {
+        let value = self.value.next_of_polynomial(&self.majorant, k, x);
+        value + self.shift * (self.linear * x + self.change.next_of_polynomial(&self.slope, k, x))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Derivatives of curved forces and of their rates (docs/assembly-law.md, section 20).
 
-use crate::curved::{Curved, Polynomial};
+use crate::curved::{Curved, Operation, Polynomial};
 use crate::flow::CurveInMode;
 use crate::functional::Functional;
 use crate::kernel::SparseMatrix;
@@ -11,18 +11,30 @@ use nalgebra::DVector;
 /// The derivative of a curved force by one parameter, at a fixed state.
 #[derive(Clone, Debug)]
 pub(super) struct CurveTangent {
-    /// Derivative of the argument.
-    pub argument: Functional,
-    /// Derivatives of the coefficients.
+    /// Derivatives of the rows of the arguments.
+    pub arguments: [Functional; 2],
+    /// Derivatives of the coefficients of a polynomial; 0 for other operations.
     pub force: Polynomial,
 }
 
 impl CurveTangent {
     /// The derivative of φ at a state, with the derivative of the state.
     pub fn derivative(&self, own: &Curved, z: &DVector<f64>, delta: &DVector<f64>) -> f64 {
-        let x = own.argument.at(z.as_slice());
-        let dx = own.argument.at(delta.as_slice()) + self.argument.at(z.as_slice());
-        own.force.derivative(x) * dx + self.force.value(x)
+        let arguments = own.arguments(z.as_slice());
+        let slopes = own.operation.slopes(arguments);
+        let changes = self.changes(own, z, delta);
+        let along = slopes[0] * changes[0];
+        match own.operation {
+            Operation::Polynomial(_) => along + self.force.value(arguments[0]),
+            Operation::Product => along + slopes[1] * changes[1],
+            _ => along,
+        }
+    }
+
+    /// The derivatives of the arguments at a state, with the derivative of the state.
+    fn changes(&self, own: &Curved, z: &DVector<f64>, delta: &DVector<f64>) -> [f64; 2] {
+        let (own, by) = (own.arguments(delta.as_slice()), self.arguments.each_ref());
+        std::array::from_fn(|i| own[i] + by[i].at(z.as_slice()))
     }
 }
 
@@ -67,12 +79,21 @@ impl CurvesInMode {
     /// z', and the derivative of z.
     pub fn add_rates_by(&self, p: usize, [z, rates, delta]: [&DVector<f64>; 3], changes: &mut DVector<f64>) {
         for (CurveInMode { curved: own, .. }, by) in self.forces.iter().zip(&self.by[p]) {
-            let x = own.argument.at(z.as_slice());
-            let dx = own.argument.at(delta.as_slice()) + by.argument.at(z.as_slice());
-            let speed = own.argument.at(rates.as_slice());
-            let dspeed = own.argument.at(changes.as_slice()) + by.argument.at(rates.as_slice());
-            let bend = own.force.second_derivative(x) * dx + by.force.derivative(x);
-            changes[own.place] = bend * speed + own.force.derivative(x) * dspeed;
+            let arguments = own.arguments(z.as_slice());
+            let [dx, dy] = by.changes(own, z, delta);
+            let [speed, other] = own.arguments(rates.as_slice());
+            let [dspeed, dother] = by.changes(own, rates, changes);
+            let [twice, mixed] = own.operation.second_derivatives(arguments);
+            let slopes = own.operation.slopes(arguments);
+            let mut bend = twice * dx;
+            if let Operation::Polynomial(_) = own.operation {
+                bend += by.force.derivative(arguments[0]);
+            }
+            let mut sum = bend * speed + slopes[0] * dspeed;
+            if own.operation.is_of_two() {
+                sum += mixed * (dy * speed + dx * other) + slopes[1] * dother;
+            }
+            changes[own.place] = sum;
         }
     }
 }

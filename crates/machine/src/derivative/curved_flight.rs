@@ -3,21 +3,19 @@
 use super::columns::Columns;
 use super::curved::CurvesInMode;
 use super::mode::VariedMode;
-use crate::curved::{CurveSeries, Polynomial};
+use crate::curved::{CurveSeries, Operation};
 use crate::flow::{CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, rate_at, shortened};
 
 /// Size of the last terms relative to the first ones, of the state and of each column.
 const LAST: f64 = 1e-18;
-/// All powers of an argument are computed, as a coefficient may be 0 and still vary.
-const ALL: Polynomial = Polynomial { coefficients: [1.0; 4] };
 
 /// Series of the arguments of the curved forces, and of their derivatives by column.
 struct Arguments {
     own: Vec<CurveSeries>,
-    /// Coefficients of φ' by force and order.
-    slopes: Vec<Vec<f64>>,
-    /// Coefficients of the derivative of the argument, by force, column and order.
-    by: Vec<Vec<Vec<f64>>>,
+    /// Coefficients of the derivatives by the arguments, by force and order.
+    slopes: Vec<Vec<[f64; 2]>>,
+    /// Coefficients of the derivatives of the arguments, by force, column and order.
+    by: Vec<Vec<Vec<[f64; 2]>>>,
 }
 
 /// Power series of a state and its derivatives, in the fraction of a span.
@@ -149,18 +147,28 @@ impl VariedMode {
             row.iter().map(|&(j, x)| x * term[j * width + column]).sum()
         };
         for (i, CurveInMode { curved: own, .. }) in self.curves.forces.iter().enumerate() {
-            let series = &mut arguments.own[i];
-            series.next(&ALL, k, dot(term, own.argument.terms(), 0));
+            let (series, is_of_two) = (&mut arguments.own[i], own.operation.is_of_two());
+            let rows = [own.argument.terms(), own.second.terms()];
+            let value = series.next_of_all(&own.operation, k, rows.map(|row| dot(term, row, 0)));
             let slopes = &mut arguments.slopes[i];
-            slopes.push(series.slope(&own.force, k));
-            term[own.place * width] = series.at_order(&own.force, k);
+            slopes.push(series.slopes(&own.operation, k));
+            term[own.place * width] = value;
             for (p, by) in self.curves.by.iter().enumerate() {
                 let by = &by[i];
-                let moved = dot(term, by.argument.terms(), 0);
+                let moved = by.arguments.each_ref().map(|row| dot(term, row.terms(), 0));
                 let steps = &mut arguments.by[i][p];
-                steps.push(dot(term, own.argument.terms(), p + 1) + moved);
-                let sum: f64 = slopes.iter().zip(steps.iter().rev()).map(|(slope, step)| slope * step).sum();
-                term[own.place * width + p + 1] = sum + series.at_order(&by.force, k);
+                steps.push(std::array::from_fn(|j| dot(term, rows[j], p + 1) + moved[j]));
+                let along = |j: usize| -> f64 {
+                    slopes.iter().zip(steps.iter().rev()).map(|(slope, step)| slope[j] * step[j]).sum()
+                };
+                let mut sum = along(0);
+                if is_of_two {
+                    sum += along(1);
+                }
+                if let Operation::Polynomial(_) = own.operation {
+                    sum += series.at_order(&by.force, k);
+                }
+                term[own.place * width + p + 1] = sum;
             }
         }
     }

@@ -218,7 +218,8 @@ impl Tangent {
             let own = &self.springs[k].0;
             let argument = Functional::of(if curved.is_of_rate { own.rate.clone() } else { own.e.clone() });
             let force = Polynomial { coefficients: moved[k] };
-            self.curves.push(CurveTangent { argument, force });
+            let arguments = [argument, Functional::zeros(system.signals.size)];
+            self.curves.push(CurveTangent { arguments, force });
         }
     }
 

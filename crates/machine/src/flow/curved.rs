@@ -6,11 +6,12 @@ pub(crate) use pace::{GroupNorms, part, shortened};
 
 use super::ahead::{Ahead, HeadAhead, Series};
 use super::{FlowTable, ORDERS, RADIUS};
-use crate::curved::{CurveSeries, CurveSizes, CurveTerms, Curved, Remainder};
+use crate::curved::{ArgumentTerms, CurveSeries, CurveSizes, CurveTerms, Curved, Operation, Remainder};
 use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix, largest_product};
 use crate::law::ZERO;
 use crate::system::System;
+use std::ops::Range;
 
 /// Order of the last term of a series with curved forces. High orders are cheap with vector
 /// instructions. The number is fixed, so that every span takes the same operations.
@@ -22,13 +23,45 @@ pub(crate) const CURVE_REACH: f64 = 4.0;
 /// are computed again.
 const MOST_EXCESS: i64 = 3;
 
+/// Norms of the row of an argument: Σ |ℓᵢ| wᵢ over the velocities, and over the other coordinates
+/// without operations; and the operations in it.
+#[derive(Clone, Debug, Default)]
+struct RowNorms {
+    others: f64,
+    velocities: f64,
+    /// Index in the mode and size of the factor of each operation.
+    nested: Vec<(usize, f64)>,
+}
+
+impl RowNorms {
+    /// The norms of a row. `places` has the places of the operations before.
+    fn of(row: &Functional, velocities: &Range<usize>, places: &[usize], weights: &[f64]) -> Self {
+        let mut norms = Self::default();
+        for &(j, x) in row.terms() {
+            if let Some(own) = places.iter().position(|place| *place == j) {
+                norms.nested.push((own, x.abs()));
+                continue;
+            }
+            let norm = if velocities.contains(&j) { &mut norms.velocities } else { &mut norms.others };
+            *norm += x.abs() / weights[j];
+        }
+        norms
+    }
+
+    /// The norm for weights of velocities that are `faster` times larger.
+    #[inline(always)]
+    fn joint(&self, faster: f64) -> f64 {
+        self.others + faster * self.velocities
+    }
+}
+
 /// A curved force in a mode.
 #[derive(Clone, Debug)]
 pub(crate) struct CurveInMode {
     /// The force.
     pub(crate) curved: Curved,
-    /// Norm of the argument's row: Σ |ℓᵢ| wᵢ.
-    pub(super) reach: f64,
+    /// Norms of the arguments' rows.
+    rows: [RowNorms; 2],
     /// Norm of φ's column for the accelerations, and of its column for other rates: max |yᵢ| / wᵢ.
     pub(super) effects: [f64; 2],
 }
@@ -38,49 +71,88 @@ impl CurveInMode {
     pub(crate) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
         let columns = if system.curved.is_empty() { SparseMatrix::default() } else { a.transpose() };
         let velocities = system.coordinates..2 * system.coordinates;
-        let in_mode = |curved: &Curved| {
-            let reach = curved.argument.terms().iter().map(|&(j, x)| x.abs() / weights[j]).sum();
+        let places: Vec<usize> = system.curved.iter().map(|curved| curved.place).collect();
+        let in_mode = |(known, curved): (usize, &Curved)| {
+            let of = |row: &Functional| RowNorms::of(row, &velocities, &places[..known], weights);
+            let mut rows = [of(&curved.argument), of(&curved.second)];
+            if curved.polynomial().is_some() && rows[0].nested.is_empty() {
+                // The row of a rate may contain signals. As velocities they give a larger norm.
+                let terms = curved.argument.terms().iter();
+                let reach = terms.map(|&(j, x)| x.abs() / weights[j]).sum();
+                let [others, velocities] = if curved.is_of_rate { [0.0, reach] } else { [reach, 0.0] };
+                rows[0] = RowNorms { others, velocities, nested: Vec::new() };
+            }
             let mut effects = [0.0f64; 2];
             for &(i, y) in columns.row(curved.place) {
                 let effect = &mut effects[usize::from(!velocities.contains(&i))];
                 *effect = effect.max(y.abs() * weights[i]);
             }
-            Self { curved: curved.clone(), reach, effects }
+            Self { curved: curved.clone(), rows, effects }
         };
-        system.curved.iter().map(in_mode).collect()
+        system.curved.iter().enumerate().map(in_mode).collect()
     }
 
-    /// For a norm whose weights of velocities are `faster` times larger: the norms of the
-    /// argument's row and of φ's column.
+    /// Whether this is a polynomial of a row without operations.
     #[inline(always)]
-    fn norms(&self, faster: f64) -> (f64, f64) {
-        let reach = if self.curved.is_of_rate { faster * self.reach } else { self.reach };
-        (reach, (self.effects[0] / faster).max(self.effects[1]))
+    fn is_plain(&self) -> bool {
+        matches!(self.curved.operation, Operation::Polynomial(_)) && self.rows[0].nested.is_empty()
     }
 
-    /// The rate that the force adds to the norm of A for an argument of this size, 1/s.
+    /// The norm of φ's column, in a norm whose weights of velocities are `faster` times larger.
     #[inline(always)]
-    fn rate(&self, argument: f64) -> f64 {
-        let (reach, effect) = self.norms(1.0);
-        effect * reach * self.curved.force.majorant().derivative(argument)
+    fn effect(&self, faster: f64) -> f64 {
+        (self.effects[0] / faster).max(self.effects[1])
     }
 
     /// The force with its series, for the bound of the remainder.
     #[inline(always)]
-    fn with<'a>(&self, series: &'a CurveSeries, faster: f64) -> CurveTerms<'a> {
-        let (reach, effect) = self.norms(faster);
-        CurveTerms { force: self.curved.force, series, reach, effect, scale: 0.0, most: 0.0 }
+    fn with<'a>(&'a self, series: &'a CurveSeries, faster: f64) -> CurveTerms<'a> {
+        let argument =
+            |row: &'a RowNorms| ArgumentTerms { reach: row.joint(faster), nested: row.nested.as_slice() };
+        let [first, second] = &self.rows;
+        let arguments = [argument(first), argument(second)];
+        CurveTerms::new(self.curved.operation, series, arguments, self.effect(faster))
+    }
+
+    /// Norms of the derivative of φ by the states without velocities, and by the velocities.
+    /// `known` has the norms of the forces before.
+    #[inline(always)]
+    fn steepness(&self, slopes: [f64; 2], known: &[[f64; 2]]) -> [f64; 2] {
+        let mut norms = [0.0; 2];
+        for (row, slope) in self.rows.iter().zip(slopes) {
+            let mut own = [row.others, row.velocities];
+            for &(i, factor) in &row.nested {
+                (0..2).for_each(|k| own[k] += factor * known[i][k]);
+            }
+            // An infinite slope by an argument that no state moves has no effect.
+            (0..2).filter(|k| own[*k] > 0.0).for_each(|k| norms[k] += slope.abs() * own[k]);
+        }
+        norms
     }
 }
 
 /// A bound of the rate of z' = A z with the slopes of the curved forces, 1/s. `rate` is the norm of
-/// A, in the same norm. `size` returns the size of an argument.
+/// A, in the same norm. `slopes` returns the slopes of a force by its arguments.
 #[inline(always)]
-fn with_slopes(rate: f64, curves: &[CurveInMode], size: impl Fn(&Functional) -> f64) -> f64 {
+fn with_slopes(rate: f64, curves: &[CurveInMode], slopes: impl Fn(&Curved) -> [f64; 2]) -> f64 {
     let (mut stiffness, mut damping) = (0.0, 0.0);
+    let are_plain = curves.iter().all(CurveInMode::is_plain);
+    let mut known: Vec<[f64; 2]> = Vec::new();
     for curve in curves {
-        let own = curve.rate(size(&curve.curved.argument));
-        *if curve.curved.is_of_rate { &mut damping } else { &mut stiffness } += own;
+        let (slopes, effect) = (slopes(&curve.curved), curve.effect(1.0));
+        if are_plain {
+            let of_rate = curve.curved.is_of_rate;
+            let RowNorms { others, velocities, .. } = curve.rows[0];
+            let own = effect * if of_rate { velocities } else { others } * slopes[0];
+            *if of_rate { &mut damping } else { &mut stiffness } += own;
+            continue;
+        }
+        let own = curve.steepness(slopes, &known);
+        if effect > 0.0 {
+            stiffness += effect * own[0];
+            damping += effect * own[1];
+        }
+        known.push(own);
     }
     // If the weights of velocities grow by a factor ≥ 1, the norm of A grows at most by this
     // factor.
@@ -88,10 +160,20 @@ fn with_slopes(rate: f64, curves: &[CurveInMode], size: impl Fn(&Functional) -> 
     faster * rate + stiffness / faster + damping
 }
 
+/// The slopes of a polynomial's majorant at the size of its argument, and of another operation at
+/// the state.
+#[inline(always)]
+fn slopes(curved: &Curved, z: &[f64], size: impl Fn(&Functional) -> f64) -> [f64; 2] {
+    match &curved.operation {
+        Operation::Polynomial(force) => [force.majorant().derivative(size(&curved.argument)), 0.0],
+        operation => operation.slopes(curved.arguments(z)),
+    }
+}
+
 /// The rate with the slopes of the curved forces at a state, 1/s.
 #[inline(always)]
 pub(crate) fn rate_at(rate: f64, curves: &[CurveInMode], z: &[f64]) -> f64 {
-    with_slopes(rate, curves, |argument| argument.at(z).abs())
+    with_slopes(rate, curves, |curved| slopes(curved, z, |argument| argument.at(z).abs()))
 }
 
 /// The norms of a term with the weights of velocities `faster` times larger: without the
@@ -118,7 +200,7 @@ impl Series {
         self.curves.resize(table.curves.len(), CurveSeries::default());
         for (curve, series) in table.curves.iter().zip(&mut self.curves) {
             let terms = &mut self.terms[k * self.size..][..self.size];
-            let value = series.next(&curve.curved.force, k, curve.curved.argument.at(terms));
+            let value = series.next(&curve.curved.operation, k, curve.curved.arguments(terms));
             terms[curve.curved.place] = value;
         }
     }
@@ -174,12 +256,16 @@ impl FlowTable {
 
     /// Longest time, s, over which forces raise the sizes of rates: a sub-step. Curved forces
     /// shorten it by their slopes at the largest sizes: over a longer time the sizes of rates would
-    /// raise the sizes of displacements, and these the slopes, without end.
-    pub fn length_for(&self, sizes: &[f64]) -> f64 {
+    /// raise the sizes of displacements, and these the slopes, without end. The slopes of other
+    /// operations than polynomials are taken at the state.
+    pub fn length_for(&self, z: &[f64], sizes: &[f64]) -> f64 {
         if !self.is_curved() {
             return self.length;
         }
-        RADIUS / with_slopes(self.rate, &self.curves, |argument| argument.size(sizes))
+        RADIUS
+            / with_slopes(self.rate, &self.curves, |curved| {
+                slopes(curved, z, |argument| argument.size(sizes))
+            })
     }
 
     /// Replaces a state by its time derivative of an order below `TERMS`.
@@ -240,11 +326,14 @@ impl FlowTable {
         terms[0].copy_from_slice(variation);
         for k in 0..=LAST_CURVE_ORDER {
             let (known, later) = terms.split_at_mut(k + 1);
-            for (curve, series) in self.curves.iter().zip(&ahead.series.curves) {
-                let product =
-                    |j: usize| series.slope(&curve.curved.force, j) * curve.curved.argument.at(&known[k - j]);
-                let value = (0..=k).map(product).sum();
-                known[k][curve.curved.place] = value;
+            for (CurveInMode { curved, .. }, series) in self.curves.iter().zip(&ahead.series.curves) {
+                let slopes = |j: usize| series.slopes(&curved.operation, j);
+                let product = |j: usize| slopes(j)[0] * curved.argument.at(&known[k - j]);
+                let mut value: f64 = (0..=k).map(product).sum();
+                if curved.operation.is_of_two() {
+                    value += (0..=k).map(|j| slopes(j)[1] * curved.second.at(&known[k - j])).sum::<f64>();
+                }
+                known[k][curved.place] = value;
             }
             if let Some(next) = later.first_mut() {
                 self.rows_times_to(0, &known[k], ahead.expanded / (k + 1) as f64, next);
@@ -279,7 +368,7 @@ impl FlowTable {
         doubt: f64,
     ) -> Vec<Option<(usize, f64)>> {
         let mut series = Series::default();
-        let length = self.length_for(sizes);
+        let length = self.length_for(z, sizes);
         series.expand(self, z, length, ORDERS - 1);
         let all = self.sizes_of_terms(z, sizes, (length, ORDERS - 1));
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
@@ -301,15 +390,15 @@ impl FlowTable {
             .curves
             .iter()
             .map(|curve| {
-                let Curved { force, argument, .. } = &curve.curved;
-                CurveSizes::of(force, argument.at(z).abs(), argument.size(sizes))
+                let own = &curve.curved;
+                CurveSizes::of(&own.operation, own.arguments(z), own.argument_sizes(sizes))
             })
             .collect();
         for k in 1..=last {
             let mut next = vec![0.0; sizes.len()];
             own.sizes_rows_times_to(0, &all[k - 1], span / k as f64, &mut next);
             for (curve, majorant) in self.curves.iter().zip(&mut majorants) {
-                next[curve.curved.place] = majorant.next(k, curve.curved.argument.size(&next));
+                next[curve.curved.place] = majorant.next(k, curve.curved.argument_sizes(&next));
             }
             all.push(next);
         }

@@ -163,10 +163,11 @@ impl<'a> Selection<'a> {
         let mut z = z.clone();
         system.fill_curved(z.as_mut_slice());
         let curves = system.curved.iter().map(|curved| {
-            let x = curved.argument.at(z.as_slice());
+            let (operation, arguments) = (&curved.operation, curved.arguments(z.as_slice()));
             let mut series = CurveSeries::default();
-            series.next(&curved.force, 0, x);
-            (series, CurveSizes::of(&curved.force, x.abs(), curved.argument.size(sizes.0.as_slice())))
+            series.next(operation, 0, arguments);
+            let shifts = curved.argument_sizes(sizes.0.as_slice());
+            (series, CurveSizes::of(operation, arguments, shifts))
         });
         let mut selection = Self {
             system,
@@ -431,9 +432,10 @@ impl<'a> Selection<'a> {
         let order = self.derivatives.len();
         let factorial = (1..=order).fold(1.0, |product, k| product * k as f64);
         for (curved, (series, sizes)) in self.system.curved.iter().zip(&mut self.curves) {
-            let x = curved.argument.at(next) / factorial;
-            next[curved.place] = factorial * series.next(&curved.force, order, x);
-            size[curved.place] = factorial * sizes.next(order, curved.argument.size(size) / factorial);
+            let arguments = curved.arguments(next).map(|x| x / factorial);
+            next[curved.place] = factorial * series.next(&curved.operation, order, arguments);
+            let arguments = curved.argument_sizes(size).map(|x| x / factorial);
+            size[curved.place] = factorial * sizes.next(order, arguments);
         }
     }
 

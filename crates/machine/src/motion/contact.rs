@@ -127,7 +127,7 @@ impl Motion {
         rates.resize(start.len(), 0.0);
         let flight_sizes = &mut rates[..one - n];
         let table = &self.tables.at(self.place).table;
-        let flight = (time - hybrid.since).min(table.length_for(sizes));
+        let flight = (time - hybrid.since).min(table.length_for(hybrid.z.as_slice(), sizes));
         table.flight_sizes(start, flight, second, flight_sizes);
         let flight = STANDING * flight;
         let (places, rates) = sizes.split_at_mut(n);

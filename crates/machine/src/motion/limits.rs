@@ -1,7 +1,7 @@
 //! Limits of a motion and of a call, and the errors when they are exceeded.
 
 use super::Motion;
-use crate::curved::Polynomial;
+use crate::curved::Curved;
 use crate::elements::Element;
 use crate::error::Error;
 use std::sync::Arc;
@@ -100,12 +100,15 @@ impl Motion {
     /// Dotted name and force of the element whose curved force grows fastest.
     fn steepest(&self) -> (String, f64) {
         let (assembly, z) = (&self.assembly, self.hybrid.z.as_slice());
-        let forces = assembly.system.curved.iter().map(|own| (own.force, own.argument.at(z)));
-        let elements = assembly.description.elements().filter(|element| element.is_curved());
-        let slope = |(force, x): (Polynomial, f64)| force.derivative(x).abs();
-        let all = elements.map(Element::dotted).zip(forces);
-        let steepest = all.max_by(|a, b| slope(a.1).total_cmp(&slope(b.1)));
-        steepest.map_or_else(Default::default, |(name, (force, x))| (name, force.value(x)))
+        let slope = |own: &&Curved| {
+            let slopes = own.operation.slopes(own.arguments(z));
+            slopes[0].abs().max(slopes[1].abs())
+        };
+        let steepest = assembly.system.curved.iter().max_by(|a, b| slope(a).total_cmp(&slope(b)));
+        let Some(steepest) = steepest else { return Default::default() };
+        let element = assembly.system.element_of(steepest.owner);
+        let name = assembly.description.elements().nth(element).map(Element::dotted);
+        (name.unwrap_or_default(), steepest.operation.value(steepest.arguments(z)))
     }
 
     /// Error of a call that exceeds its limit of sub-steps.

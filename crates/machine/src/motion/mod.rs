@@ -319,7 +319,7 @@ impl Motion {
         let frictions = vec![FrictionState::Up; system.frictions.len()];
         let sliders = system.held_sliders();
         let table = FlowTable::of_mode(system, &Mode { stops, frictions, sliders, basis: Vec::new() });
-        let (first, length) = (system.coordinates, table.length_for(sizes.0.as_slice()));
+        let (first, length) = (system.coordinates, table.length_for(z.as_slice(), sizes.0.as_slice()));
         let mut added = vec![0.0; system.states() - first];
         table.flight_sizes(sizes.0.as_slice(), length, &mut Vec::new(), &mut added);
         let (places, rates) = sizes.0.as_mut_slice().split_at_mut(first);

@@ -282,7 +282,9 @@ impl PassageSearch<'_> {
         if hybrid.time.plus(part * ahead.span).value() >= knot {
             return true;
         }
-        if (end - part) * ahead.span > AT_KNOT * table.length_for(hybrid.sizes.0.as_slice()) {
+        if (end - part) * ahead.span
+            > AT_KNOT * table.length_for(hybrid.z.as_slice(), hybrid.sizes.0.as_slice())
+        {
             return false;
         }
         let mut there = hybrid.z.as_slice().to_vec();

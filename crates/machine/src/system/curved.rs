@@ -1,7 +1,7 @@
 //! Curved forces of a machine: their coordinates in the augmented state.
 
-use super::{Elongation, System};
-use crate::curved::{Curved, POWERS, Polynomial};
+use super::{Elongation, Part, System};
+use crate::curved::{Curved, Operation, POWERS, Polynomial};
 use crate::description::Description;
 use crate::elements::Element;
 use crate::functional::Functional;
@@ -25,8 +25,10 @@ impl System {
         let argument = if is_of_rate { rate } else { e }.clone();
         spring.force = &spring.force + &Functional::unit(self.signals.size, place, 1.0);
         spring.curve = Some(self.curved.len());
-        let force = Polynomial { coefficients };
-        self.curved.push(Curved { argument, force, place, is_of_rate });
+        let operation = Operation::Polynomial(Polynomial { coefficients });
+        let second = Functional::zeros(self.signals.size);
+        let owner = Part::Spring(self.springs.len() - 1);
+        self.curved.push(Curved { argument, second, operation, place, is_of_rate, owner });
     }
 
     /// Writes the curved forces into the augmented state, from its coordinates and rates.

@@ -1,0 +1,146 @@
+//! Operations of curved forces, with their values and derivatives.
+
+use super::Polynomial;
+
+/// An operation on one or two functionals of the state. Its value is a coordinate of the augmented
+/// state; a formula is a chain of operations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Operation {
+    /// A polynomial of the first argument.
+    Polynomial(Polynomial),
+    /// The product of both arguments.
+    Product,
+    /// A constant power of the first argument. The base is positive; for an exponent that is a
+    /// negative integer it is not zero.
+    Power(f64),
+    /// exp a.
+    Exponential,
+    /// ln a, for a > 0.
+    Logarithm,
+    /// sin a.
+    Sine,
+    /// cos a.
+    Cosine,
+    /// tanh a.
+    HyperbolicTangent,
+    /// atan a.
+    Arctangent,
+}
+
+/// aᵖ; the powers with an operation of their own in hardware are rounded once or twice.
+fn power(a: f64, p: f64) -> f64 {
+    match p {
+        -2.0 => 1.0 / (a * a),
+        -1.0 => 1.0 / a,
+        -0.5 => 1.0 / a.sqrt(),
+        0.5 => a.sqrt(),
+        1.5 => a * a.sqrt(),
+        _ => a.powf(p),
+    }
+}
+
+impl Operation {
+    /// Whether the operation depends on the second argument.
+    pub fn is_of_two(&self) -> bool {
+        *self == Self::Product
+    }
+
+    /// Whether the first argument must not pass 0: the base of a power or of a logarithm.
+    pub fn has_domain(&self) -> bool {
+        match self {
+            Self::Power(p) => *p < 0.0 || p.fract() != 0.0,
+            Self::Logarithm => true,
+            _ => false,
+        }
+    }
+
+    /// Whether the operation is defined at a value of its first argument.
+    pub fn is_defined(&self, a: f64) -> bool {
+        match self {
+            Self::Power(p) if p.fract() == 0.0 => *p >= 0.0 || a != 0.0,
+            _ => !self.has_domain() || a > 0.0,
+        }
+    }
+
+    /// Value at the arguments.
+    #[inline(always)]
+    pub fn value(&self, [a, b]: [f64; 2]) -> f64 {
+        match self {
+            Self::Polynomial(force) => force.value(a),
+            Self::Product => a * b,
+            Self::Power(p) => power(a, *p),
+            Self::Exponential => a.exp(),
+            Self::Logarithm => a.ln(),
+            Self::Sine => a.sin(),
+            Self::Cosine => a.cos(),
+            Self::HyperbolicTangent => a.tanh(),
+            Self::Arctangent => a.atan(),
+        }
+    }
+
+    /// Derivatives by both arguments.
+    #[inline(always)]
+    pub fn slopes(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+        let slope = match self {
+            Self::Polynomial(force) => force.derivative(a),
+            Self::Product => return [b, a],
+            Self::Power(p) => p * power(a, p - 1.0),
+            Self::Exponential => a.exp(),
+            Self::Logarithm => 1.0 / a,
+            Self::Sine => a.cos(),
+            Self::Cosine => -a.sin(),
+            Self::HyperbolicTangent => a.cosh().powi(-2),
+            Self::Arctangent => 1.0 / (1.0 + a * a),
+        };
+        [slope, 0.0]
+    }
+
+    /// Second derivatives: by the first argument twice, and by both arguments. The second
+    /// derivative by the second argument is 0 for all operations.
+    pub fn second_derivatives(&self, [a, _]: [f64; 2]) -> [f64; 2] {
+        let by_first = match self {
+            Self::Polynomial(force) => force.second_derivative(a),
+            Self::Product => return [0.0, 1.0],
+            Self::Power(p) => p * (p - 1.0) * power(a, p - 2.0),
+            Self::Exponential => a.exp(),
+            Self::Logarithm => -1.0 / (a * a),
+            Self::Sine => -a.sin(),
+            Self::Cosine => -a.cos(),
+            Self::HyperbolicTangent => -2.0 * a.tanh() * a.cosh().powi(-2),
+            Self::Arctangent => -2.0 * a / (1.0 + a * a).powi(2),
+        };
+        [by_first, 0.0]
+    }
+
+    /// Size of the value and sizes of the derivatives, to which rounding errors are relative.
+    #[inline(always)]
+    pub fn sizes(&self, arguments: [f64; 2]) -> (f64, [f64; 2]) {
+        if let Self::Polynomial(force) = self {
+            let (x, majorant) = (arguments[0].abs(), force.majorant());
+            return (majorant.value(x), [majorant.derivative(x), 0.0]);
+        }
+        (self.value(arguments).abs(), self.slopes(arguments).map(f64::abs))
+    }
+
+    /// Largest sizes of the derivatives over real arguments within `radii` of `centres`. Infinite
+    /// if the operation is not defined throughout.
+    #[inline(always)]
+    pub(super) fn steepest(&self, centres: [f64; 2], radii: [f64; 2]) -> [f64; 2] {
+        let (a, r) = (centres[0].abs(), radii[0]);
+        let (least, most) = ((a - r).max(0.0), a + r);
+        if self.has_domain() && least == 0.0 {
+            return [f64::INFINITY, 0.0];
+        }
+        let steepest = match self {
+            Self::Polynomial(force) => force.majorant().derivative(most),
+            Self::Product => return [centres[1].abs() + radii[1], most],
+            Self::Power(p) => p.abs() * power(if *p < 1.0 { least } else { most }, p - 1.0),
+            Self::Exponential => (centres[0] + r).exp(),
+            Self::Logarithm => 1.0 / least,
+            Self::Sine | Self::Cosine => 1.0,
+            Self::HyperbolicTangent => least.cosh().powi(-2),
+            Self::Arctangent => 1.0 / (1.0 + least * least),
+        };
+        [steepest, 0.0]
+    }
+}
