@@ -9,6 +9,7 @@ mod stepped;
 
 pub(crate) use flexible::MOST_COORDINATES;
 pub(crate) use names::{GROUND, problem_of as problem_of_name};
+pub(crate) use starts::start_of;
 
 use crate::description::{
     Arms, Body, BodyKind, Description, Dimension, Follows, Interpolation, Record, Signal, Spring, Stop,
@@ -308,6 +309,10 @@ fn curves(machine: &Description, problems: &mut Vec<Problem>) {
                         steps: use two springs side by side";
             problems.push(Problem::new(name, None, text));
         }
+    }
+    for element in machine.elements() {
+        let Some(Err(text)) = element.formula().map(|own| own.compiled()) else { continue };
+        problems.push(Problem::new(format!("{}.force", element.dotted()), None, text));
     }
     if let (true, Some(element)) = (machine.starts_at_rest, crate::system::first_curved(machine)) {
         let text = "the equilibrium is not computed for curved forces; give each body a `start` instead";

@@ -10,12 +10,14 @@ mod flexible;
 mod matrix;
 mod series;
 
+use crate::formula::Formula;
 use crate::named::NamedParameters;
 pub use block::{Block, BlockInput, Feed, OutputPlace, Sampling, Source};
 pub(crate) use flexible::Inner;
 pub use flexible::Modal;
 pub use matrix::{Given, GivenNode, Matrix, MatrixDamping};
 pub use series::{Series, SeriesLaw};
+use std::borrow::Cow;
 
 /// A machine: bodies with one coordinate each, and elements between them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -202,6 +204,10 @@ pub struct Spring {
     /// `None` for a power that the force does not have. With any of them, the stiffness may be
     /// negative.
     pub curve: Curve,
+    /// A formula of e and e' that is added to the force.
+    pub force: Option<Formula>,
+    /// Distance and free length of a spring that lies across the motion.
+    pub across: Option<Across>,
     /// Points (e, f) of a piecewise linear force without the dashpot's part: none, or at least
     /// two, with increasing e. The end lines extend beyond the points. Stiffness and preload are 0
     /// if there are points.
@@ -211,9 +217,49 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// Whether the force has higher powers of e.
+    /// Whether the force has higher powers of e, or a formula.
     pub fn is_curved(&self) -> bool {
+        self.has_curve() || self.force.is_some() || self.across.is_some()
+    }
+
+    /// Whether the force has higher powers of e.
+    pub(crate) fn has_curve(&self) -> bool {
         self.curve.iter().any(Option::is_some)
+    }
+
+    /// The formula in the force: the given one, or the formula of a spring across the motion.
+    pub(crate) fn formula(&self) -> Option<Cow<'_, Formula>> {
+        match &self.across {
+            Some(across) => Some(Cow::Owned(across.formula(self.stiffness, self.damping))),
+            None => self.force.as_ref().map(Cow::Borrowed),
+        }
+    }
+
+    /// Stiffness and damping that act along e. A spring across the motion has them in its
+    /// [formula](Self::formula).
+    pub(crate) fn along(&self) -> [f64; 2] {
+        if self.across.is_some() { [0.0; 2] } else { [self.stiffness, self.damping] }
+    }
+}
+
+/// A spring across the motion: its length is L = √(offset² + e²), and the part of its force along
+/// e is stiffness (L - free length) e/L + damping (e/L)² e'.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Across {
+    /// Length at e = 0, m; positive.
+    pub offset: f64,
+    /// Length without force, m; not negative.
+    pub free_length: f64,
+}
+
+/// The force of a spring across the motion, by its sine e/L.
+const ACROSS: &str = "k * e - k * l * (e / sqrt(a^2 + e^2)) + c * (e / sqrt(a^2 + e^2))^2 * rate";
+
+impl Across {
+    /// The force as a formula.
+    fn formula(&self, stiffness: f64, damping: f64) -> Formula {
+        let values = [("k", stiffness), ("l", self.free_length), ("a", self.offset), ("c", damping)];
+        Formula::new(ACROSS, &values).expect("a sound formula")
     }
 }
 
@@ -229,7 +275,7 @@ pub struct ForcePoint {
     pub f: f64,
 }
 
-/// A dashpot without a spring. Its force f = damping · e' + cubic · e'³ resists e'. No force
+/// A dashpot without a spring. Its force f = damping · e' + cubic · e'³, plus a formula of e', resists e'. No force
 /// depends on its elongation, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
@@ -241,6 +287,15 @@ pub struct Damper {
     pub damping: f64,
     /// Coefficient of e'³ in the force, N s³/m³ or N m s³/rad³; `None` for a linear dashpot.
     pub cubic: Option<f64>,
+    /// A formula of e' that is added to the force.
+    pub force: Option<Formula>,
+}
+
+impl Damper {
+    /// Whether the force has a cube of e' or a formula.
+    pub fn is_curved(&self) -> bool {
+        self.cubic.is_some() || self.force.is_some()
+    }
 }
 
 /// A one-sided contact that closes when e reaches the gap and then resists e.

@@ -10,7 +10,9 @@ use crate::description::{
     Arms, Block, Body, BodyKind, Damper, Description, Dimension, Freewheel, Friction, Integrated, Link, Load,
     Matrix, Modal, Series, Signal, Source, Spring, Stop, StopLaw,
 };
+use crate::formula::Formula;
 use crate::what::What;
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// An element of a machine.
@@ -182,8 +184,26 @@ impl<'a> Element<'a> {
     pub fn is_curved(self) -> bool {
         match self {
             Self::Spring(spring) => spring.is_curved(),
+            Self::Damper(damper) => damper.is_curved(),
+            _ => false,
+        }
+    }
+
+    /// Whether the force has a polynomial of e or e'.
+    pub(crate) fn has_curve(self) -> bool {
+        match self {
+            Self::Spring(spring) => spring.has_curve(),
             Self::Damper(damper) => damper.cubic.is_some(),
             _ => false,
+        }
+    }
+
+    /// The formula in the force.
+    pub(crate) fn formula(self) -> Option<Cow<'a, Formula>> {
+        match self {
+            Self::Spring(spring) => spring.formula(),
+            Self::Damper(damper) => damper.force.as_ref().map(Cow::Borrowed),
+            _ => None,
         }
     }
 

@@ -159,6 +159,9 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
         if let Some(curved) = spring.curve.map(|i| &system.curved[i]).filter(|own| !own.is_of_rate) {
             stored += curved.polynomial().map_or(0.0, |force| force.integral(e));
         }
+        if let Some(own) = &spring.formula {
+            stored += own.stored(e);
+        }
     }
     for branch in &system.branches {
         let force = branch.force.dot(z);

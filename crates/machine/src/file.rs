@@ -35,6 +35,7 @@ mod edit;
 mod elements;
 mod flexible;
 mod follows;
+mod formula;
 mod matrices;
 mod matrix;
 mod named;

@@ -75,7 +75,7 @@ pub const RATE: NumberKind = kind("Rate of the even motion", "m/s", "rad/s", Ran
 pub const START_RATE: NumberKind = kind("Rate at time 0", "m/s", "rad/s", Range::FINITE);
 pub const STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::NOT_NEGATIVE);
 pub const SPRING_STIFFNESS: NumberKind =
-    advised(STIFFNESS, "a negative stiffness requires a curve, such as `cubic`, or `points`");
+    advised(STIFFNESS, "a negative stiffness requires a curve, such as `cubic`, a `force` or `points`");
 /// A part of a stiffness that steps in time.
 pub const STEPPED: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::FINITE);
 /// The stiffness of a spring with a curve, which may fall at e = 0.
@@ -91,6 +91,12 @@ pub const CURVE: [(&str, NumberKind); 4] = [
 pub const CURVED_DAMPING: NumberKind = kind("Viscous damping at e' = 0", "N.s/m", "N.m.s/rad", Range::FINITE);
 pub const CUBIC_DAMPING: NumberKind =
     kind("Coefficient of the cube of e'", "N.s3/m3", "N.m.s3/rad3", Range::FINITE);
+/// The stiffness of a spring across the motion.
+pub const ACROSS_STIFFNESS: NumberKind = kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE);
+pub const OFFSET: NumberKind = kind("Length of the spring at e = 0", "m", "m", Range::POSITIVE);
+pub const FREE_LENGTH: NumberKind = kind("Length without force", "m", "m", Range::NOT_NEGATIVE);
+/// A parameter in a formula.
+pub const OF_FORMULA: NumberKind = kind("Parameter of a formula", "1", "1", Range::FINITE);
 pub const SERIES_STIFFNESS: NumberKind = advised(
     at_least(LEAST, kind("Stiffness", "N/m", "N.m/rad", Range::POSITIVE)),
     "a spring with `slip` or `series_damping` requires a stiffness",
@@ -102,7 +108,7 @@ pub const SLIDER: NumberKind = kind("Inner place at time 0", "m", "rad", Range::
 pub const DAMPING: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
 pub const DASHPOT: NumberKind = advised(
     kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE),
-    "a damping of 0 or less requires `cubic`",
+    "a damping of 0 or less requires `cubic` or `force`",
 );
 pub const PRELOAD: NumberKind = kind("Force at e = 0", "N", "N.m", Range::FINITE);
 pub const POINT: NumberKind = kind("Elongation of a point of the force", "m", "rad", Range::FINITE);

@@ -21,6 +21,7 @@ pub mod error;
 pub mod file;
 pub mod flow;
 pub mod following;
+pub mod formula;
 pub mod functional;
 mod kernel;
 mod kinds;

@@ -5,7 +5,7 @@ mod expression;
 mod line;
 mod ranges;
 
-pub(crate) use expression::Expression;
+pub(crate) use expression::{Expression, Function, Operator, Term};
 
 use crate::refusal::Problem;
 use std::collections::BTreeMap;

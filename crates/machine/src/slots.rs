@@ -4,6 +4,7 @@ use crate::description::{
     Arms, Block, Body, BodyKind, Description, Dimension, Free, Integrated, Level, Modal, SeriesLaw, Signal,
     Spring, StopLaw,
 };
+use crate::formula::Formula;
 use crate::kinds::{self, NumberKind};
 use crate::named::Named;
 
@@ -106,6 +107,13 @@ impl<'a> Slots<'a> {
         of
     }
 
+    /// Collects the parameters of a formula, which follow from named parameters.
+    fn formula(&mut self, of: &str, formula: &'a mut Option<Formula>) {
+        for (name, value) in formula.iter_mut().flat_map(Formula::parameters_mut) {
+            self.push(format!("{of}.force.{name}"), kinds::OF_FORMULA, value);
+        }
+    }
+
     fn spring(&mut self, spring: &'a mut Spring, bodies: &[(String, Dimension)], at_rest: bool) {
         let is_curved = spring.is_curved();
         let of = self.element("spring", &spring.name, &mut spring.arms, bodies);
@@ -119,6 +127,7 @@ impl<'a> Slots<'a> {
         }
         let stiffness = match spring.series {
             Some(_) => kinds::SERIES_STIFFNESS,
+            None if spring.across.is_some() => kinds::ACROSS_STIFFNESS,
             None if is_curved => kinds::CURVED_STIFFNESS,
             None => kinds::STIFFNESS,
         };
@@ -131,7 +140,12 @@ impl<'a> Slots<'a> {
                 self.push(format!("{of}.{key}"), kind, value);
             }
         }
+        self.formula(&of, &mut spring.force);
         self.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
+        if let Some(across) = &mut spring.across {
+            self.push(format!("{of}.offset"), kinds::OFFSET, &mut across.offset);
+            return self.push(format!("{of}.free_length"), kinds::FREE_LENGTH, &mut across.free_length);
+        }
         let Some(series) = &mut spring.series else {
             return self.push(format!("{of}.preload"), kinds::PRELOAD, &mut spring.preload);
         };
@@ -260,12 +274,14 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
         slots.spring(spring, &bodies, machine.starts_at_rest);
     }
     for damper in &mut machine.dampers {
+        let is_curved = damper.is_curved();
         let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);
-        let kind = if damper.cubic.is_some() { kinds::CURVED_DAMPING } else { kinds::DASHPOT };
+        let kind = if is_curved { kinds::CURVED_DAMPING } else { kinds::DASHPOT };
         slots.push(format!("{of}.damping"), kind, &mut damper.damping);
         if let Some(cubic) = &mut damper.cubic {
             slots.push(format!("{of}.cubic"), kinds::CUBIC_DAMPING, cubic);
         }
+        slots.formula(&of, &mut damper.force);
     }
     machine.modals.iter_mut().for_each(|modal| slots.modal(modal));
     for stop in &mut machine.stops {

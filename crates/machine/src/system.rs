@@ -28,6 +28,7 @@ pub use blocks::{
     BlockRows, Combination, CombinationTangent, LimitedValue, SampleAction, SampleKind, SampledVariation,
     Sampler, SamplerTangent,
 };
+pub(crate) use curved::compiled;
 pub use curved::first as first_curved;
 pub use first_order::BranchRows;
 pub(crate) use first_order::in_series;
@@ -43,6 +44,7 @@ pub use split::{Split, Term};
 pub(crate) use stiff::STIFF;
 pub(crate) use stops::{excess, forces, made_stops};
 
+use crate::check::start_of;
 use crate::curved::Curved;
 use crate::description::{Arms, BodyKind, Description, Spring};
 use crate::elements::Element;
@@ -298,11 +300,12 @@ impl System {
                     parts
                 }
                 Element::Spring(spring) if spring.points.is_empty() => {
-                    let parts =
-                        self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload);
-                    if spring.is_curved() {
+                    let [stiffness, damping] = spring.along();
+                    let parts = self.add_spring(&spring.arms, stiffness, damping, spring.preload);
+                    if spring.has_curve() {
                         self.add_curve(false, spring.curve.map(Option::unwrap_or_default));
                     }
+                    self.add_formula(element, start_of(d, &spring.arms)[0]);
                     parts
                 }
                 Element::Spring(spring) => {
@@ -314,6 +317,7 @@ impl System {
                     if let Some(cubic) = damper.cubic {
                         self.add_curve(true, [0.0, cubic, 0.0, 0.0]);
                     }
+                    self.add_formula(element, 0.0);
                     parts
                 }
                 Element::Modal(modal) => {
@@ -351,7 +355,15 @@ impl System {
         let elongation = self.elongation(arms);
         let terms = [(1.0, &self.constant(preload)), (stiffness, &elongation.e), (damping, &elongation.rate)];
         let force = Functional::sum(self.signals.size, terms);
-        self.springs.push(SpringRows { elongation, stiffness, damping, preload, force, curve: None });
+        self.springs.push(SpringRows {
+            elongation,
+            stiffness,
+            damping,
+            preload,
+            force,
+            curve: None,
+            formula: None,
+        });
         vec![Part::Spring(self.springs.len() - 1)]
     }
 

@@ -21,6 +21,7 @@ mod derivatives_rows;
 mod derivatives_start;
 mod derivatives_under_way;
 mod follows;
+mod formulas;
 mod freewheel;
 mod gallery;
 mod held_exactly;

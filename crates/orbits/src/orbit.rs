@@ -391,7 +391,7 @@ pub(super) fn within(place: &Place, leg: &Leg, part: f64) -> (f64, Vec<f64>) {
 fn has_losses(place: &Place) -> bool {
     let system = place.assembly.system();
     !system.blocks.is_empty()
-        || system.springs.iter().any(|spring| spring.damping != 0.0)
+        || system.springs.iter().any(|spring| spring.has_losses())
         || system.curved.iter().any(|curved| curved.is_of_rate)
         || !system.frictions.is_empty()
         || system.stops.iter().any(|stop| match stop.restitution() {

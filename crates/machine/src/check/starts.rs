@@ -19,11 +19,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     if machine.starts_at_rest {
         return at_rest(machine, problems);
     }
-    let own: Vec<_> = machine.bodies.iter().map(|b| start(&b.kind)).collect();
-    let of_node = |row: &[(usize, f64)]| [0, 1].map(|k| row.iter().map(|term| term.1 * own[term.0][k]).sum());
-    let starts = machine.bodies.iter().zip(&own);
-    let starts: Vec<[f64; 2]> =
-        starts.map(|(b, own)| if let BodyKind::Node(row) = &b.kind { of_node(row) } else { *own }).collect();
+    let starts = all(machine);
+    formulas(machine, &starts, problems);
     for link in &machine.links {
         let unit = unit(link.arms.dimension);
         for (what, after, which) in [("e", "", 0), ("e'", "/s", 1)] {
@@ -47,6 +44,36 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             );
             problems.push(refused(format!("stop.{}.gap", stop.name), stop.gap, text));
         }
+    }
+}
+
+/// Coordinate and rate of each body at time 0.
+fn all(machine: &Description) -> Vec<[f64; 2]> {
+    let own: Vec<_> = machine.bodies.iter().map(|b| start(&b.kind)).collect();
+    let of_node = |row: &[(usize, f64)]| [0, 1].map(|k| row.iter().map(|term| term.1 * own[term.0][k]).sum());
+    let starts = machine.bodies.iter().zip(&own);
+    starts.map(|(b, own)| if let BodyKind::Node(row) = &b.kind { of_node(row) } else { *own }).collect()
+}
+
+/// Elongation and rate of an element at time 0.
+pub(crate) fn start_of(machine: &Description, arms: &Arms) -> [f64; 2] {
+    let starts = all(machine);
+    [0, 1].map(|which| elongation(arms, &starts, which).0)
+}
+
+/// Problems of formulas that are not defined at the start.
+fn formulas(machine: &Description, starts: &[[f64; 2]], problems: &mut Vec<Problem>) {
+    for element in machine.elements() {
+        let (Some(arms), Some(compiled)) = (element.arms(), crate::system::compiled(element)) else {
+            continue;
+        };
+        let [e, rate] = [0, 1].map(|which| elongation(arms, starts, which).0);
+        let Some((operation, argument)) = compiled.undefined(e, rate) else { continue };
+        let text = format!(
+            "{}; it is {argument:?} at the start, where e = {e:?} and rate = {rate:?}",
+            operation.requirement()
+        );
+        problems.push(Problem::new(format!("{}.force", element.dotted()), None, text));
     }
 }
 

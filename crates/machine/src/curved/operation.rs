@@ -62,6 +62,16 @@ impl Operation {
         }
     }
 
+    /// What the operation requires of its first argument, in words.
+    pub(crate) fn requirement(&self) -> String {
+        match self {
+            Self::Power(p) if p.fract() == 0.0 => "requires a divisor other than 0".into(),
+            Self::Power(p) => format!("requires a positive base of the power {p:?}"),
+            Self::Logarithm => "requires a positive argument of ln".into(),
+            _ => String::new(),
+        }
+    }
+
     /// Value at the arguments.
     #[inline(always)]
     pub fn value(&self, [a, b]: [f64; 2]) -> f64 {

@@ -7,14 +7,16 @@ use super::rows::{
 };
 use crate::curved::Polynomial;
 use crate::description::{Arms, BodyKind, Description, Follows, Free, Signal, StopLaw};
+use crate::formula::{Formula, Line, Step};
 use crate::functional::{Functional, StateRow};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
 use crate::polyline::Polyline;
 use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
 use crate::stepped;
-use crate::system::{Elongation, System, excess, made_stops};
+use crate::system::{Elongation, SpringRows, System, excess, made_stops};
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 
 /// The derivative of a [`System`] by one parameter.
 #[derive(Clone, Debug)]
@@ -37,6 +39,8 @@ pub(super) struct Tangent {
     pub branches: Vec<BranchTangent>,
     /// Derivative of each curved force.
     pub curves: Vec<CurveTangent>,
+    /// Derivative of each operation, by formula, until they are moved into `curves`.
+    of_formulas: Vec<Vec<CurveTangent>>,
     /// Derivative of each load's force.
     pub loads: Vec<StateRow>,
     /// Derivatives of the start values of place and rate, by coordinate.
@@ -110,6 +114,7 @@ impl Tangent {
             frictions: Vec::new(),
             branches: Vec::new(),
             curves: Vec::new(),
+            of_formulas: Vec::new(),
             loads: Vec::new(),
             starts: system.bodies_of.iter().map(start).collect(),
             inner: Vec::new(),
@@ -171,13 +176,14 @@ impl Tangent {
             let (dk, preload) = match (&s.series, s.points.is_empty()) {
                 // The stiffness of a spring in series belongs to its branch.
                 (Some(_), _) => (0.0, by.preload),
-                (None, true) => (by.stiffness, by.preload),
+                (None, true) => (by.along()[0], by.preload),
                 (None, false) => {
                     let line = Polyline::derivative(&s.points, &by.points);
                     (line.stiffness, line.preload)
                 }
             };
-            (s.arms.clone(), by.arms.clone(), dk, by.damping, preload)
+            let damping = if by.across.is_some() { 0.0 } else { by.damping };
+            (s.arms.clone(), by.arms.clone(), dk, damping, preload)
         });
         let dampers = d.dampers.iter().zip(&along.dampers);
         let dampers = dampers.map(|(s, by)| (s.arms.clone(), by.arms.clone(), 0.0, by.damping, 0.0));
@@ -194,6 +200,9 @@ impl Tangent {
                 (spring.arms, by, dk, dc, 0.0)
             })
         });
+        let springs_along = along.springs.iter().map(|spring| spring.formula());
+        let dampers_along = along.dampers.iter().map(|damper| damper.force.as_ref().map(Cow::Borrowed));
+        let formulas: Vec<_> = springs_along.chain(dampers_along).collect();
         for (rows, (arms, by, dk, dc, preload)) in
             system.springs.iter().zip(springs.chain(dampers).chain(modals).chain(matrices))
         {
@@ -201,6 +210,9 @@ impl Tangent {
             let e = &rows.elongation;
             let mut force = dk * &*e.e + rows.stiffness * &own.e + dc * &*e.rate + rows.damping * &own.rate;
             force[system.signals.one] += preload;
+            if let Some(by) = self.put_formula((rows, &own), formulas.get(self.springs.len())) {
+                force += &*by;
+            }
             self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
             self.forces.ger(-1.0, &e.w, &force, 1.0);
             self.springs.push((own, force));
@@ -208,13 +220,42 @@ impl Tangent {
         self.put_curves(system, along);
     }
 
+    /// The derivative of the row of a formula's force, given the derivative of its elongation and
+    /// the formula of the derivatives; its operations' derivatives are kept.
+    fn put_formula(
+        &mut self,
+        (rows, own): (&SpringRows, &ElongationTangent),
+        along: Option<&Option<Cow<Formula>>>,
+    ) -> Option<Functional> {
+        let (formula, along) = (rows.formula.as_ref()?, along?.as_ref()?);
+        let elongation = [&rows.elongation.e, &rows.elongation.rate];
+        let [de, drate] = [&own.e, &own.rate].map(|row| Functional::of(row.clone()));
+        let row_by = |line: &Line| formula.operations.row_by(line, elongation, [&de, &drate], &along.values);
+        let tangent = |step: &Step| CurveTangent {
+            arguments: step.arguments.each_ref().map(row_by),
+            force: Polynomial { coefficients: [0.0; 4] },
+        };
+        self.of_formulas.push(formula.compiled.steps.iter().map(tangent).collect());
+        Some(row_by(&formula.compiled.force))
+    }
+
     /// Adds the curved forces of springs and dashpots.
     fn put_curves(&mut self, system: &System, along: &Description) {
         let springs = along.springs.iter().map(|spring| spring.curve.map(Option::unwrap_or_default));
         let dampers = along.dampers.iter().map(|own| [0.0, own.cubic.unwrap_or_default(), 0.0, 0.0]);
         let moved: Vec<[f64; 4]> = springs.chain(dampers).collect();
+        let mut formulas = std::mem::take(&mut self.of_formulas).into_iter();
         for (k, spring) in system.springs.iter().enumerate() {
-            let Some(curved) = spring.curve.map(|i| &system.curved[i]) else { continue };
+            self.put_curve(system, (k, spring), &moved);
+            if spring.formula.is_some() {
+                self.curves.extend(formulas.next().into_iter().flatten());
+            }
+        }
+    }
+
+    /// Adds the polynomial of a spring or dashpot.
+    fn put_curve(&mut self, system: &System, (k, spring): (usize, &SpringRows), moved: &[[f64; 4]]) {
+        if let Some(curved) = spring.curve.map(|i| &system.curved[i]) {
             let own = &self.springs[k].0;
             let argument = Functional::of(if curved.is_of_rate { own.rate.clone() } else { own.e.clone() });
             let force = Polynomial { coefficients: moved[k] };

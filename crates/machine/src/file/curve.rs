@@ -32,7 +32,8 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimensio
 /// Reads the stiffness at e = 0 of a spring with a curve.
 pub(super) fn stiffness(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<f64> {
     if let Some(entry) = reading.optional(table, "stiffness").filter(|own| own.value.is_table()) {
-        let key = CURVE.iter().map(|own| own.0).find(|key| table.has(key)).unwrap_or("points");
+        let mut keys = CURVE.iter().map(|own| own.0).chain(["force"]);
+        let key = keys.find(|key| table.has(key)).unwrap_or("points");
         let text = format!(
             "a stiffness that steps in time cannot be combined with `{key}`: use two springs side by side"
         );

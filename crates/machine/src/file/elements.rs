@@ -4,6 +4,7 @@ use super::blocks;
 use super::bodies::Names;
 use super::curve;
 use super::follows;
+use super::formula;
 use super::numbers::number;
 use super::points;
 use super::reading::{Entry, FileTable, Reading};
@@ -75,20 +76,30 @@ fn with_arms<T>(
 fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
     let own = ["between", "arms", "stiffness", "damping", "preload", "points"];
     let curve = kinds::CURVE.map(|own| own.0);
-    reading.known(table, &[&own[..], &curve, &series::KEYS].concat());
-    let (arms, ((stiffness, stepped), damping, preload, points, series, curve)) =
+    reading.known(table, &[&own[..], &curve, &["force"], &formula::ACROSS, &series::KEYS].concat());
+    // Outside of the closure, which may read twice: a formula has no dimension.
+    let force = formula::of_spring(reading, table);
+    let (arms, ((stiffness, stepped), damping, preload, points, series, curve, across)) =
         with_arms(reading, table, names, |reading, dimension| {
+            let across = formula::across(reading, table, dimension)?;
+            if across.is_some() {
+                let stiffness =
+                    reading.required_number(table, "stiffness", kinds::ACROSS_STIFFNESS, dimension);
+                let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+                let (stiffness, curve) = ((stiffness?, None), Default::default());
+                return Some((stiffness, damping?, 0.0, Vec::new(), None, curve, across));
+            }
             let points = points::read(reading, table, dimension);
             let series = series::read(reading, table, dimension);
             let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
             let curve = curve::read(reading, table, dimension);
             if table.has("points") {
-                return Some(((0.0, None), damping?, 0.0, points?, series?, curve?));
+                return Some(((0.0, None), damping?, 0.0, points?, series?, curve?, None));
             }
-            if curve::is_given(table) {
+            if curve::is_given(table) || table.has("force") {
                 let stiffness = curve::stiffness(reading, table, dimension);
                 let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
-                return Some(((stiffness?, None), damping?, preload?, points?, series?, curve?));
+                return Some(((stiffness?, None), damping?, preload?, points?, series?, curve?, None));
             }
             let is_in_series = series::is_given(table);
             let kind = if is_in_series { kinds::SERIES_STIFFNESS } else { kinds::SPRING_STIFFNESS };
@@ -97,23 +108,28 @@ fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names)
                 true => Some(0.0),
                 false => reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0),
             };
-            Some((stiffness?, damping?, preload?, points?, series?, curve?))
+            Some((stiffness?, damping?, preload?, points?, series?, curve?, None))
         })?;
-    Some(Spring { name, arms, stiffness, stepped, damping, preload, curve, points, series })
+    let force = force?;
+    Some(Spring { name, arms, stiffness, stepped, damping, preload, curve, force, across, points, series })
 }
 
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
-    reading.known(table, &["between", "arms", "damping", "cubic"]);
+    reading.known(table, &["between", "arms", "damping", "cubic", "force"]);
+    let force = formula::of_damper(reading, table);
     let (arms, (damping, cubic)) = with_arms(reading, table, names, |reading, dimension| {
-        if !table.has("cubic") {
+        if !table.has("cubic") && !table.has("force") {
             let damping = reading.required_number(table, "damping", kinds::DASHPOT, dimension);
             return Some((damping?, None));
         }
         let damping = reading.number_or(table, "damping", kinds::CURVED_DAMPING, dimension, 0.0);
-        let cubic = reading.required_number(table, "cubic", kinds::CUBIC_DAMPING, dimension);
-        Some((damping?, Some(cubic?)))
+        let cubic = match reading.optional(table, "cubic") {
+            Some(entry) => reading.number(&entry, kinds::CUBIC_DAMPING, dimension).map(Some),
+            None => Some(None),
+        };
+        Some((damping?, cubic?))
     })?;
-    Some(Damper { name, arms, damping, cubic })
+    Some(Damper { name, arms, damping, cubic, force: force? })
 }
 
 fn stop(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Stop> {

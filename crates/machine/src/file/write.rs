@@ -5,6 +5,7 @@ use crate::description::{
     MatrixDamping, Modal, SeriesLaw, Signal, Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
+use crate::formula::Formula;
 use crate::kinds;
 use crate::slots::{of_harmonic, of_sweep};
 use nalgebra::{DMatrix, DVector};
@@ -48,6 +49,7 @@ pub(super) fn machine(machine: &Description) -> String {
                 if let Some(cubic) = damper.cubic {
                     own.line(&mut text, &of, "cubic", cubic);
                 }
+                formula(&mut text, damper.force.as_ref());
             }
             Element::Modal(modal) => own.modal(&mut text, &of, modal),
             Element::Matrix(matrix) => given(&mut text, &matrix.given, machine.starts_at_rest),
@@ -88,6 +90,13 @@ fn parameters(text: &mut String, machine: &Description) {
             None if own.unit == "1" => line!(text, "{} = {:?}{comment}", own.name, own.value),
             None => line!(text, "{} = \"{:?} {}\"{comment}", own.name, own.value, own.unit),
         }
+    }
+}
+
+/// Writes the formula of a force.
+fn formula(text: &mut String, formula: Option<&Formula>) {
+    if let Some(own) = formula {
+        line!(text, "force = \"= {}\"", own.text());
     }
 }
 
@@ -309,7 +318,12 @@ impl Writing<'_> {
                 self.line(text, of, key, value);
             }
         }
+        formula(text, spring.force.as_ref());
         self.line(text, of, "damping", spring.damping);
+        if let Some(across) = &spring.across {
+            self.line(text, of, "offset", across.offset);
+            return self.line(text, of, "free_length", across.free_length);
+        }
         let Some(series) = &spring.series else { return self.line(text, of, "preload", spring.preload) };
         match series.law {
             SeriesLaw::Dashpot { damping } => self.line(text, of, "series_damping", damping),

@@ -15,6 +15,10 @@ const MOST: f64 = 1e100;
 /// there ends soon: it grows without bounds in finite time.
 const MOST_CURVED: f64 = 1e30;
 
+/// Distance from the edge of the domain of an operation at which a motion ends, relative to the
+/// largest terms of the argument. Closer to the edge, roundings of the argument exceed 1e-7 of it.
+const EDGE: f64 = 1e-9;
+
 /// Sub-steps between two checks of the interruption flag: some hundredths of a second.
 const LOOK: u64 = 1 << 16;
 
@@ -86,6 +90,38 @@ impl Motion {
         Err(Error::Beyond { time: self.time(), name, value: z[k] })
     }
 
+    /// Refuses a state at the edge of the domain of a formula. Within a series no operation leaves
+    /// its domain, as its remainder is proved: a motion towards the edge takes ever shorter series.
+    pub(super) fn check_domains(&self) -> Result<(), Error> {
+        let (z, sizes) = (self.hybrid.z.as_slice(), self.hybrid.sizes.0.as_slice());
+        let is_at_edge = |own: &&Curved| {
+            let argument = own.argument.at(z);
+            let is_near = argument.abs() <= EDGE * own.argument.size(sizes);
+            own.operation.has_domain() && (is_near || !own.operation.is_defined(argument))
+        };
+        match self.assembly.system.curved.iter().find(is_at_edge) {
+            Some(own) => Err(self.leaves_domain(own)),
+            None => Ok(()),
+        }
+    }
+
+    /// Error of a motion that reaches the edge of the domain of an operation.
+    fn leaves_domain(&self, own: &Curved) -> Error {
+        let argument = own.argument.at(self.hybrid.z.as_slice());
+        let cause = format!(
+            "the motion leaves the domain of the force of {}, which {}; it is {argument:e} here",
+            self.name_of_curved(own),
+            own.operation.requirement()
+        );
+        Error::Stuck { time: self.time(), cause }
+    }
+
+    /// Dotted name of the element that has an operation.
+    fn name_of_curved(&self, own: &Curved) -> String {
+        let element = self.assembly.system.element_of(own.owner);
+        self.assembly.description.elements().nth(element).map(Element::dotted).unwrap_or_default()
+    }
+
     /// Error of curved forces that are too large for numbers: it names the element whose force
     /// grows fastest.
     pub(super) fn too_large(&self) -> Error {
@@ -106,9 +142,7 @@ impl Motion {
         };
         let steepest = assembly.system.curved.iter().max_by(|a, b| slope(a).total_cmp(&slope(b)));
         let Some(steepest) = steepest else { return Default::default() };
-        let element = assembly.system.element_of(steepest.owner);
-        let name = assembly.description.elements().nth(element).map(Element::dotted);
-        (name.unwrap_or_default(), steepest.operation.value(steepest.arguments(z)))
+        (self.name_of_curved(steepest), steepest.operation.value(steepest.arguments(z)))
     }
 
     /// Error of a call that exceeds its limit of sub-steps.

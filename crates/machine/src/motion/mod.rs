@@ -399,6 +399,7 @@ impl Motion {
         };
         let motion = Self::of(assembly, hybrid);
         motion.check_sizes()?;
+        motion.check_domains()?;
         Ok(motion)
     }
 

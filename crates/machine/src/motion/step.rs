@@ -239,6 +239,7 @@ impl Motion {
             self.refill();
         }
         self.include_state();
+        self.check_domains()?;
         self.keep_contacts();
         if let Some(place) = place {
             let watch = self.table().watched[place].watch;

@@ -1,4 +1,5 @@
-//! Expressions: sums and products of numbers, `pi` and named parameters.
+//! Expressions: sums and products of numbers, `pi` and named parameters; in the force of a spring
+//! or damper also powers and functions.
 
 use super::line::Line;
 use crate::refusal::advice;
@@ -7,6 +8,9 @@ use std::f64::consts::PI;
 /// Longest text of an expression, bytes; it bounds the depth of its parentheses.
 const LONGEST: usize = 1_000;
 
+/// Largest size of an exponent.
+const LARGEST_EXPONENT: f64 = 64.0;
+
 /// An expression with its text, without the `=` before it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Expression {
@@ -14,22 +18,69 @@ pub(crate) struct Expression {
     root: Term,
 }
 
+/// A part of an expression.
 #[derive(Clone, Debug, PartialEq)]
-enum Term {
+pub(crate) enum Term {
     Number(f64),
-    /// Index among the named parameters.
+    /// Index among the names.
     Parameter(usize),
     Minus(Box<Term>),
     Of(Operator, Box<(Term, Term)>),
+    /// A power with a constant exponent.
+    Power(Box<Term>, f64),
+    Function(Function, Box<Term>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Operator {
+pub(crate) enum Operator {
     Plus,
     Minus,
     Times,
     Over,
 }
+
+/// A function of one argument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Function {
+    Sqrt,
+    Exp,
+    Ln,
+    Sin,
+    Cos,
+    Tanh,
+    Atan,
+}
+
+impl Function {
+    /// All functions with their names.
+    pub const ALL: [(Self, &str); 7] = [
+        (Self::Sqrt, "sqrt"),
+        (Self::Exp, "exp"),
+        (Self::Ln, "ln"),
+        (Self::Sin, "sin"),
+        (Self::Cos, "cos"),
+        (Self::Tanh, "tanh"),
+        (Self::Atan, "atan"),
+    ];
+
+    /// The value and the derivative.
+    pub fn along(self, x: f64) -> (f64, f64) {
+        match self {
+            Self::Sqrt => (x.sqrt(), 0.5 / x.sqrt()),
+            Self::Exp => (x.exp(), x.exp()),
+            Self::Ln => (x.ln(), 1.0 / x),
+            Self::Sin => (x.sin(), x.cos()),
+            Self::Cos => (x.cos(), -x.sin()),
+            Self::Tanh => (x.tanh(), x.cosh().powi(-2)),
+            Self::Atan => (x.atan(), 1.0 / (1.0 + x * x)),
+        }
+    }
+}
+
+/// Functions and signs with corners, which a force cannot have.
+const WITH_CORNERS: [&str; 6] = ["abs", "sign", "min", "max", "floor", "ceil"];
+/// Advice on corners.
+pub(crate) const CORNERS: &str = "a formula has no corners: points, stops and friction have them";
 
 impl Expression {
     /// Parses the text after the `=`; `names` are the names of the parameters.
@@ -37,24 +88,54 @@ impl Expression {
     /// # Errors
     /// A message about the first fault.
     pub fn parse<'t>(text: &'t str, names: impl Iterator<Item = &'t str> + Clone) -> Result<Self, String> {
-        let text = text.trim();
+        Self::parsed(text.trim(), names, false)
+    }
+
+    /// Parses the text after the `=` of a force; `names` are the names of the variables and of the
+    /// parameters. A force may have powers with constant exponents, and functions.
+    ///
+    /// # Errors
+    /// A message about the first fault.
+    pub fn parse_force<'t>(
+        text: &'t str,
+        names: impl Iterator<Item = &'t str> + Clone,
+    ) -> Result<Self, String> {
+        Self::parsed(text.trim(), names, true)
+    }
+
+    /// The parsed expression.
+    pub fn root_of_force(self) -> Term {
+        self.root
+    }
+
+    fn parsed<'t>(
+        text: &'t str,
+        names: impl Iterator<Item = &'t str> + Clone,
+        is_force: bool,
+    ) -> Result<Self, String> {
         if text.len() > LONGEST {
             return Err(format!("expected an expression of at most {LONGEST} bytes"));
         }
         if text.is_empty() {
             return Err("the expression is empty; write a number or a parameter after `=`".into());
         }
-        let mut parser = Parser { rest: text, names };
+        let mut parser = Parser { rest: text, names, is_force };
         let root = parser.sum()?;
         match parser.rest {
             "" => Ok(Self { text: text.into(), root }),
+            rest if is_force && rest.starts_with(['<', '>', '=', '!', '?']) => {
+                Err(format!("comparisons are not supported at `{rest}`: {CORNERS}"))
+            }
             rest if rest.starts_with('^') || rest.starts_with("**") => {
                 Err("powers are not supported; write a product, such as k * k".into())
             }
             rest if rest.starts_with(',') => {
                 Err("`,` is not allowed in an expression; write a decimal point".into())
             }
-            rest => Err(format!("expected an operator before `{rest}`: + - * /{}", no_unit(rest))),
+            rest => {
+                let power = if is_force { " ^" } else { "" };
+                Err(format!("expected an operator before `{rest}`: + - * /{power}{}", no_unit(rest)))
+            }
         }
     }
 
@@ -88,8 +169,21 @@ impl Expression {
 }
 
 impl Term {
+    /// Replaces the indices of the names.
+    pub(crate) fn renumber(&mut self, index: &dyn Fn(usize) -> usize) {
+        match self {
+            Self::Number(_) => {}
+            Self::Parameter(place) => *place = index(*place),
+            Self::Minus(term) | Self::Power(term, _) | Self::Function(_, term) => term.renumber(index),
+            Self::Of(_, terms) => {
+                terms.0.renumber(index);
+                terms.1.renumber(index);
+            }
+        }
+    }
+
     /// The value and its derivative, by forward differentiation.
-    fn along(&self, parameters: &[f64], dot: &dyn Fn(usize) -> f64) -> Result<(f64, f64), String> {
+    pub(crate) fn along(&self, parameters: &[f64], dot: &dyn Fn(usize) -> f64) -> Result<(f64, f64), String> {
         let (value, derivative) = match self {
             Self::Number(x) => (*x, 0.0),
             Self::Parameter(place) => (parameters[*place], dot(*place)),
@@ -107,6 +201,17 @@ impl Term {
                     Operator::Over => (x / y, (dx - x / y * dy) / y),
                 }
             }
+            Self::Power(base, exponent) => {
+                let (x, dx) = base.along(parameters, dot)?;
+                // The derivative of x¹ at 0 is 1, and no power of x then multiplies a zero by dx.
+                let slope = if dx == 0.0 { 0.0 } else { exponent * x.powf(exponent - 1.0) * dx };
+                (x.powf(*exponent), slope)
+            }
+            Self::Function(function, term) => {
+                let (x, dx) = term.along(parameters, dot)?;
+                let (value, slope) = function.along(x);
+                (value, if dx == 0.0 { 0.0 } else { slope * dx })
+            }
         };
         if value.is_finite() { Ok((value, derivative)) } else { Err("is not finite".into()) }
     }
@@ -116,6 +221,7 @@ impl Term {
             Self::Number(_) => 0,
             Self::Parameter(place) => of[*place],
             Self::Minus(term) => term.length_power(of),
+            Self::Power(..) | Self::Function(..) => 0,
             Self::Of(operator, terms) => {
                 let (x, y) = (terms.0.length_power(of), terms.1.length_power(of));
                 match operator {
@@ -140,6 +246,7 @@ impl Term {
             Self::Number(x) => Some(Line::number(*x)),
             Self::Parameter(place) => of[*place],
             Self::Minus(term) => Some(term.line(of)?.times(-1.0)),
+            Self::Power(..) | Self::Function(..) => None,
             Self::Of(operator, terms) => {
                 let (x, y) = (terms.0.line(of)?, terms.1.line(of)?);
                 match operator {
@@ -153,11 +260,12 @@ impl Term {
         }
     }
 
-    fn add_parameters(&self, to: &mut Vec<usize>) {
+    /// Adds the indices of its names.
+    pub(crate) fn add_parameters(&self, to: &mut Vec<usize>) {
         match self {
             Self::Number(_) => {}
             Self::Parameter(place) => to.push(*place),
-            Self::Minus(term) => term.add_parameters(to),
+            Self::Minus(term) | Self::Power(term, _) | Self::Function(_, term) => term.add_parameters(to),
             Self::Of(_, terms) => {
                 terms.0.add_parameters(to);
                 terms.1.add_parameters(to);
@@ -169,6 +277,8 @@ impl Term {
 struct Parser<'t, N> {
     rest: &'t str,
     names: N,
+    /// Whether the expression is a force, with powers and functions.
+    is_force: bool,
 }
 
 /// A hint if a unit may have been meant.
@@ -206,11 +316,38 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
     }
 
     fn factor(&mut self) -> Result<Term, String> {
+        if self.rest.starts_with('-') {
+            self.skip(1);
+            return Ok(Term::Minus(Box::new(self.factor()?)));
+        }
+        let base = self.atom()?;
+        if !self.is_force {
+            return Ok(base);
+        }
+        if self.rest.starts_with("**") {
+            return Err(format!("write `^` for a power at `{}`", self.rest));
+        }
+        if !self.rest.starts_with('^') {
+            return Ok(base);
+        }
+        self.skip(1);
+        let exponent = self.factor()?;
+        let mut variables = Vec::new();
+        exponent.add_parameters(&mut variables);
+        if !variables.is_empty() {
+            return Err("an exponent must be a number, such as 2 or 1.5; for a variable one write \
+                        exp(x * ln(y))"
+                .into());
+        }
+        let value = exponent.along(&[], &|_| 0.0).map_err(|text| format!("the exponent {text}"))?.0;
+        if value.abs() > LARGEST_EXPONENT {
+            return Err(format!("expected an exponent from -{LARGEST_EXPONENT} to {LARGEST_EXPONENT}"));
+        }
+        Ok(Term::Power(Box::new(base), value))
+    }
+
+    fn atom(&mut self) -> Result<Term, String> {
         match self.rest.chars().next() {
-            Some('-') => {
-                self.skip(1);
-                Ok(Term::Minus(Box::new(self.factor()?)))
-            }
             Some('(') => {
                 self.skip(1);
                 let term = self.sum()?;
@@ -261,6 +398,9 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
         let term = match self.names.clone().position(|own| own == name) {
             Some(place) => Term::Parameter(place),
             None if name == "pi" => Term::Number(PI),
+            None if self.is_force && self.rest[end..].trim_start().starts_with('(') => {
+                return self.function(name, end);
+            }
             None if self.rest[end..].trim_start().starts_with('(') => {
                 return Err(format!(
                     "`{name}`: functions are not supported; expected numbers, parameters, pi, + - * / and ( )"
@@ -276,5 +416,19 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
         };
         self.skip(end);
         Ok(term)
+    }
+
+    /// Parses a function of one argument; its name ends at a byte.
+    fn function(&mut self, name: &'t str, end: usize) -> Result<Term, String> {
+        if WITH_CORNERS.contains(&name) {
+            return Err(format!("`{name}` is not supported: {CORNERS}"));
+        }
+        let Some((function, _)) = Function::ALL.into_iter().find(|own| own.1 == name) else {
+            let near = advice(name, Function::ALL.iter().map(|own| own.1));
+            return Err(format!("no function is called `{name}`; {near}"));
+        };
+        self.skip(end);
+        // A bracket follows the name.
+        Ok(Term::Function(function, Box::new(self.atom()?)))
     }
 }

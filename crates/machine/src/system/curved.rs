@@ -4,17 +4,121 @@ use super::{Elongation, Part, System};
 use crate::curved::{Curved, Operation, POWERS, Polynomial};
 use crate::description::Description;
 use crate::elements::Element;
+use crate::formula::{Atom, Compiled, Formula, Line, Step, potential};
 use crate::functional::Functional;
 
-/// Number of curved forces of a machine.
+/// The operations of an element's formula; none if it is refused.
+pub(crate) fn compiled(element: Element) -> Option<Compiled> {
+    element.formula()?.compiled().ok()
+}
+
+/// Number of operations of curved forces of a machine.
 pub fn count(d: &Description) -> usize {
-    d.elements().filter(|element| element.is_curved()).count()
+    let of_formula = |element| compiled(element).map_or(0, |own| own.steps.len());
+    d.elements().map(|element| usize::from(element.has_curve()) + of_formula(element)).sum()
 }
 
 /// The first element with a curved force, by its dotted name.
 pub fn first(d: &Description) -> Option<String> {
     d.elements().find(|element| element.is_curved()).map(Element::dotted)
 }
+
+/// A formula in the force of a spring.
+#[derive(Clone, Debug)]
+pub(crate) struct FormulaRows {
+    /// The formula.
+    pub formula: Formula,
+    /// Its operations.
+    pub compiled: Compiled,
+    /// Places of the operations.
+    pub operations: Operations,
+    /// The part of the force that dissipates: φ(e, e') - φ(e, 0).
+    pub lossy: Functional,
+    /// The elongation from which the stored energy counts.
+    pub from: f64,
+}
+
+impl FormulaRows {
+    /// Whether the force depends on the rate, or on the elongation.
+    pub fn acts(&self, of_rate: bool) -> bool {
+        if of_rate { self.formula.depends_on_rate() } else { self.formula.depends_on_elongation() }
+    }
+
+    /// The stored energy at an elongation, J.
+    pub fn stored(&self, e: f64) -> f64 {
+        if self.formula.depends_on_elongation() { potential(&self.formula, self.from, e) } else { 0.0 }
+    }
+}
+
+/// Places of a formula's operations in the augmented state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Operations {
+    one: usize,
+    /// Place of the first operation.
+    first: usize,
+}
+
+/// The numbers of a line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Numbers<'a> {
+    /// Their values.
+    Values,
+    /// Their derivatives, given the derivatives of the formula's parameters.
+    Along(&'a [f64]),
+}
+
+impl Operations {
+    /// The row of a line, given the rows of e and e'.
+    pub fn row(&self, line: &Line, e: &Functional, rate: &Functional, numbers: Numbers) -> Functional {
+        let size = e.len();
+        let unit = |place: usize| Functional::unit(size, place, 1.0);
+        let rows: Vec<(f64, Functional)> = line
+            .0
+            .iter()
+            .map(|(atom, own)| {
+                let number = match numbers {
+                    Numbers::Values => own.value,
+                    Numbers::Along(parameters) => own.along(parameters),
+                };
+                let row = match atom {
+                    Atom::One => unit(self.one),
+                    Atom::Elongation => e.clone(),
+                    Atom::Rate => rate.clone(),
+                    Atom::Step(i) => unit(self.first + i),
+                };
+                (number, row)
+            })
+            .collect();
+        Functional::sum(size, rows.iter().map(|own| (own.0, &own.1)))
+    }
+
+    /// The derivative of the row of a line, given the derivatives of the rows of e and e' and of
+    /// the formula's parameters.
+    pub fn row_by(
+        &self,
+        line: &Line,
+        [e, rate]: [&Functional; 2],
+        [de, drate]: [&Functional; 2],
+        parameters: &[f64],
+    ) -> Functional {
+        let numbers = self.row(line, e, rate, Numbers::Along(parameters));
+        let fixed = |own: &&(Atom, _)| matches!(own.0, Atom::Elongation | Atom::Rate);
+        let moving = Line(line.0.iter().filter(fixed).cloned().collect());
+        &numbers + &self.row(&moving, de, drate, Numbers::Values)
+    }
+}
+
+/// The elongation from which the stored energy of a formula counts: 0, or the start if the force
+/// is not defined on the way to the start.
+fn reference(compiled: &Compiled, start: f64) -> f64 {
+    let is_defined = |k: u32| compiled.undefined(f64::from(k) / f64::from(POINTS) * start, 0.0).is_none();
+    let signs = |k: u32| compiled.signs(f64::from(k) / f64::from(POINTS) * start);
+    let same = (0..=POINTS).all(|k| is_defined(k) && signs(k) == signs(POINTS));
+    if same || !start.is_finite() { 0.0 } else { start }
+}
+
+/// Number of intervals between 0 and the start in which the domain of a formula is examined.
+const POINTS: u32 = 64;
 
 impl System {
     /// Adds a curved force to the spring that was added last, of its elongation or of its rate.
@@ -29,6 +133,31 @@ impl System {
         let second = Functional::zeros(self.signals.size);
         let owner = Part::Spring(self.springs.len() - 1);
         self.curved.push(Curved { argument, second, operation, place, is_of_rate, owner });
+    }
+
+    /// Adds a formula to the spring that was added last. `start` is its elongation at time 0.
+    pub(crate) fn add_formula(&mut self, element: Element, start: f64) {
+        let (Some(formula), Some(compiled)) = (element.formula(), compiled(element)) else { return };
+        let Some(spring) = self.springs.last() else { return };
+        let (elongation, size) = (spring.elongation.clone(), self.signals.size);
+        let (first, one, zeros) = (self.curved.len(), self.signals.one, Functional::zeros(size));
+        let operations = Operations { one, first: self.signals.curved + first };
+        let row = |line: &Line| operations.row(line, &elongation.e, &elongation.rate, Numbers::Values);
+        for (i, Step { operation, arguments }) in compiled.steps.iter().enumerate() {
+            let [argument, second] = arguments.each_ref().map(row);
+            let second = if operation.is_of_two() { second } else { zeros.clone() };
+            let (place, owner) = (operations.first + i, Part::Spring(self.springs.len() - 1));
+            let is_of_rate = arguments.iter().flat_map(|line| &line.0).any(|own| own.0 == Atom::Rate);
+            self.curved.push(Curved { argument, second, operation: *operation, place, is_of_rate, owner });
+        }
+        let (force, elastic) = (row(&compiled.force), row(&compiled.elastic));
+        let lossy = &force - &elastic;
+        let from = reference(&compiled, start);
+        let formula = formula.into_owned();
+        if let Some(spring) = self.springs.last_mut() {
+            spring.force = &spring.force + &force;
+            spring.formula = Some(FormulaRows { formula, compiled, operations, lossy, from });
+        }
     }
 
     /// Writes the curved forces into the augmented state, from its coordinates and rates.

@@ -87,6 +87,9 @@ impl Losses {
                 let force = Functional::unit(system.signals.size, curved.place, 1.0);
                 put(When::Always, Account::Dashpot(i), 1.0, &force, rate);
             }
+            if let Some(own) = &spring.formula {
+                put(When::Always, Account::Dashpot(i), 1.0, &own.lossy, rate);
+            }
         }
         for (i, stop) in system.stops.iter().enumerate() {
             let (rate, account) = (&stop.elongation.rate, Account::Stop(i));

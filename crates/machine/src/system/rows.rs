@@ -1,5 +1,6 @@
 //! Rows that act on the augmented state: elongations, rates and forces of bodies and elements.
 
+use super::curved::FormulaRows;
 use crate::description::{DampingLimit, StopLaw};
 use crate::functional::Functional;
 use crate::mode::StopState;
@@ -52,6 +53,8 @@ pub struct SpringRows {
     pub force: Functional,
     /// Index of its curved force, which is part of `force`.
     pub curve: Option<usize>,
+    /// The formula in its force, which is part of `force`.
+    pub(crate) formula: Option<FormulaRows>,
 }
 
 /// One side of the limits of a continuous block's output. It is stored as a stop whose excess and
@@ -64,6 +67,13 @@ pub struct OutputLimit {
     pub output: usize,
     /// Whether it is the upper limit.
     pub is_upper: bool,
+}
+
+impl SpringRows {
+    /// Whether the force depends on the rate.
+    pub fn has_losses(&self) -> bool {
+        self.damping != 0.0 || self.formula.as_ref().is_some_and(|own| own.acts(true))
+    }
 }
 
 /// Condition under which a row of a stepped stiffness acts: the stiffness is at this level.

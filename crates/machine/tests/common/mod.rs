@@ -106,6 +106,8 @@ pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
         damping,
         preload: 0.0,
         curve: Default::default(),
+        force: None,
+        across: None,
         points,
         series,
     }

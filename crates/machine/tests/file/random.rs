@@ -158,7 +158,7 @@ prop_compose! {
         let spring = |(i, (mut raw, stiffness, damping, preload)): (usize, (Raw, f64, f64, f64))| {
             raw.2 = i;
             let (name, arms) = (format!("spring_{i}"), arms_of(&bodies, raw));
-            Spring { name, arms, stiffness, stepped: None, damping, preload, curve: Default::default(), points: Vec::new(), series: None }
+            Spring { name, arms, stiffness, stepped: None, damping, preload, curve: Default::default(), force: None, across: None, points: Vec::new(), series: None }
         };
         let springs = springs.into_iter().enumerate().map(spring).collect();
         let stop = |(i, (raw, gap, rigid, restitution, stiffness, damping, clipped)): (usize, RawStop)| {
