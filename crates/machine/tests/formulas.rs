@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 use std::sync::Arc;
+use vibro_machine::derivative::Gradient;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion};
 use vibro_machine::{Assembly, Differentiated, Quantity, What};
@@ -22,6 +23,17 @@ const RETURNED: f64 = 1e-12;
 const ROUNDINGS: f64 = 1e-13;
 /// Difference of the energy from its accounts, relative to the first energy.
 const BALANCE: f64 = 1e-13;
+
+/// Rounding of the invariants of a chaotic-looking but integrable chain over 100 s.
+const TODA: f64 = 1e-12;
+/// Rounding of states of order 1 after some oscillations, and of times of impacts, s.
+const SINGLE: f64 = 2e-13;
+/// Largest difference of a derivative from 40 digits, relative to the largest of its column.
+const OF_DERIVATIVE: f64 = 1e-9;
+/// Shift of a number for central differences, and their relative tolerance: truncation, and
+/// rounding divided by the shift.
+const DIFFERENCE: f64 = 1e-6;
+const OF_DIFFERENCE: f64 = 1e-6;
 
 /// Complete elliptic integral of the first kind of a modulus by the arithmetic-geometric mean.
 fn complete(modulus: f64) -> f64 {
@@ -101,4 +113,361 @@ fn second_method_random_chains_in_forty_digits() {
         let off = energy(&motion) - first - motion.energy().balance();
         assert!(off.abs() < BALANCE * size, "{off:e} of {size} in {row}");
     }
+}
+
+/// The invariants of the Toda lattice: power sums of the eigenvalues of its matrix.
+fn toda_invariants(q: &[f64], p: &[f64]) -> [f64; 3] {
+    let a = |i: usize| (q[i] - q[(i + 1) % q.len()]).exp();
+    let n = q.len();
+    let sum = |of: &dyn Fn(usize) -> f64| (0..n).map(of).sum::<f64>();
+    // Traces of the powers of the Lax matrix.
+    [
+        sum(&|i| 0.5 * p[i] * p[i] + a(i)),
+        sum(&|i| p[i].powi(3) / 3.0 + (p[i] + p[(i + 1) % n]) * a(i)),
+        sum(&|i| {
+            let b = a((i + 1) % n);
+            let (x, y) = (p[i], p[(i + 1) % n]);
+            0.25 * x.powi(4) + (x * x + x * y + y * y) * a(i) + 0.5 * a(i) * a(i) + a(i) * b
+        }),
+    ]
+}
+
+/// A periodic Toda lattice of four bodies keeps its four invariants.
+#[test]
+fn invariant_toda_lattice() {
+    let bodies = [(0.3, 0.5), (-0.2, -1.1), (0.6, 0.4), (-0.4, 0.9)];
+    let mut text = String::from("name = \"Toda\"\n");
+    for (i, (s, v)) in bodies.iter().enumerate() {
+        text += &format!("body.b{i} = {{ mass = 1.0, start = {{ s = {s:?}, v = {v:?} }} }}\n");
+        // Σ exp(qᵢ - qᵢ₊₁): the force along e = qᵢ₊₁ - qᵢ is -exp(-e).
+        let next = (i + 1) % bodies.len();
+        text += &format!("spring.k{i} = {{ between = [\"b{i}\", \"b{next}\"], force = \"= -exp(-e)\" }}\n");
+    }
+    let mut motion = Motion::new(machine(&text)).expect("a motion");
+    let of = |motion: &Motion| {
+        let at = |k: usize| (0..bodies.len()).map(|i| motion.body(i)[k]).collect::<Vec<_>>();
+        (toda_invariants(&at(0), &at(1)), at(1).iter().sum::<f64>())
+    };
+    let (first, momentum) = of(&motion);
+    for k in 1..=100 {
+        motion.advance_to(f64::from(k)).expect("an end");
+        let (own, now) = of(&motion);
+        for (a, b) in own.iter().zip(first) {
+            assert!((a - b).abs() < TODA * b.abs().max(1.0), "{own:?} {first:?} at {k}");
+        }
+        assert!((now - momentum).abs() < TODA, "{now} {momentum}");
+    }
+}
+
+/// Single bodies against extrapolations in 45 digits: states at two times.
+#[test]
+fn second_method_single_bodies_in_forty_digits() {
+    let plate = "mass = 0.5 }\nspring.k = { between = [\"ground\", \"b\"], stiffness = 20.0, damping = 0.1 }\n\
+        spring.field = { between = [\"ground\", \"b\"], force = \"= -a / (d - e)^2\" }\n\
+        [parameters]\na = 0.6\nd = 1.0\n";
+    let van_der_pol = "mass = 1.0, start.s = 2.0 }\n\
+        spring.k = { between = [\"ground\", \"b\"], stiffness = 1.0, force = \"= mu * (e^2 - 1) * rate\" }\n\
+        [parameters]\nmu = 3.0\n";
+    let lateral = |name: &str| {
+        format!(
+            "spring.{name} = {{ between = [\"ground\", \"b\"], stiffness = 50.0, damping = 0.5, \
+             offset = 0.2, free_length = \"40 cm\" }}\n"
+        )
+    };
+    let zero = format!(
+        "mass = 1.0, start.s = 0.3 }}\nspring.k = {{ between = [\"ground\", \"b\"], stiffness = 100.0 }}\n{}{}",
+        lateral("left"),
+        lateral("right")
+    );
+    let truss = "mass = 1.0, start.s = 0.15 }\nload.l = { on = \"b\", amplitude = 4.0, frequency = 0.8 }\n\
+        spring.t = { between = [\"ground\", \"b\"], stiffness = 400.0, damping = 0.3, offset = 0.2, free_length = 0.25 }\n";
+    let damper = "mass = 2.0, start.s = 0.05 }\nload.l = { on = \"b\", amplitude = 20.0, frequency = 1.3 }\n\
+        spring.k = { between = [\"ground\", \"b\"], stiffness = 300.0 }\n\
+        damper.mr = { between = [\"ground\", \"b\"], damping = 1.5, force = \"= 8 * tanh(rate / 0.02)\" }\n";
+    let cases: [(&str, &str, [f64; 2], [[f64; 2]; 2]); 5] = [
+        (
+            "plate",
+            plate,
+            [1.0, 3.0],
+            [
+                [0.0035567548019045503082, -0.030503761209407215991],
+                [0.011597804301584100775, -0.071914862583019811915],
+            ],
+        ),
+        (
+            "Van der Pol",
+            van_der_pol,
+            [5.0, 12.0],
+            [
+                [-1.8951640183373146939, 0.23699932930311495024],
+                [0.83608764372217487173, -1.0125220706507301025],
+            ],
+        ),
+        (
+            "quasi-zero stiffness",
+            &zero,
+            [1.0, 3.0],
+            [
+                [-0.11278817335292213154, -1.8688769897040070823],
+                [0.032688109144660840667, 1.4198029512508105078],
+            ],
+        ),
+        (
+            "truss",
+            truss,
+            [1.0, 3.0],
+            [
+                [0.10316905160121705551, -0.15782968149147268361],
+                [0.3011613311732778963, -0.6153280285190495089],
+            ],
+        ),
+        (
+            "MR damper",
+            damper,
+            [0.5, 1.0],
+            [
+                [0.0059032862044939141577, -0.63809271682534445923],
+                [0.11316849756707846677, 0.29116379088759938467],
+            ],
+        ),
+    ];
+    for (name, text, times, exact) in cases {
+        let text = format!("name = \"M\"\nbody.b = {{ {text}");
+        let mut motion = Motion::new(machine(&text)).expect("a motion");
+        for (time, exact) in times.into_iter().zip(exact) {
+            motion.advance_to(time).expect("an end");
+            let [s, v, _] = motion.body(0);
+            let off = (s - exact[0]).abs().max((v - exact[1]).abs());
+            assert!(off < SINGLE, "{name} at {time}: {off:e}");
+        }
+        let (kinetic, stored) = motion.kinetic_and_stored();
+        let mut begun = Motion::new(machine(&text)).expect("a motion");
+        begun.advance_to(0.0).expect("a start");
+        let (kinetic, stored) =
+            (kinetic - begun.kinetic_and_stored().0, stored - begun.kinetic_and_stored().1);
+        let off = kinetic + stored - motion.energy().balance();
+        assert!(off.abs() < BALANCE * (kinetic.abs() + stored.abs() + 1.0), "{name}: {off:e}");
+    }
+}
+
+/// A pendulum with friction in its bearing and a rigid stop: four impacts against Taylor series in
+/// 45 digits.
+#[test]
+fn second_method_pendulum_with_a_stop() {
+    let text = "name = \"P\"\nbody.arm = { inertia = 0.7, start.s = 2.9 }\n\
+        spring.weight = { between = [\"ground\", \"arm\"], force = \"= 2.3 * sin(e)\" }\n\
+        damper.c = { between = [\"ground\", \"arm\"], damping = 0.02 }\n\
+        stop.wall = { between = [\"arm\", \"ground\"], gap = 0.5, restitution = 0.8 }\n";
+    // Time of the impact, and rate before it.
+    let exact = [
+        [2.0933016656367179626, -3.4131468725902517861],
+        [4.6121274693985778785, -2.6197187541953702634],
+        [7.0191501353960931878, -2.0016083655107868793],
+        [9.4594003082695769354, -1.5166289229702276722],
+    ];
+    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let mut found = Vec::new();
+    motion
+        .advance_observed(12.0, &mut |event: &Event| {
+            if let EventKind::Impact { .. } = event.kind {
+                found.push(event.time);
+            }
+        })
+        .expect("an end");
+    assert_eq!(found.len(), exact.len());
+    for (own, [time, _]) in found.iter().zip(exact) {
+        assert!((own - time).abs() < SINGLE, "{own} {time}");
+    }
+    let [s, v, _] = motion.body(0);
+    let off = (s + 0.49923437860231588299).abs().max((v + 1.1337411594277042703).abs());
+    assert!(off < SINGLE, "{off:e}");
+}
+
+/// Derivatives by named parameters in formulas against differences in 50 digits
+/// (`data/make_formulas.py`).
+#[test]
+fn second_method_derivatives_by_parameters_in_forty_digits() {
+    for row in include_str!("data/formulas_by.txt").lines() {
+        let fields: Vec<&str> = row.split(';').collect();
+        let number = |text: &str| text.trim().parse::<f64>().expect("a number");
+        let assembly = machine(&fields[0].replace('|', "\n"));
+        let mut motion = Differentiated::new(assembly, &[fields[2]]).expect("a motion");
+        motion.advance_to(number(fields[1])).expect("an end");
+        let own = motion.state_derivative(0).expect("a derivative");
+        let exact: Vec<f64> = fields[3].split(',').map(number).collect();
+        let size = exact.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        for (a, b) in own.iter().zip(&exact) {
+            assert!((a - b).abs() <= OF_DERIVATIVE * size, "{own:?} {exact:?} by {row}");
+        }
+    }
+}
+
+/// A chain with formulas, an offset spring, a soft stop and friction, for derivatives.
+fn chain(x: &[f64; 6]) -> String {
+    let [k, a, offset, length, damping, shift] = x;
+    format!(
+        "name = \"C\"\n[parameters]\nk = {k:?}\na = {a:?}\n[body]\na = {{ mass = 1.0, start = {{ s = {shift:?}, v = 1.5 }} }}\n\
+         b = {{ mass = 0.5, start.v = -0.4 }}\n[spring]\n\
+         p = {{ between = [\"ground\", \"a\"], force = \"= k * sin(e / a) + k * a * e * sqrt(1 + rate^2)\" }}\n\
+         q = {{ between = [\"a\", \"b\"], stiffness = 30.0, damping = {damping:?}, offset = {offset:?}, free_length = {length:?} }}\n\
+         [stop.soft]\nbetween = [\"ground\", \"b\"]\ngap = 0.2\nstiffness = 300.0\ndamping = 1.0\n\
+         [damper.d]\nbetween = [\"ground\", \"b\"]\nforce = \"= 0.3 * atan(k * rate)\"\n\
+         [load.l]\non = \"b\"\namplitude = 3.0\nfrequency = 0.9\n"
+    )
+}
+
+/// Names of the numbers of [`chain`], and their values.
+const NUMBERS: [(&str, f64); 6] = [
+    ("k", 8.0),
+    ("a", 0.6),
+    ("spring.q.offset", 0.3),
+    ("spring.q.free_length", 0.35),
+    ("spring.q.damping", 0.4),
+    ("body.a.start.s", 0.1),
+];
+
+/// Columns, a variation and a gradient against differences of motions.
+#[test]
+fn second_method_derivatives_are_differences() {
+    let values = NUMBERS.map(|own| own.1);
+    let moved = |i: usize, by: f64| {
+        let mut values = values;
+        values[i] += by;
+        values
+    };
+    let place = Quantity::of_body(1, What::S);
+    let end = |x: &[f64; 6]| {
+        let mut motion = Motion::new(machine(&chain(x))).expect("a motion");
+        let sum: f64 = (1..=10)
+            .map(|k| {
+                motion.advance_to(0.2 * f64::from(k)).expect("an end");
+                motion.value(place).powi(2)
+            })
+            .sum();
+        (motion.states(), sum)
+    };
+    let names = NUMBERS.map(|own| own.0);
+    let mut motion = Differentiated::new(machine(&chain(&values)), &names).expect("a motion");
+    motion.advance_to(2.0).expect("an end");
+    let mut gradient = Gradient::new(machine(&chain(&values)), &names).expect("a motion");
+    for k in 1..=10 {
+        gradient.advance_to(0.2 * f64::from(k)).expect("an end");
+        let weight = 2.0 * gradient.motion().value(place);
+        gradient.add(place, weight);
+    }
+    let gradient = gradient.gradient().expect("a gradient");
+    for i in 0..NUMBERS.len() {
+        let (above, below) = (end(&moved(i, DIFFERENCE)), end(&moved(i, -DIFFERENCE)));
+        let own = motion.state_derivative(i).expect("a derivative");
+        for ((a, b), own) in above.0.iter().zip(&below.0).zip(own.iter()) {
+            let difference = (a - b) / (2.0 * DIFFERENCE);
+            assert!(
+                (difference - own).abs() < OF_DIFFERENCE * own.abs().max(1.0),
+                "{}: {difference} {own}",
+                names[i]
+            );
+        }
+        let difference = (above.1 - below.1) / (2.0 * DIFFERENCE);
+        let own = gradient[i].as_ref().expect("a derivative");
+        assert!(
+            (difference - own).abs() < OF_DIFFERENCE * own.abs().max(1.0),
+            "{}: {difference} {own}",
+            names[i]
+        );
+    }
+}
+
+/// A motion towards a pole or the edge of a domain ends with time and element; the state before
+/// it is finite.
+#[test]
+fn invariant_motions_end_at_the_edge_of_a_domain() {
+    // The plate closes, as its field is stronger than 4 k d³/27.
+    let plate = "name = \"P\"\nbody.b = { mass = 0.5 }\n\
+        spring.k = { between = [\"ground\", \"b\"], stiffness = 20.0 }\n\
+        spring.field = { between = [\"ground\", \"b\"], force = \"= -4 / (1 - e)^2\" }\n";
+    let mut motion = Motion::new(machine(plate)).expect("a motion");
+    let error = motion.advance_to(100.0).expect_err("an end").to_string();
+    assert!(error.contains("spring.field") && error.contains("t = 0."), "{error}");
+    let [s, v, _] = motion.body(0);
+    assert!(s > 0.99 && s < 1.0 && v.is_finite(), "{s} {v}");
+    // m v²/2 = 4/(1 - s) - 4 - k s²/2.
+    let energy = 0.25 * v * v + 10.0 * s * s - 4.0 / (1.0 - s) + 4.0;
+    assert!(energy.abs() < 1e-6 * v * v, "{energy:e} {v}");
+    for (force, start, v) in [("sqrt(2 - e)", 0.0, 3.0), ("-ln(2 + rate)", 0.0, -1.5), ("e^0.5", 1.0, -2.0)] {
+        let text = format!(
+            "name = \"R\"\nbody.b = {{ mass = 1.0, start = {{ s = {start:?}, v = {v:?} }} }}\n\
+             spring.root = {{ between = [\"ground\", \"b\"], force = \"= {force}\" }}\n"
+        );
+        let mut motion = Motion::new(machine(&text)).expect("a motion");
+        match motion.advance_to(30.0) {
+            Ok(()) => panic!("{force}: no end at {:?}", motion.body(0)),
+            Err(error) => {
+                let error = error.to_string();
+                assert!(error.contains("spring.root") && error.contains("requires a positive"), "{error}");
+            }
+        }
+        assert!(motion.body(0).iter().all(|x| x.is_finite()) && motion.time() > 0.01, "{:?}", motion.body(0));
+    }
+}
+
+/// Formulas that are not allowed are refused; the message says what is.
+#[test]
+fn refusals_of_formulas() {
+    let refused = |force: &str, more: &str| {
+        let text = format!(
+            "name = \"R\"\n[parameters]\nk = 2.0\nz = 0.0\n[body.b]\nmass = 1.0\n\
+             [spring.k]\nbetween = [\"ground\", \"b\"]\nforce = {force}\n{more}"
+        );
+        described(&text).err().unwrap_or_else(|| panic!("{force} {more} is not refused"))
+    };
+    for (force, said) in [
+        (
+            "\"= abs(e)\"",
+            "`abs` is not supported: a formula has no corners: points, stops and friction have them",
+        ),
+        ("\"= e > 0\"", "comparisons are not supported"),
+        ("\"= sine(e)\"", "no function is called `sine`; did you mean `sin`?"),
+        ("\"= e^k\"", "an exponent must be a number"),
+        ("\"= e^rate\"", "an exponent must be a number"),
+        ("\"= k * x\"", "no parameter is called `x`"),
+        ("\"= 3 * k\"", "has neither `e` nor `rate`"),
+        ("\"= e / z\"", "divides by zero"),
+        ("\"= e + ln(z)\"", "not finite"),
+        ("\"= ln(e)\"", "spring.k.force: requires a positive argument of ln; it is 0.0 at the start"),
+        ("\"= 1 / e\"", "requires a divisor other than 0"),
+        ("\"= e ** 2\"", "write `^` for a power"),
+        ("\"= e +\"", "at the end of the expression"),
+        ("\"= (e\"", "a `)` is missing"),
+        ("\"k * e\"", "an expression begins with `=`"),
+        ("3.0", "expected an expression of `e` and `rate`"),
+    ] {
+        let found = refused(force, "");
+        assert!(found.contains("spring.k.force") && found.contains(said), "{force}: {found}");
+    }
+    for (more, said) in [
+        ("slip = 1.0\nstiffness = 2.0\n", "cannot be combined with `slip`"),
+        ("points = [[0.0, 0.0], [1.0, 2.0]]\n", "cannot be combined with `points`"),
+        ("stiffness = { constant = 1.0, steps = [[1.0, 2.0]] }\n", "use two springs side by side"),
+        ("offset = 1.0\nfree_length = 1.0\nstiffness = 1.0\n", "cannot be combined with `offset`"),
+    ] {
+        let found = refused("\"= e^3\"", more);
+        assert!(found.contains(said), "{more}: {found}");
+    }
+    let damper = "name = \"R\"\nbody.b = { mass = 1.0 }\n\
+        damper.d = { between = [\"ground\", \"b\"], force = \"= e * rate\" }\n";
+    assert!(described(damper).expect_err("a refusal").contains("cannot depend on `e`: use a spring"));
+}
+
+/// A file that is written reads as the same machine, and a parameter of a formula is set by its
+/// name.
+#[test]
+fn invariant_files_are_written_back() {
+    let text = chain(&NUMBERS.map(|own| own.1));
+    let description = described(&text).expect("a machine");
+    let again = described(&description.to_toml()).expect("the same machine");
+    assert_eq!(description, again);
+    let other = description.with([("k", 9.0)]).expect("a machine");
+    assert_eq!(other.get("spring.p.force.k").expect("a number"), 9.0);
+    let refused = description.with([("spring.p.force.k", 9.0)]).expect_err("a refusal").to_string();
+    assert!(refused.contains("follows from `k`"), "{refused}");
 }

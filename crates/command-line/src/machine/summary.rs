@@ -97,8 +97,11 @@ pub fn summary(machine: Description) -> Result<String> {
         return Ok(lines.join("\n"));
     }
     lines.push(equilibrium(&assembly));
-    let small =
-        if d.elements().any(|element| element.is_curved()) { ", of small motions about e = 0" } else { "" };
+    let small = match d.elements().any(|element| element.is_curved()) {
+        true if assembly.system().has_formulas() => ", of small motions about the start",
+        true => ", of small motions about e = 0",
+        false => "",
+    };
     lines.push(format!("natural frequencies in the start's mode{}{small}", of_blocks(d)));
     lines.extend(frequencies(&assembly, &motion));
     Ok(lines.join("\n"))
@@ -227,7 +230,10 @@ fn equilibrium(assembly: &Assembly) -> String {
 
 fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     let system = assembly.system();
-    let linear = system.linear(motion.mode());
+    let mut linear = system.linear(motion.mode());
+    if system.has_formulas() {
+        linear.a = system.linearised(&linear.a, motion.state().as_slice());
+    }
     // States of sampled blocks do not have a rate.
     let sampled = system.blocks.iter().filter(|block| block.sampler.is_some());
     let kept: Vec<_> = sampled.map(|block| block.first..block.first + block.kept()).collect();

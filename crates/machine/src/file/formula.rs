@@ -45,8 +45,10 @@ fn formula(reading: &mut Reading, entry: &Entry, example: &str) -> Option<Formul
     if text == ASKED {
         reading.note_names(ASKED, ["= e", "= rate"].into_iter());
     }
+    let named = reading.named.clone();
+    let parameters: Vec<(&str, f64)> = named.names().zip(named.values()).collect();
     let Some(expression) = text.strip_prefix('=') else {
-        let is_formula = Formula::new(text, &[]).is_ok();
+        let is_formula = Formula::new(text, &parameters).is_ok();
         let text =
             if is_formula { format!("an expression begins with `=`; write \"= {text}\"") } else { allowed };
         reading.refuse(entry, text);
@@ -55,8 +57,6 @@ fn formula(reading: &mut Reading, entry: &Entry, example: &str) -> Option<Formul
     if reading.named_refused {
         return None;
     }
-    let named = reading.named.clone();
-    let parameters: Vec<(&str, f64)> = named.names().zip(named.values()).collect();
     match Formula::new(expression, &parameters) {
         Err(text) => {
             reading.refuse(entry, text);

@@ -19,6 +19,9 @@ const MOST_CURVED: f64 = 1e30;
 /// largest terms of the argument. Closer to the edge, roundings of the argument exceed 1e-7 of it.
 const EDGE: f64 = 1e-9;
 
+/// Distance at which a motion without a proved series counts as ending at the edge of a domain.
+const NEAR: f64 = 1e-4;
+
 /// Sub-steps between two checks of the interruption flag: some hundredths of a second.
 const LOOK: u64 = 1 << 16;
 
@@ -93,16 +96,19 @@ impl Motion {
     /// Refuses a state at the edge of the domain of a formula. Within a series no operation leaves
     /// its domain, as its remainder is proved: a motion towards the edge takes ever shorter series.
     pub(super) fn check_domains(&self) -> Result<(), Error> {
+        self.at_edge(EDGE).map_or(Ok(()), |own| Err(self.leaves_domain(own)))
+    }
+
+    /// An operation whose argument is near the edge of its domain, or beyond it. `near` is relative
+    /// to the largest terms of the argument.
+    fn at_edge(&self, near: f64) -> Option<&Curved> {
         let (z, sizes) = (self.hybrid.z.as_slice(), self.hybrid.sizes.0.as_slice());
         let is_at_edge = |own: &&Curved| {
             let argument = own.argument.at(z);
-            let is_near = argument.abs() <= EDGE * own.argument.size(sizes);
+            let is_near = argument.abs() <= near * own.argument.size(sizes);
             own.operation.has_domain() && (is_near || !own.operation.is_defined(argument))
         };
-        match self.assembly.system.curved.iter().find(is_at_edge) {
-            Some(own) => Err(self.leaves_domain(own)),
-            None => Ok(()),
-        }
+        self.assembly.system.curved.iter().find(is_at_edge)
     }
 
     /// Error of a motion that reaches the edge of the domain of an operation.
@@ -125,6 +131,9 @@ impl Motion {
     /// Error of curved forces that are too large for numbers: it names the element whose force
     /// grows fastest.
     pub(super) fn too_large(&self) -> Error {
+        if let Some(own) = self.at_edge(NEAR) {
+            return self.leaves_domain(own);
+        }
         let (name, value) = self.steepest();
         let cause = format!(
             "the force of {name} is {value:e} N or N m here, which changes too fast for any step \

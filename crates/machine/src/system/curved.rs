@@ -6,6 +6,7 @@ use crate::description::Description;
 use crate::elements::Element;
 use crate::formula::{Atom, Compiled, Formula, Line, Step, potential};
 use crate::functional::Functional;
+use crate::kernel::SparseMatrix;
 
 /// The operations of an element's formula; none if it is refused.
 pub(crate) fn compiled(element: Element) -> Option<Compiled> {
@@ -121,6 +122,39 @@ fn reference(compiled: &Compiled, start: f64) -> f64 {
 const POINTS: u32 = 64;
 
 impl System {
+    /// Whether any force is a formula.
+    pub fn has_formulas(&self) -> bool {
+        self.springs.iter().any(|spring| spring.formula.is_some())
+    }
+
+    /// A matrix A with z' = A z to first order near a state: the curved forces are replaced by their
+    /// derivatives there.
+    pub fn linearised(&self, a: &SparseMatrix, z: &[f64]) -> SparseMatrix {
+        let size = self.signals.size;
+        let straight = |row: &Functional, known: &[Functional]| {
+            let own = row.terms().iter().map(|&(j, x)| match j.checked_sub(self.signals.curved) {
+                Some(k) if k < known.len() => x * &known[k],
+                _ => Functional::unit(size, j, x),
+            });
+            let all: Vec<Functional> = own.collect();
+            Functional::sum(size, all.iter().map(|row| (1.0, row)))
+        };
+        let mut slopes: Vec<Functional> = Vec::new();
+        for own in &self.curved {
+            let by = own.operation.slopes(own.arguments(z));
+            let rows = [straight(&own.argument, &slopes), straight(&own.second, &slopes)];
+            slopes.push(Functional::sum(size, by.into_iter().zip(&rows)));
+        }
+        a.with_rows(
+            |x| x,
+            |i| {
+                let row = Functional::from_terms(size, a.row(i).iter().copied());
+                let is_curved = row.terms().iter().any(|term| term.0 >= self.signals.curved);
+                is_curved.then(|| straight(&row, &slopes).terms().to_vec().into_iter())
+            },
+        )
+    }
+
     /// Adds a curved force to the spring that was added last, of its elongation or of its rate.
     pub(crate) fn add_curve(&mut self, is_of_rate: bool, coefficients: [f64; POWERS]) {
         let place = self.signals.curved + self.curved.len();

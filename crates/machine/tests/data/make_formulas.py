@@ -22,7 +22,8 @@ from mpmath import atan, cos, exp, log, mp, mpf, nstr, pi, sin, sqrt, tanh
 mp.dps = 50
 END = mpf(2)
 STEP = mpf(1) / 20
-SMALL = mpf(10) ** -41
+SMALL = mpf(10) ** -42
+EVENT = mpf(10) ** -39
 ROWS = 26
 
 # A formula with its parameters and the range of each.
@@ -148,15 +149,14 @@ class Motion:
             if excess(after) < 0:
                 t, z = t + h, after
                 continue
-            # The last body passes the stop once within the step: false position, then secants.
+            # The last body passes the stop once within the step: secants.
             low, high = mpf(0), h
             a, b = excess(z), excess(after)
-            for _ in range(200):
-                x = high - b * (high - low) / (b - a) if a < 0 else high / 2
-                y = excess(self.step(t, z, x)) if x > 0 else a
-                (low, a, high, b) = (high, b, x, y)
-                if abs(high - low) < mpf(10) ** -43 or y == 0 or abs(y) < mpf(10) ** -46:
-                    break
+            while abs(b) > EVENT:
+                x = high - b * (high - low) / (b - a)
+                if not 0 < x < 2 * h:
+                    x = high / 2
+                (low, a, high, b) = (high, b, x, excess(self.step(t, z, x)))
             z = self.step(t, z, high)
             t += high
             assert z[2 * n - 1] > 0
