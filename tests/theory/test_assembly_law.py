@@ -987,3 +987,70 @@ def test_law_59_the_tail_of_a_power_is_bounded() -> None:
             ratio = mpf(order + m) / ((order + 1) * rho)
             bound = scale**m * mp.binomial(order + m - 1, m - 1) * rho**-order / (1 - ratio)
             assert tail <= bound
+
+
+#: Operations of formulas with their slopes.
+OPERATIONS = {
+    "exp": (mp.exp, mp.exp),
+    "ln": (mp.log, lambda a: 1 / a),
+    "sin": (mp.sin, mp.cos),
+    "cos": (mp.cos, lambda a: -mp.sin(a)),
+    "tanh": (mp.tanh, lambda a: 1 - mp.tanh(a) ** 2),
+    "atan": (mp.atan, lambda a: 1 / (1 + a**2)),
+    "root": (mp.sqrt, lambda a: 1 / (2 * mp.sqrt(a))),
+    "pole": (lambda a: a**-2, lambda a: -2 * a**-3),
+}
+
+
+def argument(r: random.Random, orders: int) -> List[mpf]:
+    """Coefficients whose sum of sizes beyond the first is at most 0.3, with a positive first one."""
+    others = [number(r) / mpf(2) ** i for i in range(1, orders + 1)]
+    size = sum(abs(x) for x in others)
+    return [mpf("0.5") + abs(number(r)) / 4] + [mpf("0.3") * x / size for x in others]
+
+
+def test_law_60_series_of_operations_from_their_slopes() -> None:
+    r = random.Random(60)
+    for name, (value, slope) in OPERATIONS.items():
+        a = argument(r, 6)
+        at = lambda f: mp.taylor(lambda u: f(mp.polyval(a[::-1], u)), 0, 8)
+        w, g = at(value), at(slope)
+        for k in range(1, 9):
+            own = sum(j * a[j] * g[k - j] for j in range(1, min(k, 6) + 1)) / k
+            assert abs(own - w[k]) < mpf("1e-15"), (name, k, own, w[k])
+    for p in (mpf("0.5"), mpf("1.5"), mpf(-1), mpf(-2)):
+        a = argument(r, 6)
+        w = mp.taylor(lambda u: mp.polyval(a[::-1], u) ** p, 0, 8)
+        for k in range(1, 9):
+            own = sum((p * j - k + j) * a[j] * w[k - j] for j in range(1, min(k, 6) + 1)) / (k * a[0])
+            assert abs(own - w[k]) < mpf("1e-15"), (p, k, own, w[k])
+
+
+def test_law_61_coefficients_of_operations_are_bounded() -> None:
+    """All coefficients beyond K = 4 are below C at radius 1, by Cauchy's integrals over a circle of nodes."""
+    r = random.Random(61)
+    order, nodes = 4, 64
+    for _ in range(4):
+        a = argument(r, order)
+        s = sum(abs(x) for x in a[1:])
+        weighted = sum(k * abs(x) for k, x in enumerate(a))
+        away, near = max(abs(a[0]) - s, 0), mp.cos(s) ** 2
+        bounds = {
+            "ln": -mp.log(1 - s / a[0]),
+            "root": (a[0] + s) ** mpf("0.5"),
+            "pole": (a[0] - s) ** -2,
+            "tanh": s / (mp.sinh(away) ** 2 + near),
+            "atan": s / (mp.sqrt(1 + a[0] ** 2) - s) ** 2,
+        }
+        for name, (value, slope) in OPERATIONS.items():
+            circle = [mp.expjpi(2 * mpf(n) / nodes) for n in range(nodes)]
+            coefficients = []
+            for f in (value, slope):
+                values = [f(mp.polyval(a[::-1], u)) for u in circle]
+                coefficients.append(
+                    [abs(sum(x / u**k for x, u in zip(values, circle)) / nodes) for k in range(nodes // 2)]
+                )
+            w, g = coefficients
+            assert weighted <= order + 1
+            bound = bounds.get(name, max(w[: order + 1] + g[: order + 1]))
+            assert all(x <= bound for x in w[order + 1 :]), (name, bound)

@@ -363,3 +363,70 @@ fn values_that_are_no_finite_numbers_are_refused_by_name() {
     assert!(message.contains("energy.kinetic = inf: expected a finite number"), "{message}");
     unsafe { fmi3FreeInstance(host.c) };
 }
+
+/// Derivatives of states and the Jacobian of a machine with formulas in closed form. A state at
+/// which a formula is not defined is refused by name, and from other states the motion continues.
+#[test]
+fn closed_form_derivatives_of_formulas() {
+    // Rounding of sums of a few terms.
+    const ROUNDING: f64 = 1e-14;
+    let plan = Plan::new(include_str!("../common/formulas.toml").into(), FILE).unwrap();
+    let mut messages = Vec::new();
+    let host = Host::begin(made("formulas", &plan, &mut messages));
+    let reference = |name: &str| plan.table.reference(name).unwrap();
+    let (s, v, x, w) = (1.2f64, -0.7f64, 0.3f64, 0.9f64);
+    host.at(0.1, &[s, x, v, w]);
+    let length = (0.04f64 + x * x).sqrt();
+    let lateral = 60.0 * (length - 0.25) * x / length;
+    let turn = 4.905 * 0.5 * s.sin() + 0.02 * v.powi(3) / (1.0 + s * s) + 0.02 * (3.0 * v).atan();
+    let pull = 40.0 * x - 0.1 / (1.0 - x).powi(2) + lateral;
+    let exact = [v, w, -turn / 0.2, (0.5 - pull) / 0.4];
+    let mut own = [0.0; 4];
+    unsafe {
+        assert_eq!(fmi3GetContinuousStateDerivatives(host.c, own.as_mut_ptr(), 4), OK, "{messages:?}");
+    }
+    for (own, exact) in own.iter().zip(exact) {
+        assert!((own - exact).abs() <= ROUNDING * exact.abs(), "{own} {exact}");
+    }
+    // By both coordinates, the rate of the arm, and the parameter c.
+    let by_s = 4.905 * 0.5 * s.cos() - 0.02 * v.powi(3) * 2.0 * s / (1.0 + s * s).powi(2);
+    let by_v = 0.06 * v * v / (1.0 + s * s) + 0.06 / (1.0 + 9.0 * v * v);
+    let by_x = 40.0 - 0.2 / (1.0 - x).powi(3) + 60.0 * (1.0 - 0.25 * 0.04 / length.powi(3));
+    let by_c = v.powi(3) / (1.0 + s * s) + (3.0 * v).atan();
+    let rows = [
+        ("arm.s", [-by_s / 0.2, 0.0]),
+        ("arm.v", [-by_v / 0.2, 0.0]),
+        ("mass.s", [0.0, -by_x / 0.4]),
+        ("c", [-by_c / 0.2, 0.0]),
+    ];
+    for (name, exact) in rows {
+        let (unknowns, known) = ([reference("arm.a"), reference("mass.a")], reference(name));
+        let mut along = [f64::NAN; 2];
+        let status = unsafe {
+            fmi3GetDirectionalDerivative(
+                host.c,
+                unknowns.as_ptr(),
+                2,
+                &known,
+                1,
+                &1.0,
+                1,
+                along.as_mut_ptr(),
+                2,
+            )
+        };
+        assert_eq!(status, OK, "{messages:?}");
+        for (own, exact) in along.iter().zip(exact) {
+            assert!((own - exact).abs() <= ROUNDING * exact.abs(), "{name}: {own} {exact}");
+        }
+    }
+    host.at(0.2, &[s, 1.0, v, w]);
+    unsafe {
+        assert_eq!(fmi3GetContinuousStateDerivatives(host.c, own.as_mut_ptr(), 4), DISCARD);
+        let message = messages.last().unwrap();
+        assert!(message.contains("a derivative"), "{message}");
+        host.at(0.2, &[s, x, v, w]);
+        assert_eq!(fmi3GetContinuousStateDerivatives(host.c, own.as_mut_ptr(), 4), OK, "{messages:?}");
+        fmi3FreeInstance(host.c);
+    }
+}

@@ -252,3 +252,25 @@ fn closed_form_inputs_with_their_derivatives() {
         fmi2FreeInstance(c);
     }
 }
+
+/// Steps of a machine with formulas have the engine's bits, and continue with a changed parameter
+/// of a formula.
+#[test]
+fn invariant_formulas_in_steps_are_the_engines() {
+    let plan = Plan::new(include_str!("../common/formulas.toml").into(), FILE).unwrap();
+    let machine = Instance::of("formulas in steps", &plan, false);
+    machine.begin();
+    let mut own = native(&plan);
+    for k in 0..40 {
+        machine.step(0.05 * f64::from(k), 0.05);
+        own.advance_to(0.05 * f64::from(k) + 0.05).unwrap();
+        assert_eq!(machine.get("arm.s").to_bits(), own.body(0)[0].to_bits(), "{k}");
+        assert_eq!(machine.get("mass.v").to_bits(), own.body(1)[1].to_bits(), "{k}");
+    }
+    assert_eq!(machine.set("weight", 0.0), OK, "{:?}", machine.messages);
+    let [_, v, _] = own.body(0);
+    let s = machine.get("arm.s");
+    let turn = 0.02 * v.powi(3) / (1.0 + s * s) + 0.02 * (3.0 * v).atan();
+    let a = machine.get("arm.a");
+    assert!((a + turn / 0.2).abs() < 1e-14 * a.abs().max(1.0), "{a} {}", -turn / 0.2);
+}

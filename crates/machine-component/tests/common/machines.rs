@@ -21,7 +21,11 @@ pub fn machines(folder: &Path) -> Vec<Target> {
     let text = |name: &&str| file::read(&examples.join(name)).expect("an example").to_toml();
     let names =
         ["damper_with_buffer.toml", "bouncing_ball.toml", "gear_backlash.toml", "msl_coupled_clutches.toml"];
-    let own = [include_str!("everything.toml"), include_str!("../../../machine/tests/data/laws.toml")];
+    let own = [
+        include_str!("everything.toml"),
+        include_str!("../../../machine/tests/data/laws.toml"),
+        include_str!("formulas.toml"),
+    ];
     let texts = names.iter().map(text).chain(own.map(str::to_owned));
     let target = |(text, arrays): (String, bool)| {
         let plan = Plan::new(text, FILE).expect("a machine");

@@ -179,6 +179,40 @@ fn second_method_multipliers_and_columns_of_curved_chains() {
     }
 }
 
+/// Two bodies with formulas, a spring across the motion, stops and friction.
+#[test]
+fn second_method_multipliers_and_columns_of_formulas() {
+    let stops = "stop.wall = { between = [\"ground\", \"b\"], gap = 0.3, restitution = 0.6 }\n\
+                 stop.soft = { between = [\"a\", \"ground\"], gap = 0.2, stiffness = 500.0, damping = 1.0 }\n\
+                 friction.f = { between = [\"ground\", \"a\"], force = 0.1 }\n";
+    for (frequency, more) in [(0.5, ""), (1.1, stops)] {
+        let machine = machine(&format!(
+            "name = \"Formulas\"\nbody.a = {{ mass = 1.0 }}\nbody.b = {{ mass = 0.3 }}\n{more}\
+             [parameters]\nk = 40.0\nw = 2.0\nc = 0.05\n[spring]\n\
+             a = {{ between = [\"ground\", \"a\"], damping = 0.4, force = \"= k * sin(w * e) / w + 300 * e^3\" }}\n\
+             b = {{ between = [\"a\", \"b\"], stiffness = 60.0, damping = 0.1, offset = 0.2, free_length = 0.18 }}\n\
+             [damper]\nc = {{ between = [\"ground\", \"b\"], force = \"= c * (rate + tanh(w * rate))\" }}\n\
+             [load]\nl = {{ on = \"a\", amplitude = 6.0, frequency = {frequency} }}\n"
+        ));
+        let orbit = Orbit::settled(&machine, &Start::default(), 400).unwrap();
+        assert_eq!(orbit.word().is_empty(), more.is_empty());
+        assert!(orbit.check_by_motion().unwrap() < ROUNDING);
+        let (own, by_motion) = (orbit.multipliers(), moduli_by_motion(&orbit));
+        let mut moduli: Vec<f64> = own.iter().map(|m| m.norm()).collect();
+        moduli.sort_by(|a, b| b.total_cmp(a));
+        for (own, other) in moduli.iter().zip(&by_motion) {
+            assert!((own - other).abs() < ROUNDING, "{frequency} Hz: {moduli:?} {by_motion:?}");
+        }
+        for parameter in
+            ["load.l.frequency", "load.l.amplitude", "k", "w", "c", "spring.b.offset", "spring.b.free_length"]
+        {
+            let present = machine.description.get(parameter).unwrap();
+            let apart = column_apart(&machine, &orbit, (parameter, 0.1 * present));
+            assert!(apart < APART, "{frequency} Hz, {parameter}: {apart:e}");
+        }
+    }
+}
+
 /// A symmetric orbit loses its symmetry where a multiplier of the motion passes 1, and continues
 /// as an unstable orbit.
 #[test]

@@ -95,5 +95,6 @@ fn fixed(start: &Start, p: usize) -> DVector<f64> {
         By::Parameter(_) => {}
     }
     machine.take_given(p, at.z, &mut delta);
+    machine.vary_curved(p, at.z, &mut delta);
     delta
 }
