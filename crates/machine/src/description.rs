@@ -385,6 +385,9 @@ pub struct Friction {
     pub static_force: Option<Signal>,
     /// Stop whose force the levels follow; `force` is then zero and `static_force` is `None`.
     pub follows: Option<Follows>,
+    /// Stribeck's speed v, m/s or rad/s: while it slips, the level is `force` + (`static_force` -
+    /// `force`) exp(-(e'/v)²). Requires `static_force`.
+    pub stribeck: Option<f64>,
 }
 
 /// Friction levels that follow the force N of a compliant stop: coefficient · max(0, N).

@@ -185,6 +185,7 @@ impl<'a> Element<'a> {
         match self {
             Self::Spring(spring) => spring.is_curved(),
             Self::Damper(damper) => damper.is_curved(),
+            Self::Friction(friction) => friction.stribeck.is_some(),
             _ => false,
         }
     }

@@ -117,6 +117,8 @@ pub const GAP: NumberKind = kind("Elongation at which the stop closes", "m", "ra
 pub const RESTITUTION: NumberKind =
     kind("Restitution coefficient", "1", "1", between(0.0, 1.0, "a number from 0 to 1"));
 pub const FORCE: NumberKind = kind("Force or torque", "N", "N.m", Range::FINITE);
+pub const STRIBECK: NumberKind =
+    kind("Speed at which friction falls from its static level", "m/s", "rad/s", Range::POSITIVE);
 pub const LEVEL: NumberKind = kind("Level of friction", "N", "N.m", Range::NOT_NEGATIVE);
 pub const COEFFICIENT: NumberKind = kind("Coefficient of friction", "1", "1", Range::NOT_NEGATIVE);
 pub const FREQUENCY: NumberKind = at_least(LEAST_FREQUENCY, kind("Frequency", "Hz", "Hz", Range::POSITIVE));

@@ -302,6 +302,9 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
         if let Some(level) = &mut friction.static_force {
             slots.level(&format!("{of}.static"), level);
         }
+        if let Some(speed) = &mut friction.stribeck {
+            slots.push(format!("{of}.stribeck"), kinds::STRIBECK, speed);
+        }
     }
     for wheel in &mut machine.freewheels {
         slots.element("freewheel", &wheel.name, &mut wheel.arms, &bodies);

@@ -344,6 +344,7 @@ impl System {
                             self.add_friction(&friction.arms, &rows[level], static_level.map(|i| &rows[i]))
                         }
                     };
+                    friction.stribeck.iter().for_each(|speed| self.add_stribeck(*speed));
                 }
                 Element::Load(_) => self.parts[i].extend(loads.next().map(Part::Load)),
                 _ => {}

@@ -160,6 +160,7 @@ fn others_models_coupled_clutches() {
         force,
         static_force: Some(peak),
         follows: None,
+        stribeck: None,
     };
     let quarter = std::f64::consts::FRAC_PI_2;
     let d = Description {

@@ -471,3 +471,82 @@ fn invariant_files_are_written_back() {
     let refused = description.with([("spring.p.force.k", 9.0)]).expect_err("a refusal").to_string();
     assert!(refused.contains("follows from `k`"), "{refused}");
 }
+
+/// A body on a belt with a spring, whose friction falls with Stribeck's curve.
+fn belt(x: &[f64; 4]) -> String {
+    let [force, largest, speed, stiffness] = x;
+    format!(
+        "name = \"Belt\"\nbody.belt = {{ dimension = \"translation\", motion = {{ rate = 0.1 }} }}\n\
+         body.m = {{ mass = 1.0, start.v = 0.1 }}\n\
+         spring.k = {{ between = [\"ground\", \"m\"], stiffness = {stiffness:?}, damping = 0.1 }}\n\
+         friction.f = {{ between = [\"belt\", \"m\"], force = {force:?}, static = {largest:?}, stribeck = {speed:?} }}\n"
+    )
+}
+
+/// Stick and slip against an extrapolation in 45 digits; the friction does not jump where it
+/// leaves sticking, and the energy balances.
+#[test]
+fn second_method_stribeck_friction_on_a_belt() {
+    let exact =
+        [0.798, 1.4042654659104082113, 2.2751834115596049465, 2.8814488774700131577, 3.7523668231192098929];
+    let text = belt(&[2.0, 4.0, 0.05, 50.0]);
+    let mut motion = Motion::new(machine(&text)).expect("a motion");
+    let (first, mut found) = (motion.kinetic_and_stored(), Vec::new());
+    motion
+        .advance_observed(4.0, &mut |event: &Event| {
+            if matches!(event.kind, EventKind::Stick { .. } | EventKind::Slip { .. }) {
+                found.push(event.time);
+            }
+        })
+        .expect("an end");
+    assert_eq!(found.len(), exact.len(), "{found:?}");
+    for (own, exact) in found.iter().zip(exact) {
+        assert!((own - exact).abs() < SINGLE, "{own} {exact}");
+    }
+    let [s, v, _] = motion.body(1);
+    let off = (s - 0.073692979153870187945).abs().max((v + 0.25812899280493032648).abs());
+    assert!(off < SINGLE, "{off:e}");
+    let now = motion.kinetic_and_stored();
+    let off = now.0 + now.1 - first.0 - first.1 - motion.energy().balance();
+    assert!(off.abs() < BALANCE, "{off:e}");
+    // Just before and after the first slip.
+    let force = |time: f64| {
+        let mut motion = Motion::new(machine(&text)).expect("a motion");
+        motion.advance_to(time).expect("an end");
+        let index = motion.assembly().description.elements().count() - 1;
+        motion.value(Quantity::of_element(index, What::F))
+    };
+    assert!((force(0.798 - 1e-9) + 4.0).abs() < 1e-6 && (force(0.798 + 1e-6) + 4.0).abs() < 1e-4);
+}
+
+/// Derivatives by the numbers of a Stribeck friction against differences.
+#[test]
+fn second_method_derivatives_of_stribeck_friction() {
+    let values = [2.0, 4.0, 0.05, 50.0];
+    let names = ["friction.f.force", "friction.f.static", "friction.f.stribeck", "spring.k.stiffness"];
+    let mut motion = Differentiated::new(machine(&belt(&values)), &names).expect("a motion");
+    motion.advance_to(4.0).expect("an end");
+    let end = |i: usize, by: f64| {
+        let mut values = values;
+        values[i] += by;
+        let mut motion = Motion::new(machine(&belt(&values))).expect("a motion");
+        motion.advance_to(4.0).expect("an end");
+        motion.states()
+    };
+    for i in 0..values.len() {
+        let shift = DIFFERENCE * values[i];
+        let own = motion.state_derivative(i).expect("a derivative");
+        for ((a, b), own) in end(i, shift).iter().zip(end(i, -shift)).zip(own.iter()) {
+            let difference = (a - b) / (2.0 * shift);
+            assert!(
+                (difference - own).abs() < OF_DIFFERENCE * own.abs().max(10.0),
+                "{}: {difference} {own}",
+                names[i]
+            );
+        }
+    }
+    let alone = belt(&values).replace("static = 4.0, ", "");
+    assert!(described(&alone).expect_err("a refusal").contains("requires `static`"));
+    let description = described(&belt(&values)).expect("a machine");
+    assert_eq!(description, described(&description.to_toml()).expect("the same machine"));
+}

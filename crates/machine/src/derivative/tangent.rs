@@ -14,7 +14,7 @@ use crate::polyline::Polyline;
 use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
 use crate::stepped;
-use crate::system::{Elongation, SpringRows, System, excess, made_stops};
+use crate::system::{Elongation, FrictionRows, SpringRows, System, excess, made_stops};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
@@ -314,9 +314,31 @@ impl Tangent {
             let elongation = self.elongation(system, &friction.arms, &by.arms);
             let levels = match (&friction.follows, &by.follows) {
                 (Some(own), Some(by)) => self.following(system, i, (own, by)),
+                _ if friction.stribeck.is_some() => {
+                    let moved = Functional::of(&static_level - &level);
+                    let speeds = [friction.stribeck, by.stribeck].map(Option::unwrap_or_default);
+                    self.put_stribeck((&system.frictions[i], &elongation), speeds, moved);
+                    vec![LevelTangent { static_level: level.clone(), level }]
+                }
                 _ => vec![LevelTangent { level, static_level }],
             };
             self.frictions.push(FrictionTangent { elongation, levels });
+        }
+    }
+
+    /// Adds the derivatives of the operations of Stribeck's curve, given the derivative of the
+    /// difference of the levels.
+    fn put_stribeck(
+        &mut self,
+        (rows, own): (&FrictionRows, &ElongationTangent),
+        [speed, by]: [f64; 2],
+        levels: Functional,
+    ) {
+        let (zeros, rate) = (Functional::zeros(levels.len()), Functional::of(own.rate.clone()));
+        let argument = &((1.0 / speed) * &rate) - &((by / (speed * speed)) * &rows.elongation.rate);
+        for argument in [argument, zeros.clone(), levels] {
+            let force = Polynomial { coefficients: [0.0; 4] };
+            self.curves.push(CurveTangent { arguments: [argument, zeros.clone()], force });
         }
     }
 

@@ -180,15 +180,20 @@ fn friction(
 ) -> Option<Friction> {
     reading.known(
         table,
-        &["between", "arms", "force", "static", "follows", "coefficient", "static_coefficient"],
+        &["between", "arms", "force", "static", "follows", "coefficient", "static_coefficient", "stribeck"],
     );
     if table.has("follows") || table.has("coefficient") || table.has("static_coefficient") {
         let (arms, follows) =
             with_arms(reading, table, names, |reading, _| follows::read(reading, table, stops))?;
+        if let Some(entry) = reading.optional(table, "stribeck") {
+            reading.refuse(&entry, "cannot be combined with `follows`: use `force` and `static`");
+            return None;
+        }
         let (force, follows) = (Signal::default(), Some(follows));
-        return Some(Friction { name, arms, force, static_force: None, follows });
+        return Some(Friction { name, arms, force, static_force: None, follows, stribeck: None });
     }
-    let (arms, (force, static_force)) = with_arms(reading, table, names, |reading, dimension| {
+    let (arms, (force, static_force, stribeck)) = with_arms(reading, table, names, |reading, dimension| {
+        let stribeck = stribeck(reading, table, dimension);
         let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension };
         let allowed = format!("{}, or a signal", kinds::LEVEL.allowed(dimension));
         let force = reading.required(table, "force", &allowed);
@@ -197,9 +202,20 @@ fn friction(
             None => Some(None),
             Some(entry) => signals::value(reading, &entry, values).map(Some),
         };
-        Some((force?, static_force?))
+        Some((force?, static_force?, stribeck?))
     })?;
-    Some(Friction { name, arms, force, static_force, follows: None })
+    Some(Friction { name, arms, force, static_force, follows: None, stribeck })
+}
+
+/// Reads Stribeck's speed; the outer `None` if it is refused.
+fn stribeck(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<Option<f64>> {
+    let Some(entry) = reading.optional(table, "stribeck") else { return Some(None) };
+    if !table.has("static") {
+        let text = "requires `static`: the level falls from `static` to `force` as the speed grows";
+        reading.refuse(&entry, text);
+        return None;
+    }
+    reading.number(&entry, kinds::STRIBECK, dimension).map(Some)
 }
 
 fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Load> {

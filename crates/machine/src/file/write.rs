@@ -370,6 +370,9 @@ impl Writing<'_> {
         if let Some(level) = &friction.static_force {
             line!(text, "static = {}", self.level(&format!("{of}.static"), level));
         }
+        if let Some(speed) = friction.stribeck {
+            self.line(text, of, "stribeck", speed);
+        }
     }
 
     /// Returns a level of friction as a number or as an inline table.

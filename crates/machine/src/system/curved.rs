@@ -1,6 +1,6 @@
 //! Curved forces of a machine: their coordinates in the augmented state.
 
-use super::{Elongation, Part, System};
+use super::{Elongation, FrictionRows, LevelRows, Part, System};
 use crate::curved::{Curved, Operation, POWERS, Polynomial};
 use crate::description::Description;
 use crate::elements::Element;
@@ -16,7 +16,13 @@ pub(crate) fn compiled(element: Element) -> Option<Compiled> {
 /// Number of operations of curved forces of a machine.
 pub fn count(d: &Description) -> usize {
     let of_formula = |element| compiled(element).map_or(0, |own| own.steps.len());
-    d.elements().map(|element| usize::from(element.has_curve()) + of_formula(element)).sum()
+    let of_stribeck = |element| match element {
+        Element::Friction(friction) if friction.stribeck.is_some() => STRIBECK,
+        _ => 0,
+    };
+    d.elements()
+        .map(|element| usize::from(element.has_curve()) + of_formula(element) + of_stribeck(element))
+        .sum()
 }
 
 /// The first element with a curved force, by its dotted name.
@@ -118,6 +124,9 @@ fn reference(compiled: &Compiled, start: f64) -> f64 {
     if same || !start.is_finite() { 0.0 } else { start }
 }
 
+/// Number of operations of Stribeck's curve.
+const STRIBECK: usize = 3;
+
 /// Number of intervals between 0 and the start in which the domain of a formula is examined.
 const POINTS: u32 = 64;
 
@@ -192,6 +201,35 @@ impl System {
             spring.force = &spring.force + &force;
             spring.formula = Some(FormulaRows { formula, compiled, operations, lossy, from });
         }
+    }
+
+    /// Adds Stribeck's curve to the friction that was added last: its level is sliding + (largest -
+    /// sliding) exp(-(e'/v)²) for both directions of e', and equals the static level at e' = 0.
+    pub(crate) fn add_stribeck(&mut self, speed: f64) {
+        let (place, size) = (self.signals.curved + self.curved.len(), self.signals.size);
+        let owner = Part::Friction(self.frictions.len() - 1);
+        let Some(FrictionRows { elongation, levels, has_static, .. }) = self.frictions.last_mut() else {
+            return;
+        };
+        let unit = |place: usize, value: f64| Functional::unit(size, place, value);
+        let (zeros, mut coefficients) = (Functional::zeros(size), [0.0; POWERS]);
+        coefficients[0] = 1.0;
+        let square = Operation::Polynomial(Polynomial { coefficients });
+        for LevelRows { level, static_level } in levels {
+            let rows = [
+                (square, (1.0 / speed) * &elongation.rate, zeros.clone(), true),
+                (Operation::Exponential, unit(place, -1.0), zeros.clone(), false),
+                (Operation::Product, &*static_level - &*level, unit(place + 1, 1.0), false),
+            ];
+            for (i, (operation, argument, second, is_of_rate)) in rows.into_iter().enumerate() {
+                let place = place + i;
+                self.curved.push(Curved { argument, second, operation, place, is_of_rate, owner });
+            }
+            *level = &*level + &unit(place + 2, 1.0);
+            *static_level = level.clone();
+        }
+        // The level falls without a jump.
+        *has_static = false;
     }
 
     /// Writes the curved forces into the augmented state, from its coordinates and rates.

@@ -139,6 +139,7 @@ pub fn friction(terms: &[(usize, f64)], force: f64) -> Friction {
         force: constant(force),
         static_force: None,
         follows: None,
+        stribeck: None,
     }
 }
 

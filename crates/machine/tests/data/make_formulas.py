@@ -152,7 +152,10 @@ class Motion:
             # The last body passes the stop once within the step: secants.
             low, high = mpf(0), h
             a, b = excess(z), excess(after)
-            while abs(b) > EVENT:
+            for turn in range(41):
+                if abs(b) <= EVENT:
+                    break
+                assert turn < 40, "no passage"
                 x = high - b * (high - low) / (b - a)
                 if not 0 < x < 2 * h:
                     x = high / 2
