@@ -70,7 +70,7 @@ impl Neutral {
             all.map(|s| along(&s.elongation)).collect::<Vec<_>>()
         };
         let is_curved = |s: &crate::system::SpringRows, of_rate: bool| {
-            s.curve.is_some_and(|i| system.curved[i].is_of_rate == of_rate)
+            s.curves.iter().any(|own| system.curved[own.0].is_of_rate == of_rate)
         };
         let mut rows = springs(&|s| s.stiffness != 0.0 || is_curved(s, false));
         rows.extend(system.stops[..system.first_freewheel].iter().map(|s| along(&s.elongation)));

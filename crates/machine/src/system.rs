@@ -37,11 +37,11 @@ pub use losses::{Account, Losses, Power};
 pub use parts::Part;
 pub use row_matrix::RowMatrix;
 pub use rows::{
-    BodyRows, Elongation, FirstOrder, FrictionRows, LevelRows, OutputLimit, SpringRows, StopLevel, StopRows,
+    BodyRows, ContactRows, Elongation, FirstOrder, FrictionRows, LevelRows, OutputLimit, SpringRows, StopLevel, StopRows,
 };
 pub use split::{Split, Term};
 pub(crate) use stiff::STIFF;
-pub(crate) use stops::{excess, forces, made_stops};
+pub(crate) use stops::{StopMaker, contact_forces, excess, forces, made_stops};
 
 use crate::curved::Curved;
 use crate::description::{Arms, BodyKind, Description, Spring};
@@ -300,9 +300,10 @@ impl System {
                 Element::Spring(spring) if spring.points.is_empty() => {
                     let parts =
                         self.add_spring(&spring.arms, spring.stiffness, spring.damping, spring.preload);
-                    if spring.is_curved() {
+                    if spring.has_polynomial() {
                         self.add_curve(false, spring.curve.map(Option::unwrap_or_default));
                     }
+                    self.add_odd_powers(false, spring.power);
                     parts
                 }
                 Element::Spring(spring) => {
@@ -314,6 +315,7 @@ impl System {
                     if let Some(cubic) = damper.cubic {
                         self.add_curve(true, [0.0, cubic, 0.0, 0.0]);
                     }
+                    self.add_odd_powers(true, damper.odd_powers());
                     parts
                 }
                 Element::Modal(modal) => {
@@ -351,7 +353,7 @@ impl System {
         let elongation = self.elongation(arms);
         let terms = [(1.0, &self.constant(preload)), (stiffness, &elongation.e), (damping, &elongation.rate)];
         let force = Functional::sum(self.signals.size, terms);
-        self.springs.push(SpringRows { elongation, stiffness, damping, preload, force, curve: None });
+        self.springs.push(SpringRows { elongation, stiffness, damping, preload, force, curves: Vec::new() });
         vec![Part::Spring(self.springs.len() - 1)]
     }
 

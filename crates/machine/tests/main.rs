@@ -8,6 +8,7 @@ mod blocks_rest;
 mod closed_forms;
 mod common;
 mod course;
+mod contacts;
 mod curved;
 mod dampers;
 mod derivatives;
