@@ -19,7 +19,7 @@ const IMPACT: f64 = 1e-13;
 /// the depth xₘ = (5 m v²/(4 k))^(2/5), in machines of any scale.
 #[test]
 fn closed_form_duration_and_depth_of_a_hertz_impact() {
-    for (mass, k, v) in [(0.3, 2e6, 1.7), (1e-3, 1e9, 20.0), (2e3, 1e4, 0.01)] {
+    for (mass, k, v) in [(0.3_f64, 2e6_f64, 1.7_f64), (1e-3, 1e9, 20.0), (2e3, 1e4, 0.01)] {
         let text = format!(
             "name = \"Hertz\"\nbody.b = {{ mass = {mass:e}, start = {{ v = {v} }} }}\n\
              stop.h = {{ between = [\"ground\", \"b\"], gap = 0.0, stiffness = {k:e}, exponent = 1.5 }}\n"

@@ -245,17 +245,23 @@ def odd(kind, ends, k, p):
 
 
 def machines():
-    """Machines with their ends."""
+    """Machines with their ends, and with the ends of their derivatives (0: none)."""
     ball = {"gravity": 9.81, "mass": [0.3], "start": [(0.0, 0.0)], "spring": [], "load": (0.0, 1.0)}
-    yield {**ball, "element": [contact((None, 0), 0.02, 2e6, 1.5)]}, 0.9
-    yield {**ball, "element": [contact((None, 0), 0.02, 2e6, 1.5, c=0.15)]}, 0.9
-    yield {**ball, "element": [contact((None, 0), 0.02, 3e5, 1.25, c=0.1)]}, 0.6
-    yield {**ball, "element": [contact((None, 0), 0.02, 2e7, 2.2, c=0.1)]}, 0.6
-    yield {**ball, "element": [contact((None, 0), 0.02, 4e7, 2.0, c=0.2)], "load": (1.0, 7.0)}, 0.7
+    yield {**ball, "element": [contact((None, 0), 0.02, 2e6, 1.5)]}, 0.9, 0
+    yield {**ball, "element": [contact((None, 0), 0.02, 2e6, 1.5, c=0.15)]}, 0.9, 0.21
+    yield {**ball, "element": [contact((None, 0), 0.02, 3e5, 1.25, c=0.1)]}, 0.6, 0
+    yield {**ball, "element": [contact((None, 0), 0.02, 2e7, 2.2, c=0.1)]}, 0.6, 0
+    yield {**ball, "element": [contact((None, 0), 0.02, 4e7, 2.0, c=0.2)], "load": (1.0, 7.0)}, 0.7, 0.3
     driven = {**ball, "gravity": 0.0, "spring": [{"ends": (None, 0), "k": 300.0, "d": 0.4}], "load": (6.0, 4.0)}
-    yield {**driven, "element": [contact((None, 0), 0.01, 1e6, 1.5, c=0.3), contact((0, None), 0.015, 2e5, 3.0)]}, 1.2
-    yield {**driven, "element": [contact((None, 0), 0.012, 1e6, 1.5, d=3.0), odd("rate", (None, 0), 0.5, 2)]}, 1.2
-    yield {**driven, "element": [odd("rate", (None, 0), 0.9, 1.5), odd("e", (None, 0), 900.0, 1.75)]}, 1.0
+    yield {
+        **driven,
+        "element": [contact((None, 0), 0.01, 1e6, 1.5, c=0.3), contact((0, None), 0.015, 2e5, 3.0)],
+    }, 1.2, 0
+    yield {
+        **driven,
+        "element": [contact((None, 0), 0.012, 1e6, 1.5, d=3.0), odd("rate", (None, 0), 0.5, 2)],
+    }, 1.2, 0.4
+    yield {**driven, "element": [odd("rate", (None, 0), 0.9, 1.5), odd("e", (None, 0), 900.0, 1.75)]}, 0.6, 0.2
     beads = {
         "gravity": 0.0, "mass": [0.2, 0.1, 0.3], "start": [(0.0, 1.5), (0.0, 0.0), (0.0, 0.0)],
         "spring": [{"ends": (None, 2), "k": 400.0, "d": 0.0}], "load": (0.0, 1.0),
@@ -263,7 +269,7 @@ def machines():
     yield {
         **beads,
         "element": [contact((1, 0), 0.001, 1e7, 1.5), contact((2, 1), 0.002, 2e7, 1.5, c=0.05)],
-    }, 0.25
+    }, 0.25, 0
 
 
 def numbers_of(chain):
@@ -298,7 +304,10 @@ def varied(chain, name):
 
 
 def main():
-    for chain, end in machines():
+    for chain, end, end_by in machines():
+        end = end_by if "by" in sys.argv else end
+        if not end:
+            continue
         own = follow(chain, exact(end))
         states = [*own[0], *own[1]]
         shifted, change = varied(chain, "body.b0.start.v")
