@@ -1,9 +1,9 @@
 //! Contacts with an exponent and a dissipation, and powers with two sides.
 
 use std::sync::Arc;
+use vibro_machine::Assembly;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion};
-use vibro_machine::Assembly;
 
 fn machine(text: &str) -> Arc<Assembly> {
     let description = parse(text, "m.toml", &no_records).expect("a machine");

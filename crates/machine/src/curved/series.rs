@@ -1,8 +1,8 @@
 //! Power series of curved forces, order by order.
 
-use crate::flow::LAST_CURVE_ORDER;
 use super::recurrence::{self, Coefficients};
 use super::{LOWEST, Operation, POWERS, Piece, Polynomial};
+use crate::flow::LAST_CURVE_ORDER;
 
 /// Largest number of coefficients of a series. With straight laws and rate times length 4, the
 /// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
@@ -30,7 +30,12 @@ pub struct CurveSeries {
 
 impl Default for CurveSeries {
     fn default() -> Self {
-        Self { piece: Piece::default(), x: [0.0; TERMS], back: [0.0; 2 * TERMS], powers: [[0.0; TERMS]; POWERS] }
+        Self {
+            piece: Piece::default(),
+            x: [0.0; TERMS],
+            back: [0.0; 2 * TERMS],
+            powers: [[0.0; TERMS]; POWERS],
+        }
     }
 }
 

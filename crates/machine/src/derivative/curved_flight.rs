@@ -5,8 +5,8 @@ use super::curved::CurvesInMode;
 use super::mode::VariedMode;
 use crate::curved::{CurveSeries, Operation, Piece};
 use crate::flow::{
-    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_to_edge, rate_at,
-    shortened, sides_ahead,
+    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_to_edge,
+    rate_at, shortened, sides_ahead,
 };
 
 /// Size of the last terms relative to the first ones, of the state and of each column.

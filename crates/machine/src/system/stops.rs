@@ -139,6 +139,11 @@ where
 }
 
 impl StopRows {
+    /// Whether the force is a power of the excess.
+    pub(crate) fn has_power(&self) -> bool {
+        self.contact.as_ref().is_some_and(|own| own.exponent != 1.0)
+    }
+
     /// The rows of a stop from its elongation, its excess beyond the gap, and its law.
     pub(super) fn new(elongation: Elongation, excess: Functional, law: StopLaw) -> Self {
         let [spring, force] = forces(law, &excess, &elongation.rate);

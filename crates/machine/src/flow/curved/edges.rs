@@ -98,7 +98,12 @@ fn effect(curves: &[CurveInMode], i: usize, z: &[f64]) -> f64 {
 
 /// The part of a span at which a power first comes to its edge, of the forces whose series continue
 /// beyond it; at most `part`. With `backwards` the series goes back in time.
-pub(crate) fn part_to_edge(curves: &[CurveInMode], series: &[CurveSeries], part: f64, backwards: bool) -> f64 {
+pub(crate) fn part_to_edge(
+    curves: &[CurveInMode],
+    series: &[CurveSeries],
+    part: f64,
+    backwards: bool,
+) -> f64 {
     let mut first = part;
     for (own, series) in curves.iter().zip(series) {
         let operation = &own.curved.operation;
