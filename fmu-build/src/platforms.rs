@@ -1,7 +1,7 @@
 //! The platforms of `--all-platforms`: compiler targets, and advice on what to install if a
 //! platform cannot be built.
 
-use crate::compile::{self, Compiler, PLATFORM, Product};
+use crate::compile::{self, Compiler, PLATFORM_TUPLE, Product};
 use crate::error::{Error, Result};
 use crate::version::Version;
 use std::fmt::{self, Display, Formatter};
@@ -118,17 +118,17 @@ pub fn all(only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
 pub fn all_of(product: Product, only: &[String]) -> Result<(Binaries, Vec<LeftOut>)> {
     let mut binaries = Vec::new();
     let mut left_out = Vec::new();
-    let wanted = |p: &Platform| p.place.folder == PLATFORM || is_asked_for(p.place.tuple, only);
+    let wanted = |p: &Platform| p.place.tuple == PLATFORM_TUPLE || is_asked_for(p.place.tuple, only);
     for platform in PLATFORMS.into_iter().filter(wanted) {
         match platform.build(product) {
             Ok(bytes) => binaries.push((platform.place, bytes)),
             Err(reason) => {
-                let replaced = platform.place.folder == PLATFORM;
+                let replaced = platform.place.tuple == PLATFORM_TUPLE;
                 left_out.push(LeftOut { folder: platform.place.folder, reason, replaced });
             }
         }
     }
-    if !binaries.iter().any(|(place, _)| place.folder == PLATFORM) {
+    if !binaries.iter().any(|(place, _)| place.tuple == PLATFORM_TUPLE) {
         binaries.push((PackedPlatform::OWN, read(&Compiler::from(product).library()?)?));
     }
     Ok((binaries.into_iter().collect(), left_out))

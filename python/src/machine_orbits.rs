@@ -95,8 +95,8 @@ impl Orbit {
 
     /// Energies per period by element, J; `None` if the orbit is too unstable for a motion to stay
     /// on it.
-    fn energies(&self) -> PyResult<Option<Vec<(String, f64)>>> {
-        Ok(self.orbit.energies().map_err(Failure::from)?)
+    fn energies(&self, py: Python<'_>) -> PyResult<Option<Vec<(String, f64)>>> {
+        Ok(py.detach(|| self.orbit.energies()).map_err(Failure::from)?)
     }
 }
 

@@ -66,7 +66,10 @@ pub(crate) fn contact_points(
             let Some(own) = value(index, start) else { continue };
             let is_peak = axes.iter().all(|&axis| {
                 let mut others = beside(place, axis).into_iter().flatten();
-                others.all(|(other, _)| value(other, start).is_none_or(|other| other <= own))
+                // Of equal neighbours the first one is the peak.
+                others.all(|(other, _)| {
+                    value(other, start).is_none_or(|beside| beside < own || beside == own && other > index)
+                })
             });
             if is_peak {
                 let bracket = axes.first().map(|&axis| {

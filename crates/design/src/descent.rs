@@ -73,7 +73,7 @@ pub(crate) fn refined(
     let mut found = design.0.clone();
     for (own, value) in orbits.iter().zip(peaks) {
         let Some(value) = value else { continue };
-        found.raise(evaluator, (own.point.measure, value), &own.point.place);
+        found.raise(evaluator, (own.point.measure, value), (&own.point.place, own.point.start));
     }
     Some((found, orbits))
 }

@@ -143,8 +143,14 @@ impl Evaluation {
     }
 
     /// Replaces a measure's value by a peak within the band if the peak is worse, and shifts the
-    /// error bar with it. `peak` has the sign for minimization: larger is worse.
-    pub(crate) fn raise(&mut self, evaluator: &Evaluator, (measure, peak): (usize, f64), place: &[f64]) {
+    /// error bar with it. `peak` has the sign for minimization: larger is worse. `start` is the index
+    /// of its start.
+    pub(crate) fn raise(
+        &mut self,
+        evaluator: &Evaluator,
+        (measure, peak): (usize, f64),
+        (place, start): (&[f64], usize),
+    ) {
         let (request, sweep) = (evaluator.request, &evaluator.sweep);
         let sign = sweep.measures[measure].sign();
         let value = match measure {
@@ -156,8 +162,7 @@ impl Evaluation {
         value.bar = (value.bar.0 + moved, value.bar.1 + moved);
         value.value = sign * peak;
         if measure == 0 {
-            // The peak's value may be the worst over all starts; the first start is named.
-            let start = sweep.starts.first().cloned().unwrap_or_default();
+            let start = sweep.starts.get(start).cloned().unwrap_or_default();
             self.place = sweep.place_in_words(&evaluator.candidate, (place.to_vec(), start));
         }
         self.score = self.scored(request, sweep);

@@ -7,7 +7,7 @@ use crate::mode::{Contact, Watch};
 use crate::quantity::{Quantity, What};
 use crate::rates;
 use crate::rest::equilibrium;
-use crate::system::{Part, System, first_curved, in_series, starts_of_blocks};
+use crate::system::{Part, System, in_series, starts_of_blocks};
 
 /// A checked machine with its matrices.
 ///
@@ -65,7 +65,7 @@ impl Assembly {
     /// The bodies' coordinates in static equilibrium under the signals of time 0, m or rad.
     ///
     /// # Errors
-    /// [`Error::NoEquilibrium`], [`Error::GivesWay`]; [`Error::Curved`] with curved forces.
+    /// [`Error::NoEquilibrium`], [`Error::GivesWay`].
     ///
     /// # Examples
     /// A weight of 20 N on a spring of 1 kN/m sinks by 20 mm:
@@ -84,21 +84,9 @@ impl Assembly {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn equilibrium(&self) -> Result<Vec<f64>, Error> {
-        self.check_straight("an equilibrium")?;
         let (system, q) = (&self.system, equilibrium(&self.description, &self.system)?);
         let z = system.at_rest(Some(&q));
         Ok(system.bodies.iter().map(|body| body.s.dot(&z)).collect())
-    }
-
-    /// Refuses a machine with curved forces.
-    ///
-    /// # Errors
-    /// [`Error::Curved`] with the computation `what` and the first element with a curved force.
-    pub fn check_straight(&self, what: &'static str) -> Result<(), Error> {
-        match first_curved(&self.description) {
-            Some(element) => Err(Error::Curved { what, element }),
-            None => Ok(()),
-        }
     }
 
     /// Replaces the start: coordinate and rate by body, m, m/s or rad, rad/s. Values of prescribed

@@ -299,8 +299,8 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
     }
 }
 
-/// Problems of curved springs: the curve is the whole force next to the dashpot, and the start is
-/// given.
+/// Problems of curved springs: the curve is the whole force next to the dashpot, and a start at rest
+/// follows either curves or falling lines.
 fn curves(machine: &Description, problems: &mut Vec<Problem>) {
     for spring in machine.springs.iter().filter(|own| own.is_curved()) {
         let name = format!("spring.{}", spring.name);
@@ -314,9 +314,12 @@ fn curves(machine: &Description, problems: &mut Vec<Problem>) {
         let Some(Err(text)) = element.formula().map(|own| own.compiled()) else { continue };
         problems.push(Problem::new(format!("{}.force", element.dotted()), None, text));
     }
-    if let (true, Some(element)) = (machine.starts_at_rest, crate::system::first_curved(machine)) {
-        let text = "the equilibrium is not computed for curved forces; give each body a `start` instead";
-        problems.push(Problem::new("start", Some("\"rest\"".into()), format!("{element}: {text}")));
+    let falls = machine.springs.iter().find(|own| slopes(&own.points).iter().any(|slope| *slope < 0.0));
+    let curved = crate::system::first_curved(machine);
+    if let (true, Some(element), Some(spring)) = (machine.starts_at_rest, curved, falls) {
+        let text =
+            format!("falling lines cannot be combined with {element} in a machine that starts at rest");
+        problems.push(Problem::new(format!("spring.{}.points", spring.name), None, text));
     }
 }
 

@@ -9,26 +9,30 @@
 //! from its derivatives. The flow is a power series ([`CurveSeries`]) whose remainder is bounded
 //! (`Remainder`).
 
+mod edge;
 mod majorant;
 mod operation;
 mod recurrence;
 mod remainder;
 mod series;
 
+pub use edge::Piece;
 pub use operation::Operation;
 pub(crate) use remainder::{ArgumentTerms, CurveTerms, Remainder};
-pub use series::{CurveSeries, CurveSizes, TERMS};
+pub use series::{CurveSeries, CurveSizes, NEAR, TERMS};
 
 use crate::functional::Functional;
 use crate::system::Part;
 
 /// Lowest power of a curve; lower powers are stiffness, damping and preload.
 pub const LOWEST: usize = 2;
+/// Factor of the dissipation in the contact force of Hunt and Crossley.
+pub const HUNT_CROSSLEY: f64 = 1.5;
 /// Number of powers: 2 to 5.
 pub const POWERS: usize = 4;
 
 /// A polynomial φ(x) = Σ cₘ xᵐ without constant and linear terms.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Polynomial {
     /// Coefficients of x², x³, x⁴, x⁵.
     pub coefficients: [f64; POWERS],

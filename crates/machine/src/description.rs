@@ -208,6 +208,8 @@ pub struct Spring {
     pub force: Option<Formula>,
     /// Distance and free length of a spring that lies across the motion.
     pub across: Option<Across>,
+    /// A power of e with the sign of e; `None` if the force has none.
+    pub power: Option<OddPower>,
     /// Points (e, f) of a piecewise linear force without the dashpot's part: none, or at least
     /// two, with increasing e. The end lines extend beyond the points. Stiffness and preload are 0
     /// if there are points.
@@ -219,11 +221,11 @@ pub struct Spring {
 impl Spring {
     /// Whether the force has higher powers of e, or a formula.
     pub fn is_curved(&self) -> bool {
-        self.has_curve() || self.force.is_some() || self.across.is_some()
+        self.has_polynomial() || self.power.is_some() || self.force.is_some() || self.across.is_some()
     }
 
-    /// Whether the force has higher powers of e.
-    pub(crate) fn has_curve(&self) -> bool {
+    /// Whether the force has a polynomial of e.
+    pub fn has_polynomial(&self) -> bool {
         self.curve.iter().any(Option::is_some)
     }
 
@@ -263,6 +265,15 @@ impl Across {
     }
 }
 
+/// A force coefficient · sign(x) · |x|^exponent, where x is an elongation or its rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OddPower {
+    /// Coefficient, N/m^exponent or N s^exponent/m^exponent; N m and rad for rotations.
+    pub coefficient: f64,
+    /// Exponent, greater than 1. It is not a parameter.
+    pub exponent: f64,
+}
+
 /// Coefficients of the second to the fifth power in a force.
 pub type Curve = [Option<f64>; 4];
 
@@ -275,7 +286,8 @@ pub struct ForcePoint {
     pub f: f64,
 }
 
-/// A dashpot without a spring. Its force f = damping · e' + cubic · e'³, plus a formula of e', resists e'. No force
+/// A dashpot without a spring. Its force f = damping · e' + quadratic · e' |e'| + cubic · e'³
+/// resists e'; [`power`](Self::power) adds another power, [`force`](Self::force) a formula. No force
 /// depends on its elongation, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
@@ -283,18 +295,28 @@ pub struct Damper {
     pub name: String,
     /// Its elongation e.
     pub arms: Arms,
-    /// Damping, N s/m or N m s/rad; positive, or of any sign with `cubic`.
+    /// Damping, N s/m or N m s/rad; positive, or of any sign with higher powers.
     pub damping: f64,
+    /// Coefficient of e' |e'| in the force, N s²/m² or N m s²/rad²; `None` without this power.
+    pub quadratic: Option<f64>,
     /// Coefficient of e'³ in the force, N s³/m³ or N m s³/rad³; `None` for a linear dashpot.
     pub cubic: Option<f64>,
+    /// A power of e' with the sign of e'; `None` if the force has none.
+    pub power: Option<OddPower>,
     /// A formula of e' that is added to the force.
     pub force: Option<Formula>,
 }
 
 impl Damper {
-    /// Whether the force has a cube of e' or a formula.
+    /// Whether the force has higher powers of e', or a formula.
     pub fn is_curved(&self) -> bool {
-        self.cubic.is_some() || self.force.is_some()
+        self.quadratic.is_some() || self.cubic.is_some() || self.power.is_some() || self.force.is_some()
+    }
+
+    /// The powers of e' with the sign of e'.
+    pub fn odd_powers(&self) -> impl Iterator<Item = OddPower> {
+        let square = self.quadratic.map(|coefficient| OddPower { coefficient, exponent: 2.0 });
+        square.into_iter().chain(self.power)
     }
 }
 
@@ -311,6 +333,19 @@ pub struct Stop {
     pub law: StopLaw,
     /// Stiffness that steps in time, as for a spring; the stiffness in `law` is then 0.
     pub stepped: Option<Signal>,
+    /// Exponent and dissipation of a compliant stop; `None` if the force is straight.
+    pub contact: Option<ContactLaw>,
+}
+
+/// The curved force of a compliant stop: f = max(0, stiffness xᵖ (1 + 3/2 dissipation x') +
+/// damping x') with x = e - gap > 0 and the exponent p.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactLaw {
+    /// Exponent, at least 1. It is not a parameter.
+    pub exponent: f64,
+    /// Dissipation of Hunt and Crossley, s/m or s/rad, not negative; `None` if the file does not
+    /// give it. The damping is 0 if it is given.
+    pub dissipation: Option<f64>,
 }
 
 /// The law of a stop.

@@ -180,21 +180,13 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// Whether the force is a curve of the elongation or of its rate.
+    /// Whether the force is a curve of the elongation or of its rate, at least in one state.
     pub fn is_curved(self) -> bool {
         match self {
             Self::Spring(spring) => spring.is_curved(),
             Self::Damper(damper) => damper.is_curved(),
+            Self::Stop(stop) => stop.contact.is_some(),
             Self::Friction(friction) => friction.stribeck.is_some(),
-            _ => false,
-        }
-    }
-
-    /// Whether the force has a polynomial of e or e'.
-    pub(crate) fn has_curve(self) -> bool {
-        match self {
-            Self::Spring(spring) => spring.has_curve(),
-            Self::Damper(damper) => damper.cubic.is_some(),
             _ => false,
         }
     }

@@ -143,7 +143,7 @@ impl Accounts {
 }
 
 /// Kinetic and stored energy, J. The stored energy is the sum of ½ k e² + preload e over springs,
-/// the integrals of curved forces, ½ k max(0, e - gap)² over compliant stops and corners of
+/// the integrals of curved forces, ½ k max(0, e - gap)² (with an exponent, its integral) over compliant stops and corners of
 /// springs, ½ b²/k over springs in series, and the potential energy of weight. Springs by points
 /// count from e = 0.
 pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
@@ -156,8 +156,11 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     for spring in &system.springs {
         let e = spring.elongation.e.dot(z);
         stored += e * (0.5 * spring.stiffness * e + spring.preload);
-        if let Some(curved) = spring.curve.map(|i| &system.curved[i]).filter(|own| !own.is_of_rate) {
-            stored += curved.polynomial().map_or(0.0, |force| force.integral(e));
+        for &(curve, factor) in &spring.curves {
+            let curved = &system.curved[curve];
+            if !curved.is_of_rate {
+                stored += factor * curved.operation.integral(e);
+            }
         }
         if let Some(own) = &spring.formula {
             stored += own.stored(e);
@@ -170,7 +173,10 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     let (stops, others) = system.stops.split_at(system.first_corner);
     for stop in stops.iter().filter(|stop| !stop.is_off(z)) {
         let excess = stop.excess.dot(z).max(0.0);
-        stored += 0.5 * stop.spring.dot(z).max(0.0) * excess;
+        stored += match &stop.contact {
+            Some(own) => stop.stiffness() * excess.powf(own.exponent + 1.0) / (own.exponent + 1.0),
+            None => 0.5 * stop.spring.dot(z).max(0.0) * excess,
+        };
     }
     for other in others.iter().filter(|other| !other.is_off(z)) {
         stored += other.stored(z);

@@ -88,7 +88,7 @@ pub enum Error {
     },
     /// A machine that starts at rest and gives way while its loads grow from zero.
     #[error(
-        "start = \"rest\": spring.{spring} has a falling line and gives way when the loads have \
+        "start = \"rest\": spring.{spring} has a falling force and gives way when the loads have \
          grown from zero to {factor:?} of their full values; give start values instead"
     )]
     GivesWay {
@@ -140,17 +140,6 @@ pub enum Error {
         time: f64,
         /// End of the step, s.
         end: f64,
-    },
-    /// A computation that is not available for machines with curved forces.
-    #[error(
-        "{what} is not available for machines with curved forces: {element} has one; motions, sweeps and \
-         bifurcation diagrams are"
-    )]
-    Curved {
-        /// The computation, such as "a derivative by a parameter".
-        what: &'static str,
-        /// Dotted name of the first element with a curved force.
-        element: String,
     },
     /// A name or a number that the machine refuses.
     #[error(transparent)]

@@ -41,6 +41,7 @@ mod matrix;
 mod named;
 mod numbers;
 mod points;
+mod powers;
 mod reading;
 mod records;
 mod series;

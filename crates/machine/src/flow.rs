@@ -34,7 +34,10 @@ use crate::norm::{norm, rate_bound};
 use crate::signals::SMALL;
 use crate::system::{DENSE, STIFF, System};
 use apart::Apart;
-pub(crate) use curved::{CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, rate_at, shortened};
+pub(crate) use curved::{
+    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_to_edge,
+    rate_at, shortened, sides_ahead,
+};
 use exponential::series_orders;
 use kept::Kept;
 use std::sync::Arc;
@@ -169,7 +172,7 @@ impl FlowTable {
         let norm = |a: &SparseMatrix| split.norm(a);
         if mode.contacts().next().is_some() {
             let mut table = Self::with_norm(system.linear(mode), one, is_straight, norm);
-            table.curves = CurveInMode::all(system, &table.a, &table.weights);
+            table.curves = CurveInMode::all(system, mode, &table.a, &table.weights);
             return table;
         }
         let mut terms = split.elastic(mode);
@@ -189,7 +192,7 @@ impl FlowTable {
             length: RADIUS / rate,
             apart: Some(Apart::split(split.base.clone(), terms)),
             kept: None,
-            curves: CurveInMode::all(system, &a, &weights),
+            curves: CurveInMode::all(system, mode, &a, &weights),
             weights,
             ladder: Ladder::default(),
             watched,

@@ -1,6 +1,7 @@
 //! Kinds of a machine's numbers: meaning, units and allowed range. The file reader and the setting
 //! of parameters share them, so that both refuse a number for the same reason.
 
+use crate::curved::LOWEST;
 use crate::description::Dimension;
 use vibro_numerics::Range;
 use vibro_numerics::quantities::{quantity_in, split, symbols};
@@ -28,6 +29,8 @@ pub struct NumberKind {
 
 /// Least stiffness and damping of springs in series, whose quotient is a rate.
 const LEAST: f64 = 1e-150;
+/// Largest exponent of a force: the powers of displacements stay finite.
+const MOST_EXPONENT: f64 = 20.0;
 /// Least frequency, Hz, and least duration, s.
 const LEAST_FREQUENCY: f64 = 1e-12;
 const LEAST_TIME: f64 = 1e-9;
@@ -108,7 +111,22 @@ pub const SLIDER: NumberKind = kind("Inner place at time 0", "m", "rad", Range::
 pub const DAMPING: NumberKind = kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
 pub const DASHPOT: NumberKind = advised(
     kind("Viscous damping", "N.s/m", "N.m.s/rad", Range::POSITIVE),
-    "a damping of 0 or less requires `cubic` or `force`",
+    "a damping of 0 or less requires `quadratic`, `cubic`, `coefficient` or `force`",
+);
+/// Coefficient of the square of e', with its sign.
+pub const QUADRATIC_DAMPING: NumberKind =
+    kind("Coefficient of e' abs(e')", "N.s2/m2", "N.m.s2/rad2", Range::FINITE);
+/// Dissipation of a contact by Hunt and Crossley.
+pub const DISSIPATION: NumberKind = kind("Dissipation of the contact", "s/m", "s/rad", Range::NOT_NEGATIVE);
+/// Exponent of a stop's force.
+pub const EXPONENT: NumberKind =
+    kind("Exponent of the force", "1", "1", between(1.0, MOST_EXPONENT, "a number from 1 to 20"));
+/// Exponent of a force with two sides.
+pub const ODD_EXPONENT: NumberKind = kind(
+    "Exponent of the force",
+    "1",
+    "1",
+    Range { min: 1.0, max: MOST_EXPONENT, open_min: true, allowed: "a number greater than 1, up to 20" },
 );
 pub const PRELOAD: NumberKind = kind("Force at e = 0", "N", "N.m", Range::FINITE);
 pub const POINT: NumberKind = kind("Elongation of a point of the force", "m", "rad", Range::FINITE);
@@ -164,6 +182,42 @@ pub const fn scale_of(values: NumberKind) -> NumberKind {
 /// Kind of a named parameter, given the SI unit of its value.
 pub const fn named(unit: &'static str) -> NumberKind {
     kind("Named parameter", unit, unit, Range::FINITE)
+}
+
+/// Kind of a contact's stiffness, given the exponent of its force.
+pub fn stiffness_of_power(exponent: f64) -> NumberKind {
+    NumberKind { units: units_of_power(exponent), ..STIFFNESS }
+}
+
+/// Kind of the coefficient of a power of an elongation, or with `of_rate` of its rate.
+pub fn coefficient_of_power(exponent: f64, of_rate: bool) -> NumberKind {
+    if !of_rate {
+        return kind_of("Coefficient of a power of e", units_of_power(exponent));
+    }
+    let units = match exponent {
+        1.0 => DAMPING.units,
+        2.0 => QUADRATIC_DAMPING.units,
+        3.0 => CUBIC_DAMPING.units,
+        _ => ["N.sp/mp", "N.m.sp/radp"],
+    };
+    kind_of("Coefficient of a power of e'", units)
+}
+
+const fn kind_of(meaning: &'static str, units: [&'static str; 2]) -> NumberKind {
+    kind(meaning, units[0], units[1], Range::FINITE)
+}
+
+/// Units of a force divided by a power of a displacement.
+fn units_of_power(exponent: f64) -> [&'static str; 2] {
+    match exponent {
+        1.0 => STIFFNESS.units,
+        1.5 => ["N/m1.5", "N.m/rad1.5"],
+        2.5 => ["N/m2.5", "N.m/rad2.5"],
+        _ => {
+            let known = CURVE.iter().zip(LOWEST..).find(|own| own.1 as f64 == exponent);
+            known.map_or(["N/mp", "N.m/radp"], |own| own.0.1.units)
+        }
+    }
 }
 
 const fn arm(unit: &'static str) -> NumberKind {

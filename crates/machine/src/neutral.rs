@@ -71,7 +71,7 @@ impl Neutral {
         };
         let is_curved = |s: &crate::system::SpringRows, of_rate: bool| {
             let of_formula = s.formula.as_ref().is_some_and(|own| own.acts(of_rate));
-            s.curve.is_some_and(|i| system.curved[i].is_of_rate == of_rate) || of_formula
+            s.curves.iter().any(|own| system.curved[own.0].is_of_rate == of_rate) || of_formula
         };
         let mut rows = springs(&|s| s.stiffness != 0.0 || is_curved(s, false));
         rows.extend(system.stops[..system.first_freewheel].iter().map(|s| along(&s.elongation)));

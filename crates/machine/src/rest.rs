@@ -1,6 +1,7 @@
 //! Static equilibrium for the start at rest, by a proximal point method (docs/assembly-law.md
 //! (A23), (A24)).
 
+mod curves;
 mod factor;
 mod lines;
 mod path;
@@ -12,6 +13,7 @@ use crate::functional::{Functional, StateRow};
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
 use crate::system::{BranchRows, FrictionRows, RowMatrix, SpringRows, System};
+use curves::Curves;
 use lines::Lined;
 use nalgebra::DVector;
 use path::LoadPath;
@@ -53,6 +55,7 @@ struct Holding {
 /// Coordinates on which a force acts, with their arms.
 type Direction = Vec<(usize, f64)>;
 
+#[derive(Clone)]
 struct RestSpring {
     w: Direction,
     /// Negative only where a piecewise linear force falls.
@@ -61,6 +64,7 @@ struct RestSpring {
     spring: usize,
 }
 
+#[derive(Clone)]
 struct RestContact {
     w: Direction,
     /// Elongation at q = 0 minus the elongation at which the contact begins to act.
@@ -99,6 +103,8 @@ struct RestState {
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
     let (n, mut z) = (system.coordinates, system.at_rest(None));
     system.put_out_at_rest(d, &mut z);
+    system.fill_curved(z.as_mut_slice());
+    let curves = Curves::new(system, &z);
     let lined = Lined::all(d, system, &z);
     let held = |friction, levels: &[[f64; 2]]| {
         let mut holding = Holding::new(system, &z, friction, levels);
@@ -119,7 +125,12 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     let ways = if worst.is_some() { &[][..] } else { &FrictionLevel::ALL[..] };
     for &friction in ways {
         for _ in 0..REPEATS {
-            match held(friction, &levels).settle(&system.mass, &zero) {
+            let holding = held(friction, &levels);
+            let found = match curves.is_empty() {
+                true => holding.settle(&system.mass, &zero),
+                false => curves.follow(d, &holding)?,
+            };
+            match found {
                 Ok(q) => {
                     let mut there = z.clone();
                     there.rows_mut(0, n).copy_from(&q);
@@ -221,7 +232,10 @@ impl Holding {
         let mut force = system.forces.times(z);
         let mut sizes = system.forces.sizes(z);
         let mut contacts = Vec::new();
-        let is_stop = |i: &usize| !system.is_corner(*i) && !system.stops[*i].is_off(z);
+        let is_stop = |i: &usize| {
+            let own = &system.stops[*i];
+            !system.is_corner(*i) && !own.is_off(z) && !own.has_power()
+        };
         for stop in (0..system.stops.len()).filter(is_stop).map(|i| &system.stops[i]) {
             let compliance = match stop.law {
                 StopLaw::Rigid { .. } => 0.0,

@@ -1,8 +1,8 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
 use crate::description::{
-    Arms, Block, Body, BodyKind, Description, Dimension, Free, Integrated, Level, Modal, SeriesLaw, Signal,
-    Spring, StopLaw,
+    Arms, Block, Body, BodyKind, ContactLaw, Description, Dimension, Free, Integrated, Level, Modal,
+    OddPower, SeriesLaw, Signal, Spring, StopLaw,
 };
 use crate::formula::Formula;
 use crate::kinds::{self, NumberKind};
@@ -140,6 +140,7 @@ impl<'a> Slots<'a> {
                 self.push(format!("{of}.{key}"), kind, value);
             }
         }
+        self.power(&of, false, &mut spring.power);
         self.formula(&of, &mut spring.force);
         self.push(format!("{of}.damping"), kinds::DAMPING, &mut spring.damping);
         if let Some(across) = &mut spring.across {
@@ -157,6 +158,24 @@ impl<'a> Slots<'a> {
         }
         if !at_rest {
             self.push(format!("{of}.slider"), kinds::SLIDER, &mut series.slider);
+        }
+    }
+
+    /// Collects the coefficient of a power with two sides.
+    fn power(&mut self, of: &str, of_rate: bool, power: &'a mut Option<OddPower>) {
+        if let Some(OddPower { coefficient, exponent }) = power {
+            let kind = kinds::coefficient_of_power(*exponent, of_rate);
+            self.push(format!("{of}.coefficient"), kind, coefficient);
+        }
+    }
+
+    /// Collects the numbers of a curved contact: no exponent, which has no derivative here.
+    fn contact(&mut self, of: &str, law: &'a mut StopLaw, contact: &'a mut ContactLaw) {
+        let StopLaw::Compliant { stiffness, damping, .. } = law else { return };
+        self.push(format!("{of}.stiffness"), kinds::stiffness_of_power(contact.exponent), stiffness);
+        match &mut contact.dissipation {
+            Some(dissipation) => self.push(format!("{of}.dissipation"), kinds::DISSIPATION, dissipation),
+            None => self.push(format!("{of}.damping"), kinds::DAMPING, damping),
         }
     }
 
@@ -274,20 +293,26 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
         slots.spring(spring, &bodies, machine.starts_at_rest);
     }
     for damper in &mut machine.dampers {
-        let is_curved = damper.is_curved();
+        let kind = if damper.is_curved() { kinds::CURVED_DAMPING } else { kinds::DASHPOT };
         let of = slots.element("damper", &damper.name, &mut damper.arms, &bodies);
-        let kind = if is_curved { kinds::CURVED_DAMPING } else { kinds::DASHPOT };
         slots.push(format!("{of}.damping"), kind, &mut damper.damping);
+        if let Some(quadratic) = &mut damper.quadratic {
+            slots.push(format!("{of}.quadratic"), kinds::QUADRATIC_DAMPING, quadratic);
+        }
         if let Some(cubic) = &mut damper.cubic {
             slots.push(format!("{of}.cubic"), kinds::CUBIC_DAMPING, cubic);
         }
+        slots.power(&of, true, &mut damper.power);
         slots.formula(&of, &mut damper.force);
     }
     machine.modals.iter_mut().for_each(|modal| slots.modal(modal));
     for stop in &mut machine.stops {
         let of = slots.element("stop", &stop.name, &mut stop.arms, &bodies);
         slots.push(format!("{of}.gap"), kinds::GAP, &mut stop.gap);
-        slots.law(&of, &mut stop.law, &mut stop.stepped);
+        match &mut stop.contact {
+            Some(contact) => slots.contact(&of, &mut stop.law, contact),
+            None => slots.law(&of, &mut stop.law, &mut stop.stepped),
+        }
     }
     for friction in &mut machine.frictions {
         let of = slots.element("friction", &friction.name, &mut friction.arms, &bodies);

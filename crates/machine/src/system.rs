@@ -38,11 +38,12 @@ pub use losses::{Account, Losses, Power};
 pub use parts::Part;
 pub use row_matrix::RowMatrix;
 pub use rows::{
-    BodyRows, Elongation, FirstOrder, FrictionRows, LevelRows, OutputLimit, SpringRows, StopLevel, StopRows,
+    BodyRows, ContactRows, Elongation, FirstOrder, FrictionRows, LevelRows, OutputLimit, SpringRows,
+    StopLevel, StopRows,
 };
 pub use split::{Split, Term};
 pub(crate) use stiff::STIFF;
-pub(crate) use stops::{excess, forces, made_stops};
+pub(crate) use stops::{StopMaker, contact_forces, excess, forces, made_stops};
 
 use crate::check::start_of;
 use crate::curved::Curved;
@@ -302,9 +303,10 @@ impl System {
                 Element::Spring(spring) if spring.points.is_empty() => {
                     let [stiffness, damping] = spring.along();
                     let parts = self.add_spring(&spring.arms, stiffness, damping, spring.preload);
-                    if spring.has_curve() {
+                    if spring.has_polynomial() {
                         self.add_curve(false, spring.curve.map(Option::unwrap_or_default));
                     }
+                    self.add_odd_powers(false, spring.power);
                     self.add_formula(element, start_of(d, &spring.arms)[0]);
                     parts
                 }
@@ -317,6 +319,7 @@ impl System {
                     if let Some(cubic) = damper.cubic {
                         self.add_curve(true, [0.0, cubic, 0.0, 0.0]);
                     }
+                    self.add_odd_powers(true, damper.odd_powers());
                     self.add_formula(element, 0.0);
                     parts
                 }
@@ -362,7 +365,7 @@ impl System {
             damping,
             preload,
             force,
-            curve: None,
+            curves: Vec::new(),
             formula: None,
         });
         vec![Part::Spring(self.springs.len() - 1)]

@@ -187,8 +187,10 @@ fn refusals_name_the_element() {
         assert_ne!(text, duffing);
         parse(&text, "m.toml", &no_records).map(drop).expect_err("a refusal").to_string()
     };
-    let found = refused("body.b", "start = \"rest\"\nbody.b");
-    assert!(found.contains("start = \"rest\": spring.k: the equilibrium is not computed"), "{found}");
+    let falling = "start = \"rest\"\nspring.l = { between = [\"ground\", \"b\"], \
+                   points = [[0.0, 0.0], [0.1, 1.0], [0.2, 0.5]] }\nbody.b";
+    let found = refused("body.b", falling);
+    assert!(found.contains("spring.l.points: falling lines cannot be combined with spring.k"), "{found}");
     let found = refused("cubic = 5.0", "cubic = \"5 N/m2\"");
     assert!(found.contains("spring.k.cubic = \"5 N/m2\"") && found.contains("N/m3"), "{found}");
     let found = refused("cubic = 5.0", "cubic = 5.0, slip = 3.0, stiffness = 1.0");

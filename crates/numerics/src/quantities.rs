@@ -80,7 +80,7 @@ const POUND_FORCE: f64 = 0.453_592_37 * 9.806_65;
 /// frequencies and velocities, with a hertz as one revolution per second. The dimension `Hz` is
 /// for frequencies that count cycles. Numbers without a dimension have the unit `1`.
 #[rustfmt::skip]
-pub static UNITS: [Unit; 139] = [
+pub static UNITS: [Unit; 158] = [
     unit("kg", "kg", 1.0, 1.0), unit("kg", "g", 1.0, 1e3), unit("kg", "mg", 1.0, 1e6), unit("kg", "t", 1e3, 1.0),
     unit("kg", "lb", 0.453_592_37, 1.0),
     unit("N/m", "N/m", 1.0, 1.0), unit("N/m", "N/mm", 1e3, 1.0), unit("N/m", "kN/m", 1e3, 1.0),
@@ -138,6 +138,16 @@ pub static UNITS: [Unit; 139] = [
     unit("N.m/rad5", "N.m/rad5", 1.0, 1.0), unit("N.m/rad5", "kN.m/rad5", 1e3, 1.0),
     unit("N.m/rad5", "Nm/rad5", 1.0, 1.0),
     unit("N.s3/m3", "N.s3/m3", 1.0, 1.0), unit("N.m.s3/rad3", "N.m.s3/rad3", 1.0, 1.0),
+    // Coefficients of powers whose exponent need not be an integer: `N/mp` is for any exponent p.
+    unit("N/m1.5", "N/m1.5", 1.0, 1.0), unit("N/m1.5", "kN/m1.5", 1e3, 1.0),
+    unit("N/m1.5", "MN/m1.5", 1e6, 1.0), unit("N/m1.5", "GN/m1.5", 1e9, 1.0),
+    unit("N/m2.5", "N/m2.5", 1.0, 1.0), unit("N/m2.5", "kN/m2.5", 1e3, 1.0),
+    unit("N/m2.5", "MN/m2.5", 1e6, 1.0), unit("N/mp", "N/mp", 1.0, 1.0),
+    unit("N.m/rad1.5", "N.m/rad1.5", 1.0, 1.0), unit("N.m/rad2.5", "N.m/rad2.5", 1.0, 1.0),
+    unit("N.m/radp", "N.m/radp", 1.0, 1.0), unit("N.s2/m2", "N.s2/m2", 1.0, 1.0),
+    unit("N.s2/m2", "kg/m", 1.0, 1.0), unit("N.m.s2/rad2", "N.m.s2/rad2", 1.0, 1.0),
+    unit("N.sp/mp", "N.sp/mp", 1.0, 1.0), unit("N.m.sp/radp", "N.m.sp/radp", 1.0, 1.0),
+    unit("s/m", "s/m", 1.0, 1.0), unit("s/m", "s/mm", 1e3, 1.0), unit("s/rad", "s/rad", 1.0, 1.0),
     // Symbols without the point of a product.
     unit("N.s/m", "Ns/m", 1.0, 1.0), unit("N.s/m", "kNs/m", 1e3, 1.0), unit("N.s/m", "Ns/mm", 1e3, 1.0),
     unit("N.m", "Nm", 1.0, 1.0), unit("N.m", "mNm", 1.0, 1e3), unit("N.m", "kNm", 1e3, 1.0),

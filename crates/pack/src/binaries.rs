@@ -122,7 +122,7 @@ impl Binaries {
     /// Names of the folders in the archive of a version, this platform's first.
     pub fn names(&self, version: Version) -> Vec<&'static str> {
         let (own, others): (Vec<PackedPlatform>, _) =
-            self.0.iter().map(|(place, _)| *place).partition(|place| place.folder == PLATFORM);
+            self.0.iter().map(|(place, _)| *place).partition(|place| place.tuple == PLATFORM_TUPLE);
         own.into_iter().chain(others).map(|place| place.in_archive(version)).collect()
     }
 }

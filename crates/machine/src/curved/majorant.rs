@@ -106,6 +106,7 @@ fn scale(operation: &Operation, sums: [Sums; 2], centre: f64, w: [&[f64]; 2], ra
         Operation::Power(p) => {
             (p.fract() == 0.0 || others <= OF_ROOT * first).then(|| (first + others).powf(*p))
         }
+        Operation::OneSided(_) | Operation::TwoSided(_) => Some(0.0),
         Operation::Logarithm => (others <= OF_LOGARITHM * first).then(|| -(-others / first).ln_1p()),
         // By induction over k wₖ = Σ j aⱼ gₖ₋ⱼ, with g = ±w or the other one of sine and cosine.
         Operation::Exponential | Operation::Sine | Operation::Cosine => {

@@ -13,6 +13,11 @@ pub enum Operation {
     /// A constant power of the first argument. The base is positive; for an exponent that is a
     /// negative integer it is not zero.
     Power(f64),
+    /// The power of the first argument where it is positive, otherwise 0; the exponent is greater
+    /// than 1.
+    OneSided(f64),
+    /// sign(a) |a|ᵖ of the first argument a, with an exponent p greater than 1.
+    TwoSided(f64),
     /// exp a.
     Exponential,
     /// ln a, for a > 0.
@@ -79,12 +84,31 @@ impl Operation {
             Self::Polynomial(force) => force.value(a),
             Self::Product => a * b,
             Self::Power(p) => power(a, *p),
+            Self::OneSided(p) => power(a.max(0.0), *p),
+            Self::TwoSided(p) => power(a.abs(), *p).copysign(a),
             Self::Exponential => a.exp(),
             Self::Logarithm => a.ln(),
             Self::Sine => a.sin(),
             Self::Cosine => a.cos(),
             Self::HyperbolicTangent => a.tanh(),
             Self::Arctangent => a.atan(),
+        }
+    }
+
+    /// The integral from 0 to a, of a polynomial or of a power with two sides.
+    pub fn integral(&self, a: f64) -> f64 {
+        match self {
+            Self::Polynomial(force) => force.integral(a),
+            Self::TwoSided(p) => a.abs().powf(p + 1.0) / (p + 1.0),
+            _ => 0.0,
+        }
+    }
+
+    /// The exponent of a power with an edge at 0.
+    pub fn edge(&self) -> Option<f64> {
+        match self {
+            Self::OneSided(p) | Self::TwoSided(p) => Some(*p),
+            _ => None,
         }
     }
 
@@ -95,6 +119,8 @@ impl Operation {
             Self::Polynomial(force) => force.derivative(a),
             Self::Product => return [b, a],
             Self::Power(p) => p * power(a, p - 1.0),
+            Self::OneSided(p) => p * power(a.max(0.0), p - 1.0),
+            Self::TwoSided(p) => p * power(a.abs(), p - 1.0),
             Self::Exponential => a.exp(),
             Self::Logarithm => 1.0 / a,
             Self::Sine => a.cos(),
@@ -112,6 +138,10 @@ impl Operation {
             Self::Polynomial(force) => force.second_derivative(a),
             Self::Product => return [0.0, 1.0],
             Self::Power(p) => p * (p - 1.0) * power(a, p - 2.0),
+            // At the edge the slope is 0, and its derivative may have no limit.
+            Self::OneSided(_) if a <= 0.0 => 0.0,
+            Self::TwoSided(_) if a == 0.0 => 0.0,
+            Self::OneSided(p) | Self::TwoSided(p) => (p * (p - 1.0) * power(a.abs(), p - 2.0)).copysign(a),
             Self::Exponential => a.exp(),
             Self::Logarithm => -1.0 / (a * a),
             Self::Sine => -a.sin(),
@@ -144,6 +174,8 @@ impl Operation {
         let steepest = match self {
             Self::Polynomial(force) => force.majorant().derivative(most),
             Self::Product => return [centres[1].abs() + radii[1], most],
+            Self::OneSided(p) => p * power((centres[0] + r).max(0.0), p - 1.0),
+            Self::TwoSided(p) => p * power(most, p - 1.0),
             Self::Power(p) => p.abs() * power(if *p < 1.0 { least } else { most }, p - 1.0),
             Self::Exponential => (centres[0] + r).exp(),
             Self::Logarithm => 1.0 / least,

@@ -59,7 +59,7 @@ pub(super) fn next(
         return;
     }
     match operation {
-        Operation::Polynomial(_) => {}
+        Operation::Polynomial(_) | Operation::OneSided(_) | Operation::TwoSided(_) => {}
         Operation::Product => w[k] = product(a, b, (0, k)),
         Operation::Power(p) => {
             w[k] = power(a, w, (*p, is_majorant), k);

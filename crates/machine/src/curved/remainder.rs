@@ -16,6 +16,11 @@ pub(super) const ROOM: f64 = 1e-12;
 /// Largest exponent of the growth of an error within a span.
 const GROWTH: f64 = 20.0;
 
+/// Largest product of a span with the rate by the slope of a power that counts as 0: the relative
+/// error of derivatives of the motion.
+const SLOPE: f64 = 1e-14;
+/// Factor by which a span is shortened at an edge.
+const AT_EDGE: f64 = 0.5;
 /// Factor by which a span is shortened on which an operation may not be defined.
 const UNDEFINED: f64 = 0.7;
 
@@ -26,6 +31,15 @@ pub(crate) struct ArgumentTerms<'a> {
     pub(crate) reach: f64,
     /// Index and size of the factor of each operation in the argument.
     pub(crate) nested: &'a [(usize, f64)],
+}
+
+impl ArgumentTerms<'_> {
+    /// Bound of the change of an operation with this slope by the values that the series of the
+    /// operations in the argument leave out at their edges.
+    fn left_out(&self, known: &[CurveTerms], slope: f64) -> f64 {
+        let sum: f64 = self.nested.iter().map(|&(i, factor)| factor * known[i].left_out).sum();
+        if sum > 0.0 { slope * sum } else { 0.0 }
+    }
 }
 
 /// An operation with its series, and the norms of its rows and its column.
@@ -50,6 +64,9 @@ pub(crate) struct CurveTerms<'a> {
     /// Norm of the derivative of the operation's value by the states, over the tube; set by
     /// [`Remainder::bound`].
     pub(crate) steepness: f64,
+    /// Bound of the value of a power at its edge, which the series leaves out; set by
+    /// [`Remainder::bound`].
+    pub(crate) left_out: f64,
 }
 
 impl<'a> CurveTerms<'a> {
@@ -60,8 +77,8 @@ impl<'a> CurveTerms<'a> {
         arguments: [ArgumentTerms<'a>; 2],
         effect: f64,
     ) -> Self {
-        let (radius, scale, of_argument, steepness) = (0.0, 0.0, [0.0; 2], 0.0);
-        Self { operation, series, arguments, effect, radius, scale, of_argument, steepness }
+        let (radius, scale, of_argument, steepness, left_out) = (0.0, 0.0, [0.0; 2], 0.0, 0.0);
+        Self { operation, series, arguments, effect, radius, scale, of_argument, steepness, left_out }
     }
 
     /// Whether this is a polynomial of a row without operations.
@@ -70,7 +87,14 @@ impl<'a> CurveTerms<'a> {
         matches!(self.operation, Operation::Polynomial(_)) && self.arguments[0].nested.is_empty()
     }
 
-    /// Σ |wₖ| partᵏ over the orders from `last` on, and the norm of w's derivative by the states
+    /// Whether this is a power at its edge, which counts as 0.
+    #[inline(always)]
+    pub(crate) fn is_still(&self) -> bool {
+        self.operation.edge().is_some()
+    }
+
+    /// Σ |wₖ| partᵏ over the orders from `last` on, with what operations at their edges leave out,
+    /// and the norm of w's derivative by the states
     /// within `margin` of the polynomial. `known` has the operations before this one.
     pub(super) fn tail_and_steepness(
         &self,
@@ -84,6 +108,7 @@ impl<'a> CurveTerms<'a> {
         }
         let [a, b, w, _] = self.series.of_operation();
         let tail = match self.operation {
+            Operation::OneSided(_) | Operation::TwoSided(_) => 0.0,
             Operation::Polynomial(_) => self.scale * ratio.powi(last as i32) / (1.0 - ratio),
             _ => {
                 let first = w[last].abs() * part.powi(last as i32) * (1.0 + ROOM);
@@ -101,6 +126,11 @@ impl<'a> CurveTerms<'a> {
             *radius = sum * (1.0 + ROOM) + argument.beyond(known, part, last) + reach * margin;
         }
         let slopes = self.operation.steepest([a[0], b[0]], radii);
+        let left_out: f64 = match self.operation.edge() {
+            Some(_) => self.operation.value([a[0].abs() + radii[0], 0.0]),
+            None => self.arguments.iter().zip(slopes).map(|(own, slope)| own.left_out(known, slope)).sum(),
+        };
+        let tail = tail + left_out;
         let along = |slope: f64, reach: f64| if reach > 0.0 { slope * reach } else { 0.0 };
         (tail, along(slopes[0], reaches[0]) + along(slopes[1], reaches[1]))
     }
@@ -183,6 +213,11 @@ impl Remainder<'_> {
             }
             let (tail, steepness) = later[0].tail_and_steepness(known, (part, margin), last);
             later[0].steepness = steepness;
+            let is_still = later[0].is_still();
+            later[0].left_out = if is_still { tail } else { 0.0 };
+            if is_still && effect * steepness * h > SLOPE {
+                return f64::INFINITY;
+            }
             if effect > 0.0 {
                 defect += effect * tail;
                 growth += effect * steepness;
@@ -223,8 +258,11 @@ impl Remainder<'_> {
                 return part;
             }
             let is_undefined = bound.is_infinite() && self.curves.iter().any(|own| !own.is_plain());
-            let factor =
-                if is_undefined { UNDEFINED } else { 0.98 * (limit / bound).powf(1.0 / last as f64) };
+            let factor = match self.curves.iter().any(CurveTerms::is_still) {
+                true => AT_EDGE,
+                false if is_undefined => UNDEFINED,
+                false => 0.98 * (limit / bound).powf(1.0 / last as f64),
+            };
             part *= if factor.is_finite() { factor.clamp(0.1, 0.98) } else { 0.5 };
         }
         0.0

@@ -1,11 +1,15 @@
 //! Power series of curved forces, order by order.
 
 use super::recurrence::{self, Coefficients};
-use super::{LOWEST, Operation, POWERS, Polynomial};
+use super::{LOWEST, Operation, POWERS, Piece, Polynomial};
+use crate::flow::LAST_CURVE_ORDER;
 
 /// Largest number of coefficients of a series. With straight laws and rate times length 4, the
 /// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
 pub const TERMS: usize = 40;
+/// Distance from its edge, relative to the size of its argument, within which a power counts as 0
+/// in the choice of a mode: some thousand roundings.
+pub const NEAR: f64 = 1e-12;
 /// A polynomial with all powers: a coefficient may be 0 and still vary.
 const ALL: Polynomial = Polynomial { coefficients: [1.0; POWERS] };
 
@@ -20,22 +24,56 @@ pub struct CurveSeries {
     /// For a polynomial: x², …, x⁵. For another operation: second argument, value, slope by the
     /// first argument, and a helper of the recurrence.
     powers: [[f64; TERMS]; POWERS],
+    /// The side of the edge, for a power with an edge.
+    pub piece: Piece,
 }
 
 impl Default for CurveSeries {
     fn default() -> Self {
-        Self { x: [0.0; TERMS], back: [0.0; 2 * TERMS], powers: [[0.0; TERMS]; POWERS] }
+        Self {
+            piece: Piece::default(),
+            x: [0.0; TERMS],
+            back: [0.0; 2 * TERMS],
+            powers: [[0.0; TERMS]; POWERS],
+        }
     }
 }
 
 impl CurveSeries {
+    /// A series that begins on a side of an edge.
+    pub fn beginning(piece: Piece) -> Self {
+        Self { piece, ..Self::default() }
+    }
+
     /// Sets the coefficients of order `k` of the arguments, and returns the coefficient of order
     /// `k` of the operation's value. Requires that all lower orders are set.
     #[inline(always)]
     pub fn next(&mut self, operation: &Operation, k: usize, arguments: [f64; 2]) -> f64 {
         match operation {
             Operation::Polynomial(force) => self.next_of_polynomial(force, k, arguments[0]),
+            Operation::OneSided(_) | Operation::TwoSided(_) => self.next_of_side(operation, k, arguments[0]),
             _ => self.next_of_operation((operation, false), k, arguments),
+        }
+    }
+
+    /// [`next`](Self::next) for a power with an edge, on one side of it.
+    #[inline(never)]
+    fn next_of_side(&mut self, operation: &Operation, k: usize, x: f64) -> f64 {
+        if self.piece == Piece::Whole {
+            self.piece = Piece::of(operation, x, 0.0);
+        }
+        let sign = self.piece.sign();
+        match operation.on(self.piece) {
+            Operation::Polynomial(force) => sign * self.next_of_polynomial(&force, k, sign * x),
+            Operation::Power(p) => {
+                sign * self.next_of_operation((&Operation::Power(p), false), k, [sign * x, 0.0])
+            }
+            _ => {
+                self.x[k] = x;
+                let [b, w, g, _] = &mut self.powers;
+                (b[k], w[k], g[k]) = (0.0, 0.0, 0.0);
+                0.0
+            }
         }
     }
 
@@ -86,7 +124,10 @@ impl CurveSeries {
     /// Coefficients of order `k` of the operation's derivatives by both arguments.
     #[inline(always)]
     pub fn slopes(&self, operation: &Operation, k: usize) -> [f64; 2] {
-        match operation {
+        if self.piece == Piece::Still {
+            return [0.0; 2];
+        }
+        match &operation.on(self.piece) {
             Operation::Polynomial(force) => [self.slope_of_polynomial(force, k), 0.0],
             Operation::Product => [self.powers[0][k], self.x[k]],
             _ => [self.powers[2][k], 0.0],
@@ -113,6 +154,21 @@ impl CurveSeries {
         self.x[..=last].iter().rev().fold(0.0, |sum, x| sum * part + x.abs())
     }
 
+    /// The first coefficient of the argument.
+    pub fn first(&self) -> f64 {
+        self.x[0]
+    }
+
+    /// Coefficients of the first argument, of a power with an edge times the sign of its side.
+    pub(crate) fn argument(&self) -> [f64; TERMS] {
+        self.x
+    }
+
+    /// The sum Σ |xₖ| partᵏ over the orders from 1 to the last one of curved forces.
+    pub(crate) fn sum_of_sizes_beyond(&self, part: f64) -> f64 {
+        self.sum_of_sizes(part, LAST_CURVE_ORDER) - self.x[0].abs()
+    }
+
     /// The least C with |xₖ| ≤ C ratio⁻ᵏ for the orders up to `last`.
     #[inline(always)]
     pub fn scale(&self, ratio: f64, last: usize) -> f64 {
@@ -130,6 +186,8 @@ impl CurveSeries {
 /// derivatives times the shifts.
 #[derive(Clone, Debug)]
 pub enum CurveSizes {
+    /// Of a power at its edge, which counts as 0.
+    Still,
     /// Of a polynomial.
     Polynomial(PolynomialSizes),
     /// Of another operation.
@@ -147,9 +205,15 @@ impl CurveSizes {
     /// The sizes for the arguments at the start and for the sizes to which their rounding errors
     /// are relative.
     pub fn of(operation: &Operation, arguments: [f64; 2], shifts: [f64; 2]) -> Self {
+        let piece = Piece::of(operation, arguments[0], NEAR * shifts[0]);
+        if piece == Piece::Still {
+            return Self::Still;
+        }
+        let operation = &operation.on(piece);
         if let Operation::Polynomial(force) = operation {
             return Self::Polynomial(PolynomialSizes::of(force, arguments[0].abs(), shifts[0]));
         }
+        let arguments = if piece == Piece::Whole { arguments } else { arguments.map(f64::abs) };
         let mut series = Box::<CurveSeries>::default();
         let arguments = if operation.is_of_two() { arguments.map(f64::abs) } else { arguments };
         series.next_of_operation((operation, true), 0, arguments);
@@ -159,6 +223,7 @@ impl CurveSizes {
     /// Size of the term of order `k`, given the sizes of the terms of the arguments.
     pub fn next(&mut self, k: usize, arguments: [f64; 2]) -> f64 {
         match self {
+            Self::Still => 0.0,
             Self::Polynomial(own) => own.next(k, arguments[0]),
             Self::Operation { operation, shifts, series } => {
                 let value = series.next_of_operation((operation, true), k, arguments);

@@ -180,6 +180,7 @@ impl Tangent {
                 force,
                 spring,
                 restitution: 0.0,
+                release: None,
             });
         }
     }

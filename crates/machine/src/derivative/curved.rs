@@ -4,6 +4,7 @@ use crate::curved::{Curved, Operation, Polynomial};
 use crate::flow::CurveInMode;
 use crate::functional::Functional;
 use crate::kernel::SparseMatrix;
+use crate::mode::Mode;
 use crate::norm::norm;
 use crate::system::System;
 use nalgebra::DVector;
@@ -54,13 +55,13 @@ pub(super) struct CurvesInMode {
 
 impl CurvesInMode {
     /// The curved forces of a system in a mode with matrix A.
-    pub fn of(system: &System, by: Vec<Vec<CurveTangent>>, a: &SparseMatrix) -> Self {
+    pub fn of(system: &System, mode: &Mode, by: Vec<Vec<CurveTangent>>, a: &SparseMatrix) -> Self {
         if system.curved.is_empty() {
             return Self::default();
         }
         let (rate, weights) = norm(a, system.signals.one);
         let (coordinates, one) = (system.coordinates, system.signals.one);
-        Self { forces: CurveInMode::all(system, a, &weights), by, rate, weights, coordinates, one }
+        Self { forces: CurveInMode::all(system, mode, a, &weights), by, rate, weights, coordinates, one }
     }
 
     /// Whether there are none.

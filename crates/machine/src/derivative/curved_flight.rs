@@ -3,8 +3,11 @@
 use super::columns::Columns;
 use super::curved::CurvesInMode;
 use super::mode::VariedMode;
-use crate::curved::{CurveSeries, Operation};
-use crate::flow::{CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, rate_at, shortened};
+use crate::curved::{CurveSeries, Operation, Piece};
+use crate::flow::{
+    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_to_edge,
+    rate_at, shortened, sides_ahead,
+};
 
 /// Size of the last terms relative to the first ones, of the state and of each column.
 const LAST: f64 = 1e-18;
@@ -82,18 +85,30 @@ impl VariedMode {
 
     /// The series of a state and its derivatives over a time of at most `most`.
     fn curved_series(&self, z: &Columns, most: f64) -> CurvedSeries {
-        let rate = rate_at(self.curves.rate, &self.curves.forces, z.state().as_slice());
-        let mut span = most.min(CURVE_REACH / rate);
-        let terms = loop {
-            let terms = self.curved_terms(z, span);
+        let (state, forces) = (z.state(), &self.curves.forces);
+        let rate = rate_at(self.curves.rate, forces, state.as_slice());
+        let rates = self.a.rows_times(0..state.len(), state.as_slice());
+        let at = AtState {
+            z: state.as_slice(),
+            rates: rates.as_slice(),
+            weights: &self.curves.weights,
+            one: self.curves.one,
+            rate: self.curves.rate,
+        };
+        let (sides, to_edge) = sides_ahead(forces, &at);
+        let mut span = most.min(CURVE_REACH / rate).min(to_edge);
+        let (terms, own) = loop {
+            let (terms, own) = self.curved_terms(z, span, &sides);
             let is_finite = terms[LAST_CURVE_ORDER].iter().all(|x| x.is_finite());
             match shortened(span, is_finite, &self.group_norms(&terms, z.width, 0), 0) {
                 Some(shorter) => span = shorter,
-                None => break terms,
+                None => break (terms, own),
             }
         };
         let parts = (0..=self.by.len()).map(|column| part(&self.group_norms(&terms, z.width, column), LAST));
-        CurvedSeries { part: parts.fold(1.0, f64::min), terms, span }
+        let part = parts.fold(1.0, f64::min);
+        let part = part_at_edges(forces, &own, (part, span), &at);
+        CurvedSeries { part: part_to_edge(forces, &own, part, false), terms, span }
     }
 
     /// The norms of (A6) of the terms of a column, by group. Column 0 is the state.
@@ -106,12 +121,13 @@ impl VariedMode {
         terms.iter().map(of_term).collect()
     }
 
-    /// The terms of the series of a state and its derivatives over a span.
-    fn curved_terms(&self, z: &Columns, span: f64) -> Vec<Vec<f64>> {
+    /// The terms of the series of a state and its derivatives over a span, and the series of the
+    /// curved forces, which begin on these sides of their edges.
+    fn curved_terms(&self, z: &Columns, span: f64, sides: &[Piece]) -> (Vec<Vec<f64>>, Vec<CurveSeries>) {
         let (width, count, forces) = (z.width, self.by.len(), &self.curves.forces);
         let mut terms = vec![z.numbers.clone()];
         let mut arguments = Arguments {
-            own: vec![CurveSeries::default(); forces.len()],
+            own: sides.iter().map(|&side| CurveSeries::beginning(side)).collect(),
             slopes: vec![Vec::new(); forces.len()],
             by: vec![vec![Vec::new(); count]; forces.len()],
         };
@@ -122,7 +138,7 @@ impl VariedMode {
                 terms.push(next);
             }
         }
-        terms
+        (terms, arguments.own)
     }
 
     /// `factor` times the derivative of a term by time, without the curved forces.

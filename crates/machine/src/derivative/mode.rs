@@ -115,7 +115,7 @@ impl VariedMode {
         let (flights, saved) = (Ladder::default(), AtomicU64::new(0));
         let shared = shared(system, mode, &triangle);
         let curves = tangents.iter().map(|tangent| tangent.curves.clone()).collect();
-        let curves = CurvesInMode::of(system, curves, &a);
+        let curves = CurvesInMode::of(system, mode, curves, &a);
         let mode = mode.clone();
         let mut made =
             Self { mode, a, length, lambda, watched, triangle, shared, by, sources, curves, flights, saved };
@@ -222,10 +222,11 @@ impl VariedMode {
             Watch::Changes(i) => {
                 let (stop, by) = (&system.stops[i], &tangent.stops[i]);
                 let cap = &by.force - 2.0 * &by.spring;
+                let limited = by.release.as_ref().unwrap_or(&by.force);
                 match self.mode.stops[i] {
-                    StopState::Free => by.force.clone(),
+                    StopState::Free => limited.clone(),
                     StopState::Capped => -cap,
-                    _ if *row == -&*stop.force => -&by.force,
+                    _ if stop.limited().is_some_and(|own| *row == -&**own) => -limited,
                     _ => cap,
                 }
             }

@@ -5,7 +5,7 @@ use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, Varied};
 use crate::description::SeriesLaw;
 use crate::mode::Contact;
-use crate::system::BranchRows;
+use crate::system::{BranchRows, System};
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this fraction of the largest entry count as zero: no force in this
@@ -42,6 +42,7 @@ pub(super) fn equilibrium(
     }
     let mut right = tangent.forces_in(system, mode) * at.z;
     put_borne(machine, p, at, (&mut forces, &mut right));
+    machine.vary_curved(p, at.z, delta);
     right += &forces * &*delta;
     if right.amax() == 0.0 && mode.contacts().all(|contact| is_unmoved(machine, p, contact, (delta, at))) {
         follow(machine, p, delta, at);
@@ -54,7 +55,7 @@ pub(super) fn equilibrium(
     let size = n + held.len();
     let mut matrix = DMatrix::zeros(size, size);
     let root = system.inertia.l();
-    let stiffness = -forces.columns(0, n).into_owned();
+    let stiffness = stiffness(system, &forces, at.z);
     // Use the inertia's metric: there, directions without force are orthogonal to all others.
     let half = root.solve_lower_triangular(&stiffness).unwrap_or_else(|| DMatrix::zeros(n, n));
     let whole = root.solve_lower_triangular(&half.transpose()).unwrap_or_else(|| DMatrix::zeros(n, n));
@@ -83,6 +84,26 @@ pub(super) fn equilibrium(
     delta.rows_mut(0, n).copy_from(&found);
     follow(machine, p, delta, at);
     Ok(())
+}
+
+/// The stiffness: the derivative of the forces by the coordinates, negative, with the slopes of
+/// curved forces.
+fn stiffness(system: &System, forces: &DMatrix<f64>, z: &DVector<f64>) -> DMatrix<f64> {
+    let n = system.coordinates;
+    let mut stiffness = -forces.columns(0, n).into_owned();
+    if system.curved.is_empty() {
+        return stiffness;
+    }
+    let mut variation = DVector::zeros(z.len());
+    for k in 0..n {
+        variation.fill(0.0);
+        variation[k] = 1.0;
+        system.vary_curved(z.as_slice(), variation.as_mut_slice());
+        for own in &system.curved {
+            stiffness.column_mut(k).axpy(-variation[own.place], &forces.column(own.place), 1.0);
+        }
+    }
+    stiffness
 }
 
 /// Replaces the forces of springs in series in the mode after the start by their forces at rest,

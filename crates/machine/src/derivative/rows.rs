@@ -1,9 +1,10 @@
 //! Derivatives of the rows of a machine's parts (docs/assembly-law.md (A32)). A gradient stores
 //! its weights of these rows in the same types (A40).
 
+use crate::curved::HUNT_CROSSLEY;
 use crate::description::StopLaw;
 use crate::functional::StateRow;
-use crate::system::{CombinationTangent, SamplerTangent, StopRows, forces};
+use crate::system::{CombinationTangent, ContactRows, SamplerTangent, StopRows, contact_forces, forces};
 use nalgebra::DVector;
 
 /// Derivatives of the rows in [`BodyRows`](crate::system::BodyRows).
@@ -32,6 +33,8 @@ pub(super) struct StopTangent {
     pub force: StateRow,
     pub spring: StateRow,
     pub restitution: f64,
+    /// Derivative of 1 + 3/2 dissipation e'; `None` without a dissipation.
+    pub release: Option<StateRow>,
 }
 
 impl StopTangent {
@@ -42,7 +45,30 @@ impl StopTangent {
         let by_rows = forces(rows.law, &excess, &elongation.rate);
         let [spring, force] = std::array::from_fn(|k| &by_law[k] + &by_rows[k]);
         let restitution = if let StopLaw::Rigid { restitution } = law { restitution } else { 0.0 };
-        Self { elongation, excess, force, spring, restitution }
+        Self { elongation, excess, force, spring, restitution, release: None }
+    }
+
+    /// The derivatives of the rows of a curved contact, with the derivatives of the numbers of its
+    /// law and of its dissipation.
+    pub fn contact(rows: &StopRows, own: &ContactRows, by: Self, (law, dissipation): (StopLaw, f64)) -> Self {
+        let zero = StateRow::zeros(by.excess.len());
+        let rate = &rows.elongation.rate;
+        // xᵖ and xᵖ x' are coordinates; their derivatives are not part of the rows. With the exponent
+        // 1, x is a row.
+        let power = if own.exponent == 1.0 { &by.excess } else { &zero };
+        let places: [&StateRow; 3] = [&own.power, &own.product, rate];
+        let parts = [
+            contact_forces::<StateRow>(law, own.dissipation, places),
+            contact_forces(rows.law, dissipation, [&zero, &own.product, &zero]),
+            contact_forces(rows.law, own.dissipation, [power, &zero, &by.elongation.rate]),
+        ];
+        let spring = &parts[0][0] + &parts[2][0];
+        let force = &parts[0][1] + &parts[1][1] + &parts[2][1];
+        let release = own
+            .release
+            .as_ref()
+            .map(|_| HUNT_CROSSLEY * (dissipation * &**rate + own.dissipation * &by.elongation.rate));
+        Self { spring, force, release, ..by }
     }
 }
 

@@ -14,7 +14,9 @@ use crate::polyline::Polyline;
 use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
 use crate::stepped;
-use crate::system::{Elongation, FrictionRows, SpringRows, System, excess, made_stops};
+use crate::system::{
+    ContactRows, Elongation, FrictionRows, SpringRows, StopMaker, System, excess, made_stops,
+};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 
@@ -185,6 +187,9 @@ impl Tangent {
             let damping = if by.across.is_some() { 0.0 } else { by.damping };
             (s.arms.clone(), by.arms.clone(), dk, damping, preload)
         });
+        let powers = along.springs.iter().map(|own| own.power.into_iter().collect::<Vec<_>>());
+        let powers: Vec<_> =
+            powers.chain(along.dampers.iter().map(|own| own.odd_powers().collect())).collect();
         let dampers = d.dampers.iter().zip(&along.dampers);
         let dampers = dampers.map(|(s, by)| (s.arms.clone(), by.arms.clone(), 0.0, by.damping, 0.0));
         let matrices = d.matrices.iter().flat_map(|own| own.springs()).map(|spring| {
@@ -212,6 +217,14 @@ impl Tangent {
             force[system.signals.one] += preload;
             if let Some(by) = self.put_formula((rows, &own), formulas.get(self.springs.len())) {
                 force += &*by;
+            }
+            let odd = rows
+                .curves
+                .iter()
+                .map(|own| &system.curved[own.0])
+                .filter(|own| own.operation.edge().is_some());
+            for (curved, by) in odd.zip(powers.get(self.springs.len()).into_iter().flatten()) {
+                force[curved.place] += by.coefficient;
             }
             self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
             self.forces.ger(-1.0, &e.w, &force, 1.0);
@@ -246,21 +259,21 @@ impl Tangent {
         let moved: Vec<[f64; 4]> = springs.chain(dampers).collect();
         let mut formulas = std::mem::take(&mut self.of_formulas).into_iter();
         for (k, spring) in system.springs.iter().enumerate() {
-            self.put_curve(system, (k, spring), &moved);
+            self.put_spring_curves(system, (k, spring), &moved);
             if spring.formula.is_some() {
                 self.curves.extend(formulas.next().into_iter().flatten());
             }
         }
     }
 
-    /// Adds the polynomial of a spring or dashpot.
-    fn put_curve(&mut self, system: &System, (k, spring): (usize, &SpringRows), moved: &[[f64; 4]]) {
-        if let Some(curved) = spring.curve.map(|i| &system.curved[i]) {
-            let own = &self.springs[k].0;
-            let argument = Functional::of(if curved.is_of_rate { own.rate.clone() } else { own.e.clone() });
-            let force = Polynomial { coefficients: moved[k] };
-            let arguments = [argument, Functional::zeros(system.signals.size)];
-            self.curves.push(CurveTangent { arguments, force });
+    /// Adds the polynomial and the powers of a spring or dashpot.
+    fn put_spring_curves(&mut self, system: &System, (k, spring): (usize, &SpringRows), moved: &[[f64; 4]]) {
+        for &(curve, _) in &spring.curves {
+            let (curved, own) = (&system.curved[curve], &self.springs[k].0);
+            let argument = if curved.is_of_rate { own.rate.clone() } else { own.e.clone() };
+            let coefficients = if curved.polynomial().is_some() { moved[k] } else { [0.0; 4] };
+            let arguments = [Functional::of(argument), Functional::zeros(system.signals.size)];
+            self.curves.push(CurveTangent { arguments, force: Polynomial { coefficients } });
         }
     }
 
@@ -292,13 +305,39 @@ impl Tangent {
         for (rows, made) in system.stops.iter().zip(made_stops(d, Some(along))) {
             let own = self.elongation(system, made.by.arms(d), made.by.arms(along));
             let excess = excess(&own.e, made.gap, &one);
-            self.stops.push(StopTangent::new(rows, own, excess, made.law));
+            let by = StopTangent::new(rows, own, excess, made.law);
+            let by = match (&rows.contact, made.by) {
+                (Some(contact), StopMaker::Stop(i)) => {
+                    self.put_contact(contact, &by);
+                    let dissipation = along.stops[i].contact.and_then(|own| own.dissipation);
+                    StopTangent::contact(rows, contact, by, (made.law, dissipation.unwrap_or_default()))
+                }
+                _ => by,
+            };
+            self.stops.push(by);
         }
         self.put_limits();
         for (wheel, by) in d.freewheels.iter().zip(&along.freewheels) {
             let own = self.elongation(system, &wheel.arms, &by.arms);
             let (rows, excess) = (&system.stops[self.stops.len()], own.rate.clone());
             self.stops.push(StopTangent::new(rows, own, excess, StopLaw::Rigid { restitution: 0.0 }));
+        }
+    }
+
+    /// Adds the operations of a curved contact.
+    fn put_contact(&mut self, contact: &ContactRows, by: &StopTangent) {
+        let zero = Functional::zeros(by.excess.len());
+        let mut put = |first: Functional, second: Functional| {
+            self.curves.push(CurveTangent { arguments: [first, second], force: Polynomial::default() });
+        };
+        let excess = Functional::of(by.excess.clone());
+        let is_straight = contact.exponent == 1.0;
+        if !is_straight {
+            put(excess.clone(), zero.clone());
+        }
+        if contact.release.is_some() {
+            let rate = Functional::of(by.elongation.rate.clone());
+            put(if is_straight { excess } else { zero }, rate);
         }
     }
 

@@ -73,6 +73,7 @@ impl Weights {
             force: row.clone(),
             spring: row.clone(),
             restitution: 0.0,
+            release: None,
         };
         let level = LevelTangent { level: row.clone(), static_level: row.clone() };
         let friction = |own: &FrictionRows| FrictionTangent {

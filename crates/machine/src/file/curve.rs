@@ -1,15 +1,16 @@
 //! Reading of the coefficients of a spring's curve.
 
+use super::powers;
 use super::reading::{FileTable, Reading};
 use crate::description::{Curve, Dimension};
 use crate::kinds::{CURVE, CURVED_STIFFNESS};
 
 /// Keys of a spring that cannot be combined with a curve.
-const EXCLUDED: [&str; 3] = ["points", "series_damping", "slip"];
+pub(super) const EXCLUDED: [&str; 3] = ["points", "series_damping", "slip"];
 
-/// Whether a table has a coefficient of a curve.
+/// Whether a table has a coefficient of a curve, or a power with two sides.
 pub(super) fn is_given(table: &FileTable) -> bool {
-    CURVE.iter().any(|(key, _)| table.has(key))
+    CURVE.iter().any(|(key, _)| table.has(key)) || powers::is_given(table)
 }
 
 /// Reads the coefficients; `None` if one of them, or a key next to them, is refused.
@@ -32,8 +33,8 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimensio
 /// Reads the stiffness at e = 0 of a spring with a curve.
 pub(super) fn stiffness(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<f64> {
     if let Some(entry) = reading.optional(table, "stiffness").filter(|own| own.value.is_table()) {
-        let mut keys = CURVE.iter().map(|own| own.0).chain(["force"]);
-        let key = keys.find(|key| table.has(key)).unwrap_or("points");
+        let keys = CURVE.iter().map(|own| own.0).chain(powers::KEYS).chain(["force"]);
+        let key = keys.into_iter().find(|key| table.has(key)).unwrap_or("points");
         let text = format!(
             "a stiffness that steps in time cannot be combined with `{key}`: use two springs side by side"
         );

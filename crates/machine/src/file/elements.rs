@@ -7,13 +7,14 @@ use super::follows;
 use super::formula;
 use super::numbers::number;
 use super::points;
+use super::powers;
 use super::reading::{Entry, FileTable, Reading};
 use super::series;
 use super::signals::{self, Values};
 use super::stepped;
 use crate::description::{
-    Arms, Damper, DampingLimit, Description, Dimension, Freewheel, Friction, Link, Load, Signal, Spring,
-    Stop, StopLaw,
+    Arms, ContactLaw, Damper, Description, Dimension, Freewheel, Friction, Link, Load, Signal, Spring, Stop,
+    StopLaw,
 };
 use crate::kinds;
 use crate::parameters::has_unit;
@@ -76,10 +77,11 @@ fn with_arms<T>(
 fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Spring> {
     let own = ["between", "arms", "stiffness", "damping", "preload", "points"];
     let curve = kinds::CURVE.map(|own| own.0);
-    reading.known(table, &[&own[..], &curve, &["force"], &formula::ACROSS, &series::KEYS].concat());
+    let known = [&own[..], &curve, &powers::KEYS, &["force"], &formula::ACROSS, &series::KEYS].concat();
+    reading.known(table, &known);
     // Outside of the closure, which may read twice: a formula has no dimension.
     let force = formula::of_spring(reading, table);
-    let (arms, ((stiffness, stepped), damping, preload, points, series, curve, across)) =
+    let (arms, ((stiffness, stepped), damping, preload, points, series, curve, power, across)) =
         with_arms(reading, table, names, |reading, dimension| {
             let across = formula::across(reading, table, dimension)?;
             if across.is_some() {
@@ -87,19 +89,29 @@ fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names)
                     reading.required_number(table, "stiffness", kinds::ACROSS_STIFFNESS, dimension);
                 let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
                 let (stiffness, curve) = ((stiffness?, None), Default::default());
-                return Some((stiffness, damping?, 0.0, Vec::new(), None, curve, across));
+                return Some((stiffness, damping?, 0.0, Vec::new(), None, curve, None, across));
             }
             let points = points::read(reading, table, dimension);
             let series = series::read(reading, table, dimension);
             let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
             let curve = curve::read(reading, table, dimension);
+            let power = powers::read(reading, table, dimension, (false, &curve::EXCLUDED));
             if table.has("points") {
-                return Some(((0.0, None), damping?, 0.0, points?, series?, curve?, None));
+                return Some(((0.0, None), damping?, 0.0, points?, series?, curve?, power?, None));
             }
             if curve::is_given(table) || table.has("force") {
                 let stiffness = curve::stiffness(reading, table, dimension);
                 let preload = reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0);
-                return Some(((stiffness?, None), damping?, preload?, points?, series?, curve?, None));
+                return Some((
+                    (stiffness?, None),
+                    damping?,
+                    preload?,
+                    points?,
+                    series?,
+                    curve?,
+                    power?,
+                    None,
+                ));
             }
             let is_in_series = series::is_given(table);
             let kind = if is_in_series { kinds::SERIES_STIFFNESS } else { kinds::SPRING_STIFFNESS };
@@ -108,41 +120,64 @@ fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names)
                 true => Some(0.0),
                 false => reading.number_or(table, "preload", kinds::PRELOAD, dimension, 0.0),
             };
-            Some((stiffness?, damping?, preload?, points?, series?, curve?, None))
+            Some((stiffness?, damping?, preload?, points?, series?, curve?, power?, None))
         })?;
     let force = force?;
-    Some(Spring { name, arms, stiffness, stepped, damping, preload, curve, force, across, points, series })
+    Some(Spring {
+        name,
+        arms,
+        stiffness,
+        stepped,
+        damping,
+        preload,
+        curve,
+        power,
+        force,
+        across,
+        points,
+        series,
+    })
 }
 
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
-    reading.known(table, &["between", "arms", "damping", "cubic", "force"]);
+    let own = ["between", "arms", "damping", "quadratic", "cubic", "force"];
+    reading.known(table, &[&own[..], &powers::KEYS].concat());
     let force = formula::of_damper(reading, table);
-    let (arms, (damping, cubic)) = with_arms(reading, table, names, |reading, dimension| {
-        if !table.has("cubic") && !table.has("force") {
-            let damping = reading.required_number(table, "damping", kinds::DASHPOT, dimension);
-            return Some((damping?, None));
-        }
-        let damping = reading.number_or(table, "damping", kinds::CURVED_DAMPING, dimension, 0.0);
-        let cubic = match reading.optional(table, "cubic") {
-            Some(entry) => reading.number(&entry, kinds::CUBIC_DAMPING, dimension).map(Some),
-            None => Some(None),
-        };
-        Some((damping?, cubic?))
-    })?;
-    Some(Damper { name, arms, damping, cubic, force: force? })
+    let (arms, (damping, [quadratic, cubic], power)) =
+        with_arms(reading, table, names, |reading, dimension| {
+            let power = powers::read(reading, table, dimension, (true, &[]));
+            let keys = ["quadratic", "cubic", "force"];
+            if !keys.iter().any(|key| table.has(key)) && !powers::is_given(table) {
+                let damping = reading.required_number(table, "damping", kinds::DASHPOT, dimension);
+                return Some((damping?, [None; 2], power?));
+            }
+            let damping = reading.number_or(table, "damping", kinds::CURVED_DAMPING, dimension, 0.0);
+            let mut coefficient = |key: &str, kind| match reading.optional(table, key) {
+                Some(entry) => reading.number(&entry, kind, dimension).map(Some),
+                None => Some(None),
+            };
+            let quadratic = coefficient("quadratic", kinds::QUADRATIC_DAMPING);
+            let cubic = coefficient("cubic", kinds::CUBIC_DAMPING);
+            Some((damping?, [quadratic?, cubic?], power?))
+        })?;
+    Some(Damper { name, arms, damping, quadratic, cubic, power, force: force? })
 }
 
 fn stop(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Stop> {
-    reading.known(table, &["between", "arms", "gap", "restitution", "stiffness", "damping", "law"]);
-    let (arms, (gap, (law, stepped))) = with_arms(reading, table, names, |reading, dimension| {
+    let own = ["between", "arms", "gap", "restitution", "stiffness", "damping", "law"];
+    reading.known(table, &[&own[..], &powers::CONTACT_KEYS].concat());
+    let (arms, (gap, (law, stepped, contact))) = with_arms(reading, table, names, |reading, dimension| {
         let gap = reading.required_number(table, "gap", kinds::GAP, dimension);
         let law = law(reading, table, dimension);
         Some((gap?, law?))
     })?;
-    Some(Stop { name, arms, gap, law, stepped })
+    Some(Stop { name, arms, gap, law, stepped, contact })
 }
 
-fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<(StopLaw, Option<Signal>)> {
+/// A stop's law, its stiffness if that steps in time, and its exponent and dissipation.
+type Law = (StopLaw, Option<Signal>, Option<ContactLaw>);
+
+fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<Law> {
     if !table.has("restitution") && !table.has("stiffness") {
         let text = "requires `restitution` (rigid stop) or `stiffness` (compliant stop)";
         reading.refuse_table(table, text);
@@ -150,7 +185,7 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
     }
     if let Some(restitution) = reading.optional(table, "restitution") {
         let mut alone = true;
-        for key in ["stiffness", "damping", "law"] {
+        for key in ["stiffness", "damping", "law", "exponent", "dissipation"] {
             if let Some(entry) = reading.optional(table, key) {
                 alone = false;
                 let text = "cannot be combined with `restitution`: use `restitution` for a rigid stop, \
@@ -159,16 +194,9 @@ fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option
             }
         }
         let restitution = reading.number(&restitution, kinds::RESTITUTION, dimension)?;
-        return alone.then_some((StopLaw::Rigid { restitution }, None));
+        return alone.then_some((StopLaw::Rigid { restitution }, None, None));
     }
-    let stiffness = stepped::read(reading, table, kinds::STIFFNESS, dimension);
-    let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
-    let limit = match reading.optional(table, "law") {
-        None => Some(DampingLimit::NoPull),
-        Some(entry) => reading.word(&entry, &DampingLimit::ALL),
-    };
-    let (stiffness, stepped) = stiffness?;
-    Some((StopLaw::Compliant { stiffness, damping: damping?, limit: limit? }, stepped))
+    powers::compliant(reading, table, dimension)
 }
 
 fn friction(

@@ -2,7 +2,7 @@
 
 use crate::description::{
     Arms, Block, Body, BodyKind, Description, Dimension, Feed, ForcePoint, Free, Friction, Given, Level,
-    MatrixDamping, Modal, SeriesLaw, Signal, Spring, Stop, StopLaw,
+    MatrixDamping, Modal, OddPower, SeriesLaw, Signal, Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::formula::Formula;
@@ -46,9 +46,12 @@ pub(super) fn machine(machine: &Description) -> String {
             Element::Spring(spring) => own.spring(&mut text, &of, spring),
             Element::Damper(damper) => {
                 own.line(&mut text, &of, "damping", damper.damping);
-                if let Some(cubic) = damper.cubic {
-                    own.line(&mut text, &of, "cubic", cubic);
+                for (key, value) in [("quadratic", damper.quadratic), ("cubic", damper.cubic)] {
+                    if let Some(value) = value {
+                        own.line(&mut text, &of, key, value);
+                    }
                 }
+                own.power(&mut text, &of, damper.power);
                 formula(&mut text, damper.force.as_ref());
             }
             Element::Modal(modal) => own.modal(&mut text, &of, modal),
@@ -318,6 +321,7 @@ impl Writing<'_> {
                 self.line(text, of, key, value);
             }
         }
+        self.power(text, of, spring.power);
         formula(text, spring.force.as_ref());
         self.line(text, of, "damping", spring.damping);
         if let Some(across) = &spring.across {
@@ -331,6 +335,14 @@ impl Writing<'_> {
         }
         if !self.machine.starts_at_rest {
             self.line(text, of, "slider", series.slider);
+        }
+    }
+
+    /// Writes a power with two sides.
+    fn power(&self, text: &mut String, of: &str, power: Option<OddPower>) {
+        if let Some(OddPower { coefficient, exponent }) = power {
+            self.line(text, of, "coefficient", coefficient);
+            line!(text, "exponent = {exponent:?}");
         }
     }
 
@@ -351,7 +363,13 @@ impl Writing<'_> {
             StopLaw::Rigid { restitution } => self.line(text, of, "restitution", restitution),
             StopLaw::Compliant { stiffness, damping, limit } => {
                 self.stiffness(text, of, stiffness, stop.stepped.as_ref());
-                self.line(text, of, "damping", damping);
+                if let Some(contact) = stop.contact {
+                    line!(text, "exponent = {:?}", contact.exponent);
+                }
+                match stop.contact.and_then(|contact| contact.dissipation) {
+                    Some(dissipation) => self.line(text, of, "dissipation", dissipation),
+                    None => self.line(text, of, "damping", damping),
+                }
                 line!(text, "law = {:?}", limit.word());
             }
         }

@@ -156,6 +156,8 @@ pub struct Ahead {
     pub span: f64,
     /// With curved forces: the span of their series, s.
     pub(super) expanded: f64,
+    /// With curved forces: whether the series goes back in time.
+    pub(super) backwards: bool,
     /// Head of each watched functional.
     pub(super) heads: Vec<HeadAhead>,
     /// For each coordinate, the sum of the sizes of its terms of order 2 and above.

@@ -1,16 +1,21 @@
 //! Curved forces in a mode, and the power series of a state under them.
 
+mod edges;
 mod pace;
 
+pub(crate) use edges::{AtState, any as any_edge, part_at_edges, part_to_edge, sides_ahead};
 pub(crate) use pace::{GroupNorms, part, shortened};
 
 use super::ahead::{Ahead, HeadAhead, Series};
 use super::{FlowTable, ORDERS, RADIUS};
-use crate::curved::{ArgumentTerms, CurveSeries, CurveSizes, CurveTerms, Curved, Operation, Remainder};
+use crate::curved::{
+    ArgumentTerms, CurveSeries, CurveSizes, CurveTerms, Curved, Operation, Piece, Remainder,
+};
 use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix, largest_product};
 use crate::law::ZERO;
-use crate::system::System;
+use crate::mode::Mode;
+use crate::system::{Part, System};
 use std::ops::Range;
 
 /// Order of the last term of a series with curved forces. High orders are cheap with vector
@@ -64,11 +69,13 @@ pub(crate) struct CurveInMode {
     rows: [RowNorms; 2],
     /// Norm of φ's column for the accelerations, and of its column for other rates: max |yᵢ| / wᵢ.
     pub(super) effects: [f64; 2],
+    /// Whether the force acts in the mode: the operations of a stop do so beyond its gap.
+    pub(crate) acts: bool,
 }
 
 impl CurveInMode {
     /// The curved forces in a mode with matrix A. `weights` are the 1/wᵢ of the norm (A6).
-    pub(crate) fn all(system: &System, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
+    pub(crate) fn all(system: &System, mode: &Mode, a: &SparseMatrix, weights: &[f64]) -> Vec<Self> {
         let columns = if system.curved.is_empty() { SparseMatrix::default() } else { a.transpose() };
         let velocities = system.coordinates..2 * system.coordinates;
         let places: Vec<usize> = system.curved.iter().map(|curved| curved.place).collect();
@@ -87,7 +94,11 @@ impl CurveInMode {
                 let effect = &mut effects[usize::from(!velocities.contains(&i))];
                 *effect = effect.max(y.abs() * weights[i]);
             }
-            Self { curved: curved.clone(), rows, effects }
+            let acts = match curved.owner {
+                Part::Stop(i) => mode.stops[i].is_inside(),
+                _ => true,
+            };
+            Self { curved: curved.clone(), rows, effects, acts }
         };
         system.curved.iter().enumerate().map(in_mode).collect()
     }
@@ -104,6 +115,11 @@ impl CurveInMode {
         (self.effects[0] / faster).max(self.effects[1])
     }
 
+    /// Norm of the row of the first argument.
+    fn reach(&self) -> f64 {
+        self.rows[0].joint(1.0)
+    }
+
     /// The force with its series, for the bound of the remainder.
     #[inline(always)]
     fn with<'a>(&'a self, series: &'a CurveSeries, faster: f64) -> CurveTerms<'a> {
@@ -111,7 +127,7 @@ impl CurveInMode {
             |row: &'a RowNorms| ArgumentTerms { reach: row.joint(faster), nested: row.nested.as_slice() };
         let [first, second] = &self.rows;
         let arguments = [argument(first), argument(second)];
-        CurveTerms::new(self.curved.operation, series, arguments, self.effect(faster))
+        CurveTerms::new(self.curved.operation.on(series.piece), series, arguments, self.effect(faster))
     }
 
     /// Norms of the derivative of φ by the states without velocities, and by the velocities.
@@ -194,10 +210,16 @@ impl Series {
         ([norm(0, n), norm(n, 2 * n), norm(2 * n, one)], norm(one, straight))
     }
 
+    /// Sets the sides on which the curved forces begin.
+    #[inline(always)]
+    fn set_sides(&mut self, sides: &[Piece]) {
+        self.curves.resize(sides.len(), CurveSeries::default());
+        self.curves.iter_mut().zip(sides).for_each(|(series, side)| series.piece = *side);
+    }
+
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
     #[inline(always)]
     pub(super) fn curve(&mut self, table: &FlowTable, k: usize) {
-        self.curves.resize(table.curves.len(), CurveSeries::default());
         for (curve, series) in table.curves.iter().zip(&mut self.curves) {
             let terms = &mut self.terms[k * self.size..][..self.size];
             let value = series.next(&curve.curved.operation, k, curve.curved.arguments(terms));
@@ -212,6 +234,9 @@ impl Ahead {
     #[inline(always)]
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
         let mut scale = most.min(CURVE_REACH / rate_at(table.rate, &table.curves, z));
+        let (sides, to_edge) = table.sides_ahead(z);
+        scale = scale.min(to_edge);
+        self.series.set_sides(&sides);
         let series = &mut self.series;
         let (mut groups, mut signals) = ([[0.0; 3]; LAST_CURVE_ORDER + 1], [0.0; LAST_CURVE_ORDER + 1]);
         loop {
@@ -230,6 +255,7 @@ impl Ahead {
         let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
         let longest = most / scale;
         let part = table.proved_part(series, (&groups, &signals), (scale, faster), longest);
+        let part = part_to_edge(&table.curves, &series.curves, part, self.backwards);
         let mut power = 1.0;
         for k in 1..=LAST_CURVE_ORDER {
             power *= part;
@@ -254,6 +280,19 @@ impl FlowTable {
         !self.curves.is_empty()
     }
 
+    /// The sides of powers with an edge ahead of a state, and the longest time over which the
+    /// coefficients of a series are computed, s.
+    #[inline(always)]
+    fn sides_ahead(&self, z: &[f64]) -> (Vec<Piece>, f64) {
+        if !any_edge(&self.curves) {
+            return (vec![Piece::Whole; self.curves.len()], f64::INFINITY);
+        }
+        let mut rates = vec![0.0; z.len()];
+        self.rates(z, &mut rates);
+        let Self { rate, weights, one, .. } = self;
+        sides_ahead(&self.curves, &AtState { z, rates: &rates, weights, one: *one, rate: *rate })
+    }
+
     /// Longest time, s, over which forces raise the sizes of rates: a sub-step. Curved forces
     /// shorten it by their slopes at the largest sizes: over a longer time the sizes of rates would
     /// raise the sizes of displacements, and these the slopes, without end. The slopes of other
@@ -271,6 +310,7 @@ impl FlowTable {
     /// Replaces a state by its time derivative of an order below `TERMS`.
     pub fn derivative(&self, order: usize, z: &mut [f64]) {
         let mut series = Series::default();
+        series.set_sides(&edges::sides(&self.curves, z));
         series.expand(self, z, 1.0, order);
         z.copy_from_slice(series.term(order));
         let factorial = (1..=order).fold(1.0, |product, k| product * k as f64);
@@ -301,7 +341,9 @@ impl FlowTable {
     /// Advances a state by a time of either sign within the mode, and variations with it. The time
     /// must be within the motion's: a state that reaches the end of its motion stays there.
     pub fn carry_along(&self, z: &mut [f64], variations: &mut [Vec<f64>], time: f64) {
-        let (mut ahead, mut left, sign) = (Ahead::default(), time.abs(), time.signum());
+        let (mut left, sign) = (time.abs(), time.signum());
+        let mut ahead = Ahead::default();
+        ahead.backwards = sign < 0.0;
         let mut terms = vec![vec![0.0; z.len()]; LAST_CURVE_ORDER + 1];
         while left > 0.0 {
             ahead.find_curved(self, z, left);
@@ -369,6 +411,7 @@ impl FlowTable {
     ) -> Vec<Option<(usize, f64)>> {
         let mut series = Series::default();
         let length = self.length_for(z, sizes);
+        series.set_sides(&edges::sides(&self.curves, z));
         series.expand(self, z, length, ORDERS - 1);
         let all = self.sizes_of_terms(z, sizes, (length, ORDERS - 1));
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;

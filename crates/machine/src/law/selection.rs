@@ -26,7 +26,7 @@ mod order;
 
 use super::Sizes;
 use super::box_qp::Jam;
-use crate::curved::{CurveSeries, CurveSizes, TERMS};
+use crate::curved::{CurveSeries, CurveSizes, NEAR, Piece, TERMS};
 use crate::functional::StateRow;
 use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState};
 use crate::system::System;
@@ -165,8 +165,9 @@ impl<'a> Selection<'a> {
         let curves = system.curved.iter().map(|curved| {
             let (operation, arguments) = (&curved.operation, curved.arguments(z.as_slice()));
             let mut series = CurveSeries::default();
-            series.next(operation, 0, arguments);
             let shifts = curved.argument_sizes(sizes.0.as_slice());
+            series.piece = Piece::of(operation, arguments[0], NEAR * shifts[0]);
+            series.next(operation, 0, arguments);
             (series, CurveSizes::of(operation, arguments, shifts))
         });
         let mut selection = Self {
@@ -284,7 +285,7 @@ impl<'a> Selection<'a> {
                 Stop::AtLimit(above, below) if order > 0 => {
                     let difference = match above {
                         StopState::Capped => &*stop.force - 2.0 * &*stop.spring,
-                        _ => (*stop.force).clone(),
+                        _ => (**stop.limited().unwrap_or(&stop.force)).clone(),
                     };
                     let sign = self.sign(&difference, order);
                     if sign != 0.0 {

@@ -2,7 +2,7 @@
 
 use super::{Elongation, FrictionRows, LevelRows, Part, System};
 use crate::curved::{Curved, Operation, POWERS, Polynomial};
-use crate::description::Description;
+use crate::description::{Description, OddPower};
 use crate::elements::Element;
 use crate::formula::{Atom, Compiled, Formula, Line, Step, potential};
 use crate::functional::Functional;
@@ -16,13 +16,16 @@ pub(crate) fn compiled(element: Element) -> Option<Compiled> {
 /// Number of operations of curved forces of a machine.
 pub fn count(d: &Description) -> usize {
     let of_formula = |element| compiled(element).map_or(0, |own| own.steps.len());
-    let of_stribeck = |element| match element {
+    let of_law = |element| match element {
+        Element::Spring(own) => usize::from(own.has_polynomial()) + own.power.iter().count(),
+        Element::Damper(own) => own.cubic.iter().count() + own.odd_powers().count(),
+        Element::Stop(own) => {
+            own.contact.map_or(0, |own| usize::from(own.exponent != 1.0) + own.dissipation.iter().count())
+        }
         Element::Friction(friction) if friction.stribeck.is_some() => STRIBECK,
         _ => 0,
     };
-    d.elements()
-        .map(|element| usize::from(element.has_curve()) + of_formula(element) + of_stribeck(element))
-        .sum()
+    d.elements().map(|element| of_law(element) + of_formula(element)).sum()
 }
 
 /// The first element with a curved force, by its dotted name.
@@ -171,7 +174,7 @@ impl System {
         let Elongation { e, rate, .. } = &spring.elongation;
         let argument = if is_of_rate { rate } else { e }.clone();
         spring.force = &spring.force + &Functional::unit(self.signals.size, place, 1.0);
-        spring.curve = Some(self.curved.len());
+        spring.curves.push((self.curved.len(), 1.0));
         let operation = Operation::Polynomial(Polynomial { coefficients });
         let second = Functional::zeros(self.signals.size);
         let owner = Part::Spring(self.springs.len() - 1);
@@ -230,6 +233,36 @@ impl System {
         }
         // The level falls without a jump.
         *has_static = false;
+    }
+
+    /// Adds powers with two sides to the spring that was added last, of its elongation or of its
+    /// rate.
+    pub(crate) fn add_odd_powers(&mut self, is_of_rate: bool, powers: impl IntoIterator<Item = OddPower>) {
+        for OddPower { coefficient, exponent } in powers {
+            let Some(spring) = self.springs.last() else { return };
+            let Elongation { e, rate, .. } = &spring.elongation;
+            let argument = if is_of_rate { rate } else { e }.clone();
+            let (index, owner) = (self.curved.len(), Part::Spring(self.springs.len() - 1));
+            let none = Functional::zeros(self.signals.size);
+            let row = self.add_operation(Operation::TwoSided(exponent), [&argument, &none], owner);
+            self.curved[index].is_of_rate = is_of_rate;
+            let Some(spring) = self.springs.last_mut() else { return };
+            spring.force = &spring.force + &(coefficient * &row);
+            spring.curves.push((index, coefficient));
+        }
+    }
+
+    /// Adds an operation; returns the row of its value.
+    pub(crate) fn add_operation(
+        &mut self,
+        operation: Operation,
+        [argument, second]: [&Functional; 2],
+        owner: Part,
+    ) -> Functional {
+        let place = self.signals.curved + self.curved.len();
+        let (argument, second) = (argument.clone(), second.clone());
+        self.curved.push(Curved { argument, second, operation, place, is_of_rate: false, owner });
+        Functional::unit(self.signals.size, place, 1.0)
     }
 
     /// Writes the curved forces into the augmented state, from its coordinates and rates.

@@ -1,7 +1,8 @@
 //! The powers of a machine's loads and losses, as products of two linear functions of the state,
 //! with the contact states that each requires (docs/assembly-law.md, section 9).
 
-use super::System;
+use super::{ContactRows, System};
+use crate::curved::HUNT_CROSSLEY;
 use crate::description::{SeriesLaw, StopLaw};
 use crate::functional::Functional;
 use crate::kernel::Sparse;
@@ -83,9 +84,12 @@ impl Losses {
         for (i, spring) in system.springs.iter().enumerate() {
             let rate = &spring.elongation.rate;
             put(When::Always, Account::Dashpot(i), spring.damping, rate, rate);
-            if let Some(curved) = spring.curve.map(|i| &system.curved[i]).filter(|own| own.is_of_rate) {
-                let force = Functional::unit(system.signals.size, curved.place, 1.0);
-                put(When::Always, Account::Dashpot(i), 1.0, &force, rate);
+            for &(curve, factor) in &spring.curves {
+                let curved = &system.curved[curve];
+                if curved.is_of_rate {
+                    let force = Functional::unit(system.signals.size, curved.place, 1.0);
+                    put(When::Always, Account::Dashpot(i), factor, &force, rate);
+                }
             }
             if let Some(own) = &spring.formula {
                 put(When::Always, Account::Dashpot(i), 1.0, &own.lossy, rate);
@@ -95,6 +99,10 @@ impl Losses {
             let (rate, account) = (&stop.elongation.rate, Account::Stop(i));
             if let StopLaw::Compliant { damping, .. } = stop.law {
                 put(When::Stop(i, StopState::Pressed), account, damping, rate, rate);
+            }
+            if let Some(ContactRows { dissipation, product, .. }) = &stop.contact {
+                let factor = HUNT_CROSSLEY * dissipation * stop.stiffness();
+                put(When::Stop(i, StopState::Pressed), account, factor, product, rate);
             }
             if stop.is_limited() {
                 put(When::Stop(i, StopState::Free), account, -1.0, &stop.spring, rate);

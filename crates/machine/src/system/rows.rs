@@ -51,8 +51,9 @@ pub struct SpringRows {
     pub preload: f64,
     /// Its force.
     pub force: Functional,
-    /// Index of its curved force, which is part of `force`.
-    pub curve: Option<usize>,
+    /// Its curved forces, each by its index in [`System::curved`](super::System::curved), with its
+    /// factor in `force`.
+    pub curves: Vec<(usize, f64)>,
     /// The formula in its force, which is part of `force`.
     pub(crate) formula: Option<FormulaRows>,
 }
@@ -117,12 +118,42 @@ pub struct StopRows {
     pub is_freewheel: bool,
     /// The limit of a continuous block's output, if this is one.
     pub limit: Option<OutputLimit>,
+    /// Exponent and dissipation, if the force is curved.
+    pub contact: Option<ContactRows>,
     /// Indices of the first-order states on which the force acts, and the decrease of each state's
     /// rate per unit of force.
     pub further: Vec<(usize, f64)>,
 }
 
+/// Rows of a stop whose force is stiffness xᵖ (1 + 3/2 dissipation x') + damping x', with x = e -
+/// gap and the exponent p.
+#[derive(Clone, Debug)]
+pub struct ContactRows {
+    /// Exponent p.
+    pub exponent: f64,
+    /// Dissipation, s/m or s/rad; 0 if the file does not give it.
+    pub dissipation: f64,
+    /// xᵖ.
+    pub power: Functional,
+    /// xᵖ x'; zero if the file does not give a dissipation.
+    pub product: Functional,
+    /// 1 + 3/2 dissipation x', which has the sign of the force; `None` if the file does not give a
+    /// dissipation.
+    pub release: Option<Functional>,
+}
+
 impl StopRows {
+    /// The row with the sign of the limited force; `None` if the force has no limit, or is zero only
+    /// at the edge.
+    pub fn limited(&self) -> Option<&Functional> {
+        match &self.contact {
+            _ if !self.is_limited() => None,
+            Some(contact) if contact.release.is_some() => contact.release.as_ref(),
+            Some(_) if !self.is_damped() => None,
+            _ => Some(&self.force),
+        }
+    }
+
     /// The restitution coefficient; `None` for a compliant stop.
     pub fn restitution(&self) -> Option<f64> {
         match self.law {
@@ -159,6 +190,11 @@ impl StopRows {
     /// spring's force (`Elastogap`).
     pub fn is_limited(&self) -> bool {
         matches!(self.law, StopLaw::Compliant { limit: DampingLimit::NoPull | DampingLimit::Elastogap, .. })
+    }
+
+    /// Whether the stop is a curved contact with dissipation.
+    pub fn releases(&self) -> bool {
+        self.contact.as_ref().is_some_and(|contact| contact.release.is_some())
     }
 
     /// Whether the dashpot acts only while e grows.

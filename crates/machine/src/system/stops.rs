@@ -1,8 +1,9 @@
 //! Stops of the law: their elements, their order and their rows. The derivative of a machine by
 //! its numbers builds the rows of its stops by the same functions.
 
-use super::{Elongation, Part, StopLevel, StopRows, System};
-use crate::description::{Arms, DampingLimit, Description, ForcePoint, Signal, StopLaw};
+use super::{ContactRows, Elongation, Part, StopLevel, StopRows, System};
+use crate::curved::{HUNT_CROSSLEY, Operation};
+use crate::description::{Arms, ContactLaw, DampingLimit, Description, ForcePoint, Signal, StopLaw};
 use crate::elements::Element;
 use crate::functional::Functional;
 use crate::polyline::Polyline;
@@ -119,7 +120,30 @@ where
     [spring, force]
 }
 
+/// The spring's share of a curved contact's force, and the force without its limit, from the
+/// numbers of the law and the dissipation. Both are linear in the rows of xᵖ, of xᵖ x' and of x'.
+pub(crate) fn contact_forces<R>(law: StopLaw, dissipation: f64, [power, product, rate]: [&R; 3]) -> [R; 2]
+where
+    f64: for<'r> Mul<&'r R, Output = R>,
+    for<'r> &'r R: Add<&'r R, Output = R>,
+{
+    let [stiffness, damping] = match law {
+        StopLaw::Compliant { stiffness, damping, .. } => [stiffness, damping],
+        StopLaw::Rigid { .. } => [0.0; 2],
+    };
+    let spring = stiffness * power;
+    let factor: f64 = [HUNT_CROSSLEY, dissipation, stiffness].into_iter().product();
+    let dissipated = factor * product;
+    let resting = &spring + &(damping * rate);
+    [spring, &resting + &dissipated]
+}
+
 impl StopRows {
+    /// Whether the force is a power of the excess.
+    pub(crate) fn has_power(&self) -> bool {
+        self.contact.as_ref().is_some_and(|own| own.exponent != 1.0)
+    }
+
     /// The rows of a stop from its elongation, its excess beyond the gap, and its law.
     pub(super) fn new(elongation: Elongation, excess: Functional, law: StopLaw) -> Self {
         let [spring, force] = forces(law, &excess, &elongation.rate);
@@ -133,12 +157,38 @@ impl StopRows {
             level: None,
             is_freewheel: false,
             limit: None,
+            contact: None,
             further: Vec::new(),
         }
     }
 }
 
 impl System {
+    /// The rows of a stop with a curved force, whose curved forces are added to the machine's.
+    fn curved_stop(&mut self, rows: StopRows, contact: ContactLaw) -> StopRows {
+        let size = self.signals.size;
+        let (rate, owner) = (&rows.elongation.rate, Part::Stop(self.stops.len()));
+        let power = match contact.exponent {
+            1.0 => rows.excess.clone(),
+            exponent => {
+                let operation = Operation::OneSided(exponent);
+                self.add_operation(operation, [&rows.excess, &Functional::zeros(size)], owner)
+            }
+        };
+        let dissipation = contact.dissipation.unwrap_or_default();
+        let (product, release) = match contact.dissipation {
+            None => (Functional::zeros(size), None),
+            Some(_) => {
+                let product = self.add_operation(Operation::Product, [&power, rate], owner);
+                let slope = HUNT_CROSSLEY * dissipation * rate;
+                (product, Some(&self.constant(1.0) + &slope))
+            }
+        };
+        let [spring, force] = contact_forces(rows.law, dissipation, [&power, &product, rate]);
+        let contact = ContactRows { exponent: contact.exponent, dissipation, power, product, release };
+        StopRows { spring, force, contact: Some(contact), ..rows }
+    }
+
     /// Adds the stops that stops and springs make, with the rows of the counters of levels.
     pub(super) fn add_stops(&mut self, d: &Description, counters: &[Functional]) {
         let first = d.elements().take_while(|own| !matches!(own, Element::Stop(_))).count();
@@ -156,7 +206,13 @@ impl System {
                 stop,
             });
             self.parts[element].push(Part::Stop(self.stops.len()));
-            self.stops.push(StopRows { level, ..StopRows::new(elongation, excess, law) });
+            let contact = stop.and_then(|i| d.stops[i].contact);
+            let rows = StopRows { level, ..StopRows::new(elongation, excess, law) };
+            let rows = match contact {
+                Some(contact) => self.curved_stop(rows, contact),
+                None => rows,
+            };
+            self.stops.push(rows);
         }
         for spring in d.springs.iter().filter(|spring| !spring.points.is_empty()) {
             self.stored_at_zero += Polyline::new(&spring.points).energy_at_zero();

@@ -21,14 +21,17 @@ impl System {
             // Without stiffness the force does not show where it ends.
             StopState::Pressed if stop.level.is_some() && !damped => vec![leaves()],
             StopState::Pressed if stop.turns() => vec![(Watch::Turns(i), -&stop.elongation.rate)],
-            StopState::Pressed if !stop.is_limited() => vec![leaves()],
             StopState::Pressed => {
+                let Some(limited) = stop.limited() else { return vec![leaves()] };
                 let cap = (stop.is_elastogap() && damped)
                     .then(|| (Watch::Changes(i), &stop.force - &(2.0 * &stop.spring)));
-                std::iter::once((Watch::Changes(i), -&stop.force)).chain(cap).collect()
+                // The force of a curved contact with dissipation is zero at the edge, too.
+                let edge = stop.releases().then(leaves);
+                std::iter::once((Watch::Changes(i), -limited)).chain(cap).chain(edge).collect()
             }
             StopState::Free => {
-                vec![(Watch::Changes(i), stop.force.clone()), leaves()]
+                let rises = stop.limited().map(|limited| (Watch::Changes(i), limited.clone()));
+                rises.into_iter().chain([leaves()]).collect()
             }
             StopState::Capped => vec![(Watch::Changes(i), &(2.0 * &stop.spring) - &stop.force), leaves()],
             StopState::Rebounding => {

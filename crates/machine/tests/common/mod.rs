@@ -106,6 +106,7 @@ pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
         damping,
         preload: 0.0,
         curve: Default::default(),
+        power: None,
         force: None,
         across: None,
         points,
@@ -115,7 +116,14 @@ pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
 
 /// A rigid stop.
 pub fn rigid(name: &str, terms: &[(usize, f64)], gap: f64, restitution: f64) -> Stop {
-    Stop { name: name.into(), arms: arms(terms), gap, law: StopLaw::Rigid { restitution }, stepped: None }
+    Stop {
+        name: name.into(),
+        arms: arms(terms),
+        gap,
+        law: StopLaw::Rigid { restitution },
+        stepped: None,
+        contact: None,
+    }
 }
 
 /// A compliant stop.
@@ -128,7 +136,7 @@ pub fn compliant(
     limit: DampingLimit,
 ) -> Stop {
     let law = StopLaw::Compliant { stiffness, damping, limit };
-    Stop { name: name.into(), arms: arms(terms), gap, law, stepped: None }
+    Stop { name: name.into(), arms: arms(terms), gap, law, stepped: None, contact: None }
 }
 
 /// Friction of a constant level.

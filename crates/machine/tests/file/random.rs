@@ -158,7 +158,7 @@ prop_compose! {
         let spring = |(i, (mut raw, stiffness, damping, preload)): (usize, (Raw, f64, f64, f64))| {
             raw.2 = i;
             let (name, arms) = (format!("spring_{i}"), arms_of(&bodies, raw));
-            Spring { name, arms, stiffness, stepped: None, damping, preload, curve: Default::default(), force: None, across: None, points: Vec::new(), series: None }
+            Spring { name, arms, stiffness, stepped: None, damping, preload, curve: Default::default(), power: None, force: None, across: None, points: Vec::new(), series: None }
         };
         let springs = springs.into_iter().enumerate().map(spring).collect();
         let stop = |(i, (raw, gap, rigid, restitution, stiffness, damping, clipped)): (usize, RawStop)| {
@@ -167,7 +167,7 @@ prop_compose! {
             // Starts at rigid stops are tested elsewhere.
             let rigid = rigid && starts_at_rest;
             let law = if rigid { StopLaw::Rigid { restitution } } else { StopLaw::Compliant { stiffness, damping, limit } };
-            Stop { name: format!("stop_{i}"), arms, gap, law, stepped: None }
+            Stop { name: format!("stop_{i}"), arms, gap, law, stepped: None, contact: None }
         };
         let stops = stops.into_iter().enumerate().map(stop).collect();
         let friction = |(i, (raw, force, static_force)): (usize, (Raw, Signal, Option<Signal>))| {

@@ -12,8 +12,10 @@ use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Distance by which a parameter is moved, in standard errors.
+/// Distances by which a parameter is moved, in standard errors. Far away the cost may rise less than
+/// the curvature promises: a carriage that sticks soon shows little of its initial velocity.
 const AWAY: f64 = 2.0;
+const FAR: f64 = 5.0;
 /// Rise of the cost there, in variances, that needs no fit of the other parameters.
 const EXPECTED: (f64, f64) = (2.8, 5.6);
 /// Rise, in variances, that suffices for an error; largest number of doublings to reach it.
@@ -92,7 +94,8 @@ pub(super) fn profile(
     let p = best.point.values.len();
     let Some(errors) = Errors::of(model, best)? else { return Ok(Profile::Factors(vec![1.0; p])) };
     let variance = model.variance(best.cost, p);
-    let sides: Vec<(usize, f64)> = (0..p).flat_map(|j| [(j, AWAY), (j, -AWAY)]).collect();
+    let sides: Vec<(usize, f64)> =
+        (0..p).flat_map(|j| [AWAY, -AWAY, FAR, -FAR].map(|away| (j, away))).collect();
     let side = |&(j, away): &(usize, f64)| side(model, bounds, best, &errors, (j, away, variance), go_on);
     let all: Vec<Moved> = sides.par_iter().filter_map(side).collect();
     let better = all.iter().filter(|own| own.rise < -BETTER).min_by(|a, b| a.rise.total_cmp(&b.rise));

@@ -38,6 +38,14 @@ const ELSEWHERE: f64 = 9.0;
 const ONE: f64 = 3.0;
 const ONE_PART: f64 = 1e-3;
 
+/// Number of local minima, the lowest ones near a point, from which valleys are sought again: the
+/// valley of least cost may be narrow and lie beside a wider one.
+const AGAIN: usize = 2;
+
+/// Cost of such a minimum, and of a valley on a line, relative to the best point's, at most.
+const NEAR: f64 = 1.25;
+const HOPEFUL: f64 = 4.0;
+
 /// Result of restarts near a point.
 pub(super) enum Found {
     /// A better point.
@@ -86,8 +94,25 @@ pub(super) fn from_rest(
 
 /// Number of points of a scanned line to each side, and their distance in standard errors.
 const SCAN: (i32, f64) = (12, 1.0);
+/// Beyond these points a line of a single parameter goes on with distances that grow by this
+/// factor, up to this relative change of the parameter. Narrow valleys lie side by side: in one
+/// record the valley of the true restitution was 500 standard errors away, 0.8 % of its value.
+const WIDE: (f64, f64) = (1.25, 0.1);
 /// Largest number of valleys from which a scan descends.
 const VALLEYS: usize = 12;
+
+/// Distances of the points of a scanned line, in standard errors.
+fn distances(best: &Point, line: &Point) -> impl Iterator<Item = f64> {
+    let (count, step) = SCAN;
+    let mut moved = line.values.iter().zip(&best.values).filter(|(change, _)| **change != 0.0);
+    let most = match (moved.next(), moved.next()) {
+        (Some((change, value)), None) => (WIDE.1 * value / change).abs(),
+        _ => 0.0,
+    };
+    let last = f64::from(count) * step;
+    let wide = std::iter::successors(Some(WIDE.0 * last), |away| Some(WIDE.0 * away));
+    (1..=count).map(move |k| step * f64::from(k)).chain(wide.take_while(move |away| *away <= most))
+}
 
 /// Where restarts begin.
 #[derive(Clone, Copy)]
@@ -113,16 +138,23 @@ pub(super) fn restarted(
     // Residuals above noise indicate that a better point exists.
     let is_better = has_valleys && model.misses(&best.point, &best.reach)?;
     let more = MORE.iter().filter(|_| is_better).map(|away| From::Away(*away, true));
-    let at = model.evaluate(&best.point, &best.reach)?;
-    let own = (model.loss(), model.has_sigma());
-    let errors = Uncertainty::of(&at, &bounds.names, &best.point.values, own).errors;
-    let restarts = Restarts { model, bounds, best, at, errors, factors, go_on };
+    let restarts = Restarts::at(model, bounds, best, factors, go_on)?;
     let mut others = Vec::new();
     for from in valleys.into_iter().chain(aways).chain(more) {
-        match restarts.from(from) {
-            Found::NoBetter(found) => others.extend(found),
-            better @ Found::Better(_) => return Ok(better),
+        let minima = restarts.from(from);
+        if let Some(better) = restarts.better(&minima) {
+            return Ok(Found::Better(better));
         }
+        if matches!(from, From::Valleys) {
+            for own in restarts.lowest(&minima) {
+                let again = Restarts::at(model, bounds, own, factors, go_on)?.from(from);
+                if let Some(better) = restarts.better(&again) {
+                    return Ok(Found::Better(better));
+                }
+                others.extend(restarts.others(&again));
+            }
+        }
+        others.extend(restarts.others(&minima));
     }
     Ok(Found::NoBetter(others))
 }
@@ -134,6 +166,8 @@ struct Restarts<'a> {
     best: &'a Solved,
     /// Residuals and derivatives there.
     at: Evaluated,
+    /// Jacobian of all residuals there; `None` if it is singular.
+    jacobian: Option<DMatrix<f64>>,
     /// Standard errors from the curvature.
     errors: Vec<Option<f64>>,
     /// Ratios of the standard errors to these.
@@ -141,15 +175,30 @@ struct Restarts<'a> {
     go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
-impl Restarts<'_> {
-    fn from(&self, from: From) -> Found {
+impl<'a> Restarts<'a> {
+    /// Restarts near a minimum.
+    fn at(
+        model: &'a dyn Problem,
+        bounds: &'a Bounds,
+        best: &'a Solved,
+        factors: &'a [f64],
+        go_on: &'a (dyn Fn() -> bool + Sync),
+    ) -> Result<Self> {
+        let at = model.evaluate(&best.point, &best.reach)?;
+        let own = (model.loss(), model.has_sigma());
+        let errors = Uncertainty::of(&at, &bounds.names, &best.point.values, own).errors;
+        let jacobian = Directions::of(model, &best.point.values, &at).map(|own| own.jacobian);
+        Ok(Self { model, bounds, best, at, jacobian, errors, factors, go_on })
+    }
+
+    /// Minima that descents from these starts find.
+    fn from(&self, from: From) -> Vec<Solved> {
         let Self { model, bounds, best, at, .. } = self;
         let (away, is_paired) = match from {
             From::Valleys => (1.0, false),
             From::Away(away, is_paired) => (away, is_paired),
         };
-        let along = along(*model, best, at, (away, is_paired));
-        let Some((jacobian, along)) = along else { return Found::NoBetter(Vec::new()) };
+        let Some(along) = along(*model, best, at, (away, is_paired)) else { return Vec::new() };
         let starts = match from {
             From::Valleys => self.valleys(along),
             From::Away(..) => {
@@ -160,7 +209,7 @@ impl Restarts<'_> {
                     .collect()
             }
         };
-        self.descended(&starts, &jacobian)
+        self.descended(&starts)
     }
 
     /// The lowest valleys of the cost on lines through the point: along combinations, and along
@@ -173,18 +222,21 @@ impl Restarts<'_> {
             line.values[j] = error.unwrap_or(0.0);
             lines.push(line);
         }
-        let (count, step) = SCAN;
+        let count = SCAN.0;
         let on_side = |(line, sign): (&Point, f64)| {
-            let point = |k: i32| bounds.moved(&best.point, &mut (line * (sign * step * f64::from(k))));
-            let points: Vec<Point> = (1..=count).map(point).collect();
+            let point = |away: f64| bounds.moved(&best.point, &mut (line * (sign * away)));
+            let points: Vec<Point> = distances(&best.point, line).map(point).collect();
             let cost = |point: &Point| {
                 let at = Solved { point: point.clone(), ..(*best).clone() };
                 if go_on() { model.cost(&at).unwrap_or(f64::INFINITY) } else { f64::INFINITY }
             };
             let costs: Vec<f64> = points.par_iter().map(cost).collect();
             let before = |k: usize| k.checked_sub(1).map_or(best.cost, |before| costs[before]);
-            let is_valley =
-                |k: &usize| costs[*k] < before(*k) && costs.get(k + 1).is_none_or(|next| costs[*k] <= *next);
+            let is_hopeful = |k: usize| k < count as usize || costs[k] < HOPEFUL * best.cost;
+            let is_valley = |k: &usize| {
+                let is_low = costs[*k] < before(*k) && costs.get(k + 1).is_none_or(|next| costs[*k] <= *next);
+                is_low && is_hopeful(*k)
+            };
             (0..costs.len()).filter(is_valley).map(|k| (costs[k], points[k].clone())).collect::<Vec<_>>()
         };
         let sides: Vec<(&Point, f64)> = lines.iter().flat_map(|line| [(line, 1.0), (line, -1.0)]).collect();
@@ -193,35 +245,56 @@ impl Restarts<'_> {
         all.into_iter().take(VALLEYS).map(|own| own.1).collect()
     }
 
-    /// Descends from several points, and compares the minima with the best point.
-    fn descended(&self, starts: &[Point], jacobian: &DMatrix<f64>) -> Found {
+    /// Variance of the residuals at the best point.
+    fn variance(&self) -> f64 {
+        self.model.variance(self.best.cost, self.best.point.values.len())
+    }
+
+    /// Descends from several points.
+    fn descended(&self, starts: &[Point]) -> Vec<Solved> {
         let Self { model, bounds, best, go_on, .. } = *self;
-        let variance = model.variance(best.cost, best.point.values.len());
         // Without contacts there is one valley: its minimum need not be found again.
-        let enough = if model.has_stops() { f64::NEG_INFINITY } else { best.cost + variance };
+        let enough = if model.has_stops() { f64::NEG_INFINITY } else { best.cost + self.variance() };
         let convergence = Convergence::Back(enough);
         let by = |start: &Point| solve(model, bounds, start, (&best.reach, convergence), go_on).ok();
-        let all: Vec<Solved> = starts.par_iter().filter_map(by).collect();
-        let least = all.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        let better = BETTER[usize::from(!best.reach.is_whole())];
-        if let Some(own) = least.filter(|own| own.cost < best.cost - better * variance) {
-            return Found::Better(own.clone());
-        }
-        let is_as_good = |own: &&Solved| own.cost < best.cost + AS_GOOD * variance;
-        let others = all.iter().filter(is_as_good).filter(|own| self.is_apart(own, jacobian, variance));
-        Found::NoBetter(others.map(|own| self.other(own, variance)).collect())
+        starts.par_iter().filter_map(by).collect()
+    }
+
+    /// The lowest of some minima, if it is better than the best point.
+    fn better(&self, minima: &[Solved]) -> Option<Solved> {
+        let least = minima.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        let better = BETTER[usize::from(!self.best.reach.is_whole())];
+        least.filter(|own| own.cost < self.best.cost - better * self.variance()).cloned()
+    }
+
+    /// The lowest minima that are other ones than the best point and than each other.
+    fn lowest<'m>(&self, minima: &'m [Solved]) -> Vec<&'m Solved> {
+        let is_near = |own: &&Solved| own.cost < NEAR * self.best.cost && self.is_apart(own);
+        let mut all: Vec<&Solved> = minima.iter().filter(is_near).collect();
+        all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        all.dedup_by(|a, b| (a.cost - b.cost).abs() < BETTER[0] * self.variance());
+        all.truncate(AGAIN);
+        all
+    }
+
+    /// The minima that are as good as the best point, and other ones.
+    fn others(&self, minima: &[Solved]) -> Vec<Other> {
+        let variance = self.variance();
+        let is_as_good = |own: &&Solved| own.cost < self.best.cost + AS_GOOD * variance;
+        let others = minima.iter().filter(is_as_good).filter(|own| self.is_apart(own));
+        others.map(|own| self.other(own, variance)).collect()
     }
 
     /// Whether a minimum is another one than the best point.
-    fn is_apart(&self, own: &Solved, jacobian: &DMatrix<f64>, variance: f64) -> bool {
+    fn is_apart(&self, own: &Solved) -> bool {
         let (here, there) = (&self.best.point.values, &own.point.values);
         let off = DVector::from_iterator(here.len(), there.iter().zip(here).map(|(a, b)| a - b));
         let errors = self.errors.iter().zip(self.factors);
         let is_one = |((a, b), (error, factor)): ((&f64, &f64), (&Option<f64>, &f64))| {
             (a - b).abs() <= error.map_or(ONE_PART * a.abs(), |error| ONE * error * factor)
         };
-        let rise = (jacobian * off).norm_squared();
-        rise > ELSEWHERE * variance && !here.iter().zip(there).zip(errors).all(is_one)
+        let rise = self.jacobian.as_ref().map_or(0.0, |jacobian| (jacobian * off).norm_squared());
+        rise > ELSEWHERE * self.variance() && !here.iter().zip(there).zip(errors).all(is_one)
     }
 
     /// Another minimum, with the ratios of the errors that reach it.
@@ -237,17 +310,17 @@ impl Restarts<'_> {
     }
 }
 
-/// Jacobian of all residuals, and parameter changes of `away` standard errors along the least
+/// Parameter changes of `away` standard errors along the least
 /// determined combinations, each with the resulting changes of segment states.
 fn along(
     model: &dyn Problem,
     best: &Solved,
     at: &Evaluated,
     (away, is_paired): (f64, bool),
-) -> Option<(DMatrix<f64>, Vec<Point>)> {
+) -> Option<Vec<Point>> {
     let values = &best.point.values;
     let p = values.len();
-    let Directions { triangle, jacobian, scales, singular, right } = Directions::of(model, values, at)?;
+    let Directions { triangle, scales, singular, right, .. } = Directions::of(model, values, at)?;
     let largest = singular.max();
     let mut known: Vec<usize> = (0..right.nrows()).filter(|&k| singular[k] > SINGULAR * largest).collect();
     known.sort_by(|&a, &b| singular[a].total_cmp(&singular[b]));
@@ -273,5 +346,5 @@ fn along(
             })),
         }
     }
-    Some((jacobian, ways.iter().filter_map(|own| of(own)).collect()))
+    Some(ways.iter().filter_map(|own| of(own)).collect())
 }

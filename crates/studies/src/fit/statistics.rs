@@ -43,6 +43,33 @@ pub(super) fn persistence(residuals: impl Iterator<Item = f64>) -> f64 {
     products / all.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
+/// Correlation of residuals over several lags.
+pub(super) struct Correlated {
+    /// Sum of the squared correlations, less its mean for white noise: about the part of the
+    /// variance that earlier residuals explain.
+    pub share: f64,
+    /// The same sum in standard deviations of its distribution for white noise.
+    pub deviations: f64,
+}
+
+/// Largest number of lags, and smallest number of residuals for each lag.
+const LAGS: (usize, usize) = (40, 4);
+
+/// Correlation of residuals over up to [`LAGS`] lags: the portmanteau test of G. Ljung and G. Box,
+/// Biometrika 65, 1978.
+pub(super) fn correlated(residuals: &[f64]) -> Correlated {
+    let n = residuals.len() as f64;
+    let lags = LAGS.0.min(residuals.len() / LAGS.1);
+    let squares = residuals.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
+    let of_lag = |lag: usize| {
+        let products: f64 = residuals.iter().zip(&residuals[lag..]).map(|(a, b)| a * b).sum();
+        (products / squares).powi(2) * (n + 2.0) / (n - lag as f64)
+    };
+    let mean = lags as f64 / n.max(1.0);
+    let share = (1..=lags).map(of_lag).sum::<f64>() - mean;
+    Correlated { share, deviations: share * n / (2.0 * lags.max(1) as f64).sqrt() }
+}
+
 /// Root mean square; 0 without residuals.
 pub(super) fn rms(residuals: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = residuals.fold((0.0, 0usize), |(sum, count), r| (sum + r * r, count + 1));
@@ -118,6 +145,26 @@ mod tests {
         // No difference is left of two values, and none that is not 0 of a straight line.
         assert_eq!(noise(&[1.0, 2.0]), 0.0);
         assert_eq!(noise(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]), 0.0);
+    }
+
+    #[test]
+    fn closed_form_earlier_values_explain_the_part_of_the_variance_that_was_made_of_them() {
+        let all = normal(8000);
+        // Of white noise nothing is explained: a sum of 40 squares of normal numbers.
+        let white = correlated(&all);
+        assert!(white.share.abs() < 0.01 && white.deviations.abs() < 4.0, "{}", white.deviations);
+        // xₖ = a xₖ₋₁ + noise has the correlation aᵏ over k lags; the squares sum to a²/(1 - a²).
+        let a: f64 = 0.3;
+        let mut last = 0.0;
+        let made = all.iter().map(|x| {
+            last = a * last + x;
+            last
+        });
+        let found = correlated(&made.collect::<Vec<_>>());
+        // Four standard deviations of the largest correlation from 8000 samples, times twice itself.
+        assert!((found.share - a * a / (1.0 - a * a)).abs() < 0.03, "{}", found.share);
+        assert!(found.deviations > 50.0);
+        assert_eq!(correlated(&[]).share, 0.0);
     }
 
     #[test]

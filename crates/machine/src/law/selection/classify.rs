@@ -55,15 +55,15 @@ impl Selection<'_> {
         if stop.level.is_some() && !stop.is_damped() {
             return Stop::Is(StopState::Pressed);
         }
-        if !stop.is_limited() {
+        let Some(limited) = stop.limited() else {
             return match rate {
                 _ if !stop.turns() => Stop::Is(StopState::Pressed),
                 _ if verdict.limits[i] || rate == 0.0 => Stop::Turning,
                 rate if rate > 0.0 => Stop::Is(StopState::Pressed),
                 _ => Stop::Is(StopState::Rebounding),
             };
-        }
-        let pull = self.sign(&stop.force, 0);
+        };
+        let pull = self.sign(limited, 0);
         if pull < 0.0 && !verdict.limits[i] {
             return Stop::Is(StopState::Free);
         }

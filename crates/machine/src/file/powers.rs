@@ -1,0 +1,152 @@
+//! Reading of powers with an exponent: a power with two sides of springs and dampers, and the
+//! curved force of a stop.
+
+use super::numbers::finite;
+use super::reading::{Entry, FileTable, Reading};
+use super::stepped;
+use crate::description::{ContactLaw, DampingLimit, Dimension, OddPower, Signal, StopLaw};
+use crate::kinds::{self, NumberKind};
+use vibro_numerics::quantities::split;
+
+/// Keys of a power with two sides.
+pub(super) const KEYS: [&str; 2] = ["coefficient", "exponent"];
+/// Keys of a stop's curved force.
+pub(super) const CONTACT_KEYS: [&str; 2] = ["exponent", "dissipation"];
+
+/// Whether a table of a spring or damper has a power with two sides.
+pub(super) fn is_given(table: &FileTable) -> bool {
+    KEYS.iter().any(|key| table.has(key))
+}
+
+/// Reads the power with two sides of a spring or damper; `Some(None)` if there is none, `None` if
+/// it is refused. A table with one of `excluded` cannot have such a power.
+pub(super) fn read(
+    reading: &mut Reading,
+    table: &FileTable,
+    dimension: Dimension,
+    (of_rate, excluded): (bool, &[&str]),
+) -> Option<Option<OddPower>> {
+    if !is_given(table) {
+        return Some(None);
+    }
+    let allowed = kinds::ODD_EXPONENT.allowed(dimension);
+    let exponent = reading.required(table, "exponent", &allowed);
+    let exponent = exponent.and_then(|entry| exponent_of(reading, &entry, kinds::ODD_EXPONENT));
+    let kind = kinds::coefficient_of_power(exponent.unwrap_or(f64::NAN), of_rate);
+    let coefficient = reading.required(table, "coefficient", &kind.allowed(dimension))?;
+    if let Some(other) = excluded.iter().find(|other| table.has(other)) {
+        let text = format!("cannot be combined with `{other}`: use two springs side by side");
+        reading.refuse(&coefficient, text);
+        return None;
+    }
+    let value = of_power(reading, &coefficient, (kind, exponent), dimension);
+    Some(Some(OddPower { coefficient: value?, exponent: exponent? }))
+}
+
+/// Reads an exponent: a plain number, as no parameter varies it.
+fn exponent_of(reading: &mut Reading, entry: &Entry, kind: NumberKind) -> Option<f64> {
+    let found = finite(entry.value).filter(|exponent| kind.contains(*exponent));
+    if found.is_none() {
+        let allowed = kind.allowed(Dimension::Translation);
+        let no_text = if entry.value.is_str() { ", without a unit or an expression" } else { "" };
+        reading.refuse(entry, format!("{allowed}{no_text}"));
+    }
+    found
+}
+
+/// Reads a number whose unit has the exponent.
+fn of_power(
+    reading: &mut Reading,
+    entry: &Entry,
+    (kind, exponent): (NumberKind, Option<f64>),
+    dimension: Dimension,
+) -> Option<f64> {
+    let exponent = exponent?;
+    if let (true, Some(text)) = (kind.unit(dimension).ends_with('p'), entry.value.as_str())
+        && let Some((_, unit)) = split(text)
+        && let Some(other) = exponents_in(unit).find(|other| *other != exponent)
+    {
+        reading.refuse(entry, format!("its unit has the power {other}; expected the exponent {exponent}"));
+        return None;
+    }
+    reading.number(entry, kind, dimension)
+}
+
+/// The numbers in a unit, such as 2.2 in `N/m^2.2`.
+fn exponents_in(unit: &str) -> impl Iterator<Item = f64> {
+    let words = unit.split(|c: char| !c.is_ascii_digit() && c != '.');
+    words.filter_map(|word| word.trim_matches('.').parse().ok())
+}
+
+/// Reads the law of a compliant stop with `exponent` or `dissipation`.
+pub(super) fn contact(
+    reading: &mut Reading,
+    table: &FileTable,
+    dimension: Dimension,
+) -> Option<(StopLaw, Option<ContactLaw>)> {
+    let exponent = match reading.optional(table, "exponent") {
+        Some(entry) => exponent_of(reading, &entry, kinds::EXPONENT),
+        None => Some(1.0),
+    };
+    let is_sound = alone(reading, table);
+    let kind = kinds::stiffness_of_power(exponent.unwrap_or(f64::NAN));
+    let allowed = kind.allowed(dimension);
+    let stiffness = reading.required(table, "stiffness", &allowed);
+    let stiffness = stiffness.and_then(|entry| match entry.value.is_table() {
+        true => {
+            let text = "a stiffness that steps in time cannot be combined with `exponent` or \
+                        `dissipation`: use two stops side by side";
+            reading.refuse(&entry, text);
+            None
+        }
+        false => of_power(reading, &entry, (kind, exponent), dimension),
+    });
+    let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+    let dissipation = match reading.optional(table, "dissipation") {
+        Some(entry) => reading.number(&entry, kinds::DISSIPATION, dimension).map(Some),
+        None => Some(None),
+    };
+    let (exponent, dissipation) = (exponent?, dissipation?);
+    let limit = DampingLimit::NoPull;
+    let law = StopLaw::Compliant { stiffness: stiffness?, damping: damping?, limit };
+    let is_curved = exponent != 1.0 || dissipation.is_some();
+    is_sound.then_some((law, is_curved.then_some(ContactLaw { exponent, dissipation })))
+}
+
+/// Whether no other key excludes a curved force; refuses it otherwise.
+fn alone(reading: &mut Reading, table: &FileTable) -> bool {
+    let mut is_alone = true;
+    if let (Some(entry), true) = (reading.optional(table, "dissipation"), table.has("damping")) {
+        let text = "cannot be combined with `damping`: use `dissipation` for the contact of Hunt and \
+                    Crossley, or `damping` for a linear dashpot";
+        reading.refuse(&entry, text);
+        is_alone = false;
+    }
+    if let Some(law) = reading.optional(table, "law")
+        && reading.word(&law, &DampingLimit::ALL) != Some(DampingLimit::NoPull)
+    {
+        let key = CONTACT_KEYS.into_iter().find(|key| table.has(key)).unwrap_or_default();
+        reading.refuse(&law, format!("cannot be combined with `{key}`; expected \"no-pull\""));
+        is_alone = false;
+    }
+    is_alone
+}
+
+/// Reads the law of a compliant stop: straight, with steps in time, or curved.
+pub(super) fn compliant(
+    reading: &mut Reading,
+    table: &FileTable,
+    dimension: Dimension,
+) -> Option<(StopLaw, Option<Signal>, Option<ContactLaw>)> {
+    if CONTACT_KEYS.iter().any(|key| table.has(key)) {
+        return contact(reading, table, dimension).map(|(law, contact)| (law, None, contact));
+    }
+    let stiffness = stepped::read(reading, table, kinds::STIFFNESS, dimension);
+    let damping = reading.number_or(table, "damping", kinds::DAMPING, dimension, 0.0);
+    let limit = match reading.optional(table, "law") {
+        None => Some(DampingLimit::NoPull),
+        Some(entry) => reading.word(&entry, &DampingLimit::ALL),
+    };
+    let (stiffness, stepped) = stiffness?;
+    Some((StopLaw::Compliant { stiffness, damping: damping?, limit: limit? }, stepped, None))
+}

@@ -1,0 +1,160 @@
+//! Powers with an edge in a mode: the sides on which a power series begins, and where it ends
+//! (docs/assembly-law.md, section 21).
+
+use super::CurveInMode;
+use crate::curved::{CurveSeries, NEAR, Operation, Piece, TERMS};
+use vibro_numerics::events::first_crossing;
+
+/// Distance from its edge, relative to the sizes of the terms of the argument, that counts as
+/// rounding.
+const ROUNDING: f64 = 1e-14;
+/// Change of the state by a power that counts as 0, relative to the state: a hundredth of the
+/// remainder of a series.
+const STATE: f64 = 1e-18;
+/// Largest product of a span with the rate by the slope of such a power: the relative error of
+/// derivatives.
+const SLOPE: f64 = 1e-15;
+/// Part of the time to the edge over which a series is first computed if it cannot pass the edge.
+const TO_EDGE: f64 = 1.0;
+/// Largest part of the way to the edge that a series without a proved remainder covers.
+const OF_WAY: f64 = 0.6;
+/// Factor from one tried part of a span to the next.
+const SHORTER: f64 = 0.8;
+/// Largest number of tried parts.
+const TRIALS: usize = 400;
+
+/// A state with the scales to which effects are compared.
+pub(crate) struct AtState<'a> {
+    /// The state.
+    pub z: &'a [f64],
+    /// Its time derivative, except of curved forces.
+    pub rates: &'a [f64],
+    /// 1/w of each coordinate in the norm (A6).
+    pub weights: &'a [f64],
+    /// Number of states; the signals follow.
+    pub one: usize,
+    /// Rate of the mode, 1/s.
+    pub rate: f64,
+}
+
+/// Sum of the sizes of the terms of an argument.
+fn terms(row: &crate::functional::Functional, z: &[f64]) -> f64 {
+    row.terms().iter().map(|&(j, x)| (x * z[j]).abs()).sum()
+}
+
+/// Whether any force of a mode has an edge.
+pub(crate) fn any(curves: &[CurveInMode]) -> bool {
+    curves.iter().any(|own| own.curved.operation.edge().is_some())
+}
+
+/// The sides of all powers at a state, for the choice of a mode and for single derivatives.
+pub(crate) fn sides(curves: &[CurveInMode], z: &[f64]) -> Vec<Piece> {
+    let of = |CurveInMode { curved, acts, .. }: &CurveInMode| match acts {
+        true => Piece::of(&curved.operation, curved.argument.at(z), NEAR * terms(&curved.argument, z)),
+        false => Piece::Still,
+    };
+    curves.iter().map(of).collect()
+}
+
+/// The sides of all powers for a series ahead of a state, and the longest time over which its
+/// coefficients are computed, s.
+pub(crate) fn sides_ahead(curves: &[CurveInMode], at: &AtState) -> (Vec<Piece>, f64) {
+    let norm = at.z[..at.one].iter().zip(at.weights).fold(0.0f64, |most, (z, w)| most.max((z * w).abs()));
+    let mut longest = f64::INFINITY;
+    let mut of = |(i, own): (usize, &CurveInMode)| {
+        let CurveInMode { curved, acts, .. } = own;
+        let (Operation::OneSided(p) | Operation::TwoSided(p), true) = (&curved.operation, *acts) else {
+            return if curved.operation.edge().is_some() { Piece::Still } else { Piece::Whole };
+        };
+        let a = curved.argument.at(at.z);
+        let side = Piece::of(&curved.operation, a, ROUNDING * terms(&curved.argument, at.z));
+        if side == Piece::Still || !curved.operation.ends_at_edge() {
+            return side;
+        }
+        let time = a.abs() / curved.argument.at(at.rates).abs();
+        // The argument doubles within this time, or reaches the edge.
+        let span = 2.0 * time.min(1.0 / at.rate);
+        let effect = effect(curves, i, at.z);
+        let change = effect * (2.0 * a.abs()).powf(*p) * span;
+        let slope = effect * own.reach() * p * (2.0 * a.abs()).powf(p - 1.0) * span;
+        if change <= STATE * norm && slope <= SLOPE {
+            return Piece::Still;
+        }
+        longest = longest.min(TO_EDGE * time);
+        side
+    };
+    let sides = curves.iter().enumerate().map(&mut of).collect();
+    (sides, longest)
+}
+
+/// Norm of the column of a force, with its effect through products.
+fn effect(curves: &[CurveInMode], i: usize, z: &[f64]) -> f64 {
+    let through = |own: &CurveInMode| {
+        let factor = own.rows[0].nested.iter().find(|nested| nested.0 == i).map_or(0.0, |nested| nested.1);
+        if factor == 0.0 { 0.0 } else { factor * own.effect(1.0) * own.curved.second.at(z).abs() }
+    };
+    curves[i].effect(1.0) + curves[i + 1..].iter().map(through).sum::<f64>()
+}
+
+/// The part of a span at which a power first comes to its edge, of the forces whose series continue
+/// beyond it; at most `part`. With `backwards` the series goes back in time.
+pub(crate) fn part_to_edge(
+    curves: &[CurveInMode],
+    series: &[CurveSeries],
+    part: f64,
+    backwards: bool,
+) -> f64 {
+    let mut first = part;
+    for (own, series) in curves.iter().zip(series) {
+        let operation = &own.curved.operation;
+        if !matches!(operation, Operation::TwoSided(_)) || operation.ends_at_edge() {
+            continue;
+        }
+        if series.piece == Piece::Still || series.sum_of_sizes_beyond(first) < series.first().abs() {
+            continue;
+        }
+        let mut c = series.argument();
+        let mut power = -1.0;
+        for x in c.iter_mut().take(super::LAST_CURVE_ORDER + 1) {
+            *x *= power;
+            power *= if backwards { -first } else { first };
+        }
+        c[super::LAST_CURVE_ORDER + 1..TERMS].fill(0.0);
+        if let Some(u) = first_crossing(&c, 0.0, 1.0, &mut 0) {
+            first *= u;
+        }
+    }
+    first
+}
+
+/// The longest part of a span over which powers at their edges have no effect on a state and its
+/// derivatives, and other powers stay away from their edges.
+pub(crate) fn part_at_edges(
+    curves: &[CurveInMode],
+    series: &[CurveSeries],
+    (mut part, span): (f64, f64),
+    at: &AtState,
+) -> f64 {
+    let norm = at.z[..at.one].iter().zip(at.weights).fold(0.0f64, |most, (z, w)| most.max((z * w).abs()));
+    for (i, (own, series)) in curves.iter().zip(series).enumerate() {
+        let CurveInMode { curved, acts, .. } = own;
+        let (Some(p), true) = (curved.operation.edge(), *acts) else { continue };
+        let effect = effect(curves, i, at.z);
+        let is_allowed = |part: f64| {
+            let most = series.sum_of_sizes_beyond(part);
+            if series.piece != Piece::Still {
+                return !curved.operation.ends_at_edge() || most <= OF_WAY * series.first().abs();
+            }
+            let a = series.first().abs() + most;
+            let (h, slope) = (part * span, effect * own.reach() * p * a.powf(p - 1.0));
+            effect * a.powf(p) * h <= STATE * norm && slope * h <= SLOPE
+        };
+        for _ in 0..TRIALS {
+            if is_allowed(part) {
+                break;
+            }
+            part *= SHORTER;
+        }
+    }
+    part
+}
