@@ -28,6 +28,8 @@ const BALANCE: f64 = 1e-13;
 const TODA: f64 = 1e-12;
 /// Rounding of states of order 1 after some oscillations, and of times of impacts, s.
 const SINGLE: f64 = 2e-13;
+/// Rounding of two motions over some impacts, and of their energies of some joules.
+const SAME: f64 = 1e-11;
 /// Largest difference of a derivative from 40 digits, relative to the largest of its column.
 const OF_DERIVATIVE: f64 = 1e-9;
 /// Shift of a number for central differences, and their relative tolerance: truncation, and
@@ -549,4 +551,55 @@ fn second_method_derivatives_of_stribeck_friction() {
     assert!(described(&alone).expect_err("a refusal").contains("requires `static`"));
     let description = described(&belt(&values)).expect("a machine");
     assert_eq!(description, described(&description.to_toml()).expect("the same machine"));
+}
+
+/// The same machine by keys and by formulas: curves, straight forces, and a dashpot.
+#[test]
+fn invariant_formulas_are_the_forces_of_the_keys() {
+    let text = |spring: &str, damper: &str, more: &str| {
+        format!(
+            "name = \"S\"\nbody.a = {{ mass = 1.0, start = {{ s = 0.3, v = 1.0 }} }}\nbody.b = {{ mass = 0.5 }}\n\
+             spring.a = {{ between = [\"ground\", \"a\"], {spring} }}\n\
+             spring.b = {{ between = [\"a\", \"b\"], stiffness = 12.0{more} }}\n\
+             damper.d = {{ between = [\"ground\", \"b\"], {damper} }}\n\
+             stop.s = {{ between = [\"ground\", \"b\"], gap = 0.2, restitution = 0.7 }}\n\
+             load.l = {{ on = \"a\", amplitude = 2.0, frequency = 0.6 }}\n"
+        )
+    };
+    let end = |text: &str| {
+        let mut motion = Motion::new(machine(text)).expect("a motion");
+        let first = motion.kinetic_and_stored();
+        motion.advance_to(5.0).expect("an end");
+        let now = motion.kinetic_and_stored();
+        (motion.states(), now.0 + now.1 - first.0 - first.1, motion.energy().balance())
+    };
+    let pairs = [
+        // Straight: no operation.
+        (
+            text("stiffness = 8.0, damping = 0.2, preload = 1.5", "damping = 0.3", ""),
+            text("force = \"= 8 * e + 0.2 * rate + 1.5\"", "force = \"= 0.3 * rate\"", ""),
+        ),
+        (
+            text("stiffness = 8.0, quadratic = 3.0, cubic = 40.0", "damping = 0.3, cubic = 0.2", ""),
+            text("cubic = 40.0, force = \"= 8 * e + 3 * e^2\"", "cubic = 0.2, force = \"= 0.3 * rate\"", ""),
+        ),
+        (
+            text("stiffness = 8.0, quintic = 60.0", "damping = 0.1, cubic = 0.2", ", cubic = 9.0"),
+            text(
+                "force = \"= 8 * e + 60 * e * e^2 * e^2\"",
+                "force = \"= rate * (0.1 + 0.2 * rate * rate)\"",
+                ", force = \"= 9 * e^3 * (sin(e)^2 + cos(e)^2)\"",
+            ),
+        ),
+    ];
+    for (keys, formulas) in &pairs {
+        let (keys, formulas) = (end(keys), end(formulas));
+        for (a, b) in keys.0.iter().zip(&formulas.0) {
+            assert!((a - b).abs() < SAME, "{keys:?} {formulas:?}");
+        }
+        for (change, balance) in [(keys.1, keys.2), (formulas.1, formulas.2)] {
+            assert!((change - balance).abs() < SAME, "{change} {balance}");
+        }
+        assert!((keys.1 - formulas.1).abs() < SAME, "{keys:?} {formulas:?}");
+    }
 }

@@ -136,6 +136,23 @@ impl System {
         self.springs.iter().any(|spring| spring.formula.is_some())
     }
 
+    /// [`linearised`](Self::linearised) at zero displacements and rates, if there are formulas and
+    /// all are defined there.
+    pub fn linearised_at_zero(&self, a: &SparseMatrix) -> Option<SparseMatrix> {
+        if !self.has_formulas() {
+            return None;
+        }
+        let mut z = vec![0.0; self.signals.size];
+        z[self.signals.one] = 1.0;
+        self.fill_curved(&mut z);
+        let is_defined = |own: &Curved| {
+            let arguments = own.arguments(&z);
+            own.operation.is_defined(arguments[0])
+                && own.operation.slopes(arguments).iter().all(|x| x.is_finite())
+        };
+        self.curved.iter().all(is_defined).then(|| self.linearised(a, &z))
+    }
+
     /// A matrix A with z' = A z to first order near a state: the curved forces are replaced by their
     /// derivatives there.
     pub fn linearised(&self, a: &SparseMatrix, z: &[f64]) -> SparseMatrix {
