@@ -275,8 +275,8 @@ pub struct ForcePoint {
     pub f: f64,
 }
 
-/// A dashpot without a spring. Its force f = damping · e' + cubic · e'³, plus a formula of e', resists e'. No force
-/// depends on its elongation, so that a motion may be periodic while e grows.
+/// A dashpot without a spring. Its force f = damping · e' + cubic · e'³, plus a formula of e',
+/// resists e'. No force depends on its elongation, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name, unique among the elements.

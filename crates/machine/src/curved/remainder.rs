@@ -16,7 +16,7 @@ pub(super) const ROOM: f64 = 1e-12;
 /// Largest exponent of the growth of an error within a span.
 const GROWTH: f64 = 20.0;
 
-/// Factor by which a span is shortened on which an operation may not be defined.
+/// Shortening of a span if an operation may not be defined throughout the span.
 const UNDEFINED: f64 = 0.7;
 
 /// The row of an argument: its norm, and the operations in it.
@@ -70,7 +70,7 @@ impl<'a> CurveTerms<'a> {
         matches!(self.operation, Operation::Polynomial(_)) && self.arguments[0].nested.is_empty()
     }
 
-    /// Σ |wₖ| partᵏ over the orders from `last` on, and the norm of w's derivative by the states
+    /// Σ |wₖ| partᵏ over k ≥ `last`, and the norm of w's derivative by the states
     /// within `margin` of the polynomial. `known` has the operations before this one.
     pub(super) fn tail_and_steepness(
         &self,

@@ -130,9 +130,9 @@ impl CurveSeries {
 /// derivatives times the shifts.
 #[derive(Clone, Debug)]
 pub enum CurveSizes {
-    /// Of a polynomial.
+    /// The sizes for a polynomial.
     Polynomial(PolynomialSizes),
-    /// Of another operation.
+    /// The sizes for another operation.
     Operation {
         /// The operation.
         operation: Operation,

@@ -4,7 +4,7 @@
 use super::{Function, Operator, Term};
 use crate::curved::{Operation, POWERS, Polynomial};
 
-/// Largest power that a polynomial has as one operation.
+/// Largest power of a polynomial that is one operation.
 const LARGEST: usize = POWERS + 1;
 
 /// A term of a line.
