@@ -131,7 +131,7 @@ impl CurveSeries {
 #[derive(Clone, Debug)]
 pub enum CurveSizes {
     /// The sizes for a polynomial.
-    Polynomial(PolynomialSizes),
+    Polynomial(Box<PolynomialSizes>),
     /// The sizes for another operation.
     Operation {
         /// The operation.
@@ -148,7 +148,8 @@ impl CurveSizes {
     /// are relative.
     pub fn of(operation: &Operation, arguments: [f64; 2], shifts: [f64; 2]) -> Self {
         if let Operation::Polynomial(force) = operation {
-            return Self::Polynomial(PolynomialSizes::of(force, arguments[0].abs(), shifts[0]));
+            let own = PolynomialSizes::of(force, arguments[0].abs(), shifts[0]);
+            return Self::Polynomial(Box::new(own));
         }
         let mut series = Box::<CurveSeries>::default();
         let arguments = if operation.is_of_two() { arguments.map(f64::abs) } else { arguments };
