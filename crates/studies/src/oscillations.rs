@@ -9,11 +9,16 @@ use vibro_machine::system::{StopRows, System};
 const ROUNDING: f64 = 1e-7;
 
 /// Frequencies of the machine's damped natural oscillations, Hz, with all stops open and all
-/// friction off. Stiffness switched in time has its first value.
+/// friction off. Stiffness switched in time has its first value, and formulas have their slopes at
+/// zero displacements.
 pub(super) fn oscillations(system: &System) -> Vec<f64> {
     let stops = system.stops.iter().map(StopRows::state_apart).collect();
     let frictions = vec![FrictionState::Off; system.frictions.len()];
-    let linear = system.linear(&Mode { stops, frictions, sliders: system.held_sliders(), basis: Vec::new() });
+    let mut linear =
+        system.linear(&Mode { stops, frictions, sliders: system.held_sliders(), basis: Vec::new() });
+    if let Some(a) = system.linearised_at_zero(&linear.a) {
+        linear.a = a;
+    }
     let size = system.states();
     if size == 0 {
         return Vec::new();

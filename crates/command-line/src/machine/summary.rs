@@ -97,7 +97,8 @@ pub fn summary(machine: Description) -> Result<String> {
         return Ok(lines.join("\n"));
     }
     lines.push(equilibrium(&assembly));
-    let small = match d.elements().any(|element| element.is_curved()) {
+    let is_curved = |element: Element| element.is_curved() && !matches!(element, Element::Friction(_));
+    let small = match d.elements().any(is_curved) {
         true if assembly.system().has_formulas() => ", of small motions about the start",
         true => ", of small motions about e = 0",
         false => "",

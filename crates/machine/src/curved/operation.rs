@@ -67,7 +67,7 @@ impl Operation {
         }
     }
 
-    /// What the operation requires of its first argument, in words.
+    /// Requirement on the first argument, in words.
     pub(crate) fn requirement(&self) -> String {
         match self {
             Self::Power(p) if p.fract() == 0.0 => "requires a divisor other than 0".into(),

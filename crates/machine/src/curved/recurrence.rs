@@ -27,7 +27,7 @@ fn integral(a: &[f64; TERMS], g: &[f64; TERMS], k: usize) -> f64 {
     terms.map(|(i, (a, g))| (i + 1) as f64 * a * g).sum::<f64>() / k as f64
 }
 
-/// The coefficient of order k of a^p. With `is_majorant` all factors are replaced by their sizes.
+/// The coefficient of order k of a^p. The sizes of all factors are used if `is_majorant` is true.
 #[inline(always)]
 fn power(a: &[f64; TERMS], w: &[f64; TERMS], (p, is_majorant): (f64, bool), k: usize) -> f64 {
     let weight = |j: usize| {
@@ -39,8 +39,8 @@ fn power(a: &[f64; TERMS], w: &[f64; TERMS], (p, is_majorant): (f64, bool), k: u
 }
 
 /// Coefficients of order k of the operation's value w, of its slope g, and of a helper q. All
-/// lower orders are set. With `is_majorant` the coefficients of order 1 and above are sizes: no
-/// terms cancel.
+/// lower orders are set. If `is_majorant` is true, the coefficients of order 1 and above are sizes,
+/// and no terms cancel.
 #[inline(always)]
 pub(super) fn next(
     (operation, is_majorant): (&Operation, bool),

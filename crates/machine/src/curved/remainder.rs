@@ -21,7 +21,7 @@ const GROWTH: f64 = 20.0;
 const SLOPE: f64 = 1e-14;
 /// Factor by which a span is shortened at an edge.
 const AT_EDGE: f64 = 0.5;
-/// Factor by which a span is shortened on which an operation may not be defined.
+/// Shortening of a span if an operation may not be defined throughout the span.
 const UNDEFINED: f64 = 0.7;
 
 /// The row of an argument: its norm, and the operations in it.
@@ -93,7 +93,7 @@ impl<'a> CurveTerms<'a> {
         self.operation.edge().is_some()
     }
 
-    /// Σ |wₖ| partᵏ over the orders from `last` on, with what operations at their edges leave out,
+    /// Σ |wₖ| partᵏ over k ≥ `last`, with what operations at their edges leave out,
     /// and the norm of w's derivative by the states
     /// within `margin` of the polynomial. `known` has the operations before this one.
     pub(super) fn tail_and_steepness(

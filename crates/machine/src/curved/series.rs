@@ -186,11 +186,11 @@ impl CurveSeries {
 /// derivatives times the shifts.
 #[derive(Clone, Debug)]
 pub enum CurveSizes {
-    /// Of a power at its edge, which counts as 0.
+    /// The sizes for a power at its edge, which counts as 0.
     Still,
-    /// Of a polynomial.
-    Polynomial(PolynomialSizes),
-    /// Of another operation.
+    /// The sizes for a polynomial.
+    Polynomial(Box<PolynomialSizes>),
+    /// The sizes for another operation.
     Operation {
         /// The operation.
         operation: Operation,
@@ -211,7 +211,8 @@ impl CurveSizes {
         }
         let operation = &operation.on(piece);
         if let Operation::Polynomial(force) = operation {
-            return Self::Polynomial(PolynomialSizes::of(force, arguments[0].abs(), shifts[0]));
+            let own = PolynomialSizes::of(force, arguments[0].abs(), shifts[0]);
+            return Self::Polynomial(Box::new(own));
         }
         let arguments = if piece == Piece::Whole { arguments } else { arguments.map(f64::abs) };
         let mut series = Box::<CurveSeries>::default();

@@ -2,7 +2,7 @@
 
 use super::reading::{ASKED, Entry, FileTable, Reading};
 use crate::description::{Across, Dimension};
-use crate::formula::Formula;
+use crate::formula::{Formula, VARIABLES};
 use crate::kinds;
 use crate::named::Expression;
 
@@ -55,6 +55,11 @@ fn formula(reading: &mut Reading, entry: &Entry, example: &str) -> Option<Formul
         return None;
     };
     if reading.named_refused {
+        return None;
+    }
+    if let Some(name) = named.names().find(|name| VARIABLES.contains(name)) {
+        let text = format!("`{name}` is a variable of formulas: give the parameter `{name}` another name");
+        reading.refuse(entry, text);
         return None;
     }
     match Formula::new(expression, &parameters) {

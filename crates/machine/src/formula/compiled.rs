@@ -4,7 +4,7 @@
 use super::{Function, Operator, Term};
 use crate::curved::{Operation, POWERS, Polynomial};
 
-/// Largest power that a polynomial has as one operation.
+/// Largest power of a polynomial that is one operation.
 const LARGEST: usize = POWERS + 1;
 
 /// A term of a line.
@@ -266,7 +266,7 @@ impl Compiler<'_> {
         match exponent {
             1 => base,
             2..=LARGEST => self.monomial(base, exponent),
-            _ if exponent % 2 == 0 => {
+            _ if exponent.is_multiple_of(2) => {
                 let half = self.whole_power(base, exponent / 2);
                 self.monomial(half, 2)
             }

@@ -32,7 +32,7 @@ fn halves(
     let (first, second) = (rule(force, from, middle), rule(force, middle, to));
     let sum = first.0 + second.0;
     let exact = EXACT * all.max(size).max(first.1 + second.1);
-    if left == 0 || !((sum - whole).abs() > exact) {
+    if left == 0 || (sum - whole).abs() <= exact {
         return sum;
     }
     halves(force, (from, middle), first, (all, left - 1))

@@ -44,7 +44,7 @@ pub(crate) struct FormulaRows {
     pub operations: Operations,
     /// The part of the force that dissipates: φ(e, e') - φ(e, 0).
     pub lossy: Functional,
-    /// The elongation from which the stored energy counts.
+    /// Elongation at which the stored energy is 0.
     pub from: f64,
 }
 
@@ -118,8 +118,8 @@ impl Operations {
     }
 }
 
-/// The elongation from which the stored energy of a formula counts: 0, or the start if the force
-/// is not defined on the way to the start.
+/// Elongation at which the stored energy of a formula is 0: e = 0, or the start if the force is not
+/// defined between them.
 fn reference(compiled: &Compiled, start: f64) -> f64 {
     let is_defined = |k: u32| compiled.undefined(f64::from(k) / f64::from(POINTS) * start, 0.0).is_none();
     let signs = |k: u32| compiled.signs(f64::from(k) / f64::from(POINTS) * start);
@@ -130,13 +130,30 @@ fn reference(compiled: &Compiled, start: f64) -> f64 {
 /// Number of operations of Stribeck's curve.
 const STRIBECK: usize = 3;
 
-/// Number of intervals between 0 and the start in which the domain of a formula is examined.
+/// Number of intervals from 0 to the start for the check of a formula's domain.
 const POINTS: u32 = 64;
 
 impl System {
     /// Whether any force is a formula.
     pub fn has_formulas(&self) -> bool {
         self.springs.iter().any(|spring| spring.formula.is_some())
+    }
+
+    /// [`linearised`](Self::linearised) at zero displacements and rates, if there are formulas and
+    /// all are defined there.
+    pub fn linearised_at_zero(&self, a: &SparseMatrix) -> Option<SparseMatrix> {
+        if !self.has_formulas() {
+            return None;
+        }
+        let mut z = vec![0.0; self.signals.size];
+        z[self.signals.one] = 1.0;
+        self.fill_curved(&mut z);
+        let is_defined = |own: &Curved| {
+            let arguments = own.arguments(&z);
+            own.operation.is_defined(arguments[0])
+                && own.operation.slopes(arguments).iter().all(|x| x.is_finite())
+        };
+        self.curved.iter().all(is_defined).then(|| self.linearised(a, &z))
     }
 
     /// A matrix A with z' = A z to first order near a state: the curved forces are replaced by their

@@ -81,7 +81,14 @@ impl Added {
                 name.push('_');
             }
             let force = Signal::constant(0.0);
-            let friction = Friction { name, arms: arms.clone(), force, static_force: None, follows: None };
+            let friction = Friction {
+                name,
+                arms: arms.clone(),
+                force,
+                static_force: None,
+                follows: None,
+                stribeck: None,
+            };
             found.push(Self { friction, words });
         }
         found
