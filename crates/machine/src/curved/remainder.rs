@@ -16,9 +16,6 @@ pub(super) const ROOM: f64 = 1e-12;
 /// Largest exponent of the growth of an error within a span.
 const GROWTH: f64 = 20.0;
 
-/// Largest product of a span with the rate by the slope of a power that counts as 0: the relative
-/// error of derivatives of the motion.
-const SLOPE: f64 = 1e-14;
 /// Factor by which a span is shortened at an edge.
 const AT_EDGE: f64 = 0.5;
 /// Factor by which a span is shortened on which an operation may not be defined.
@@ -215,9 +212,6 @@ impl Remainder<'_> {
             later[0].steepness = steepness;
             let is_still = later[0].is_still();
             later[0].left_out = if is_still { tail } else { 0.0 };
-            if is_still && effect * steepness * h > SLOPE {
-                return f64::INFINITY;
-            }
             if effect > 0.0 {
                 defect += effect * tail;
                 growth += effect * steepness;

@@ -5,7 +5,7 @@ use super::curved::CurvesInMode;
 use super::mode::VariedMode;
 use crate::curved::{CurveSeries, Operation, Piece};
 use crate::flow::{
-    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_to_edge, rate_at,
+    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_from_edges, part_to_edge, rate_at,
     shortened, sides_ahead,
 };
 
@@ -107,7 +107,7 @@ impl VariedMode {
         };
         let parts = (0..=self.by.len()).map(|column| part(&self.group_norms(&terms, z.width, column), LAST));
         let part = parts.fold(1.0, f64::min);
-        let part = part_at_edges(forces, &own, (part, span), &at);
+        let part = part_from_edges(forces, &own, part_at_edges(forces, &own, (part, span), &at));
         CurvedSeries { part: part_to_edge(forces, &own, part, false), terms, span }
     }
 

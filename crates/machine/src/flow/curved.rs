@@ -3,7 +3,7 @@
 mod edges;
 mod pace;
 
-pub(crate) use edges::{AtState, any as any_edge, part_at_edges, part_to_edge, sides_ahead};
+pub(crate) use edges::{AtState, part_at_edges, part_from_edges, part_to_edge, sides_ahead};
 pub(crate) use pace::{GroupNorms, part, shortened};
 
 use super::ahead::{Ahead, HeadAhead, Series};
@@ -113,11 +113,6 @@ impl CurveInMode {
     #[inline(always)]
     fn effect(&self, faster: f64) -> f64 {
         (self.effects[0] / faster).max(self.effects[1])
-    }
-
-    /// Norm of the row of the first argument.
-    fn reach(&self) -> f64 {
-        self.rows[0].joint(1.0)
     }
 
     /// The force with its series, for the bound of the remainder.
@@ -253,7 +248,9 @@ impl Ahead {
         // The weights of velocities follow the pace of the motion. The remainder is then at most
         // the rounding of the displacements, and at most the rounding of the velocities.
         let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
-        let longest = most / scale;
+        // Beyond the edge of a power the series has no remainder.
+        let longest = if to_edge < most { (most / scale).min(to_edge / scale) } else { most / scale };
+        let longest = table.part_at_edges(z, &series.curves, (longest, scale));
         let part = table.proved_part(series, (&groups, &signals), (scale, faster), longest);
         let part = part_to_edge(&table.curves, &series.curves, part, self.backwards);
         let mut power = 1.0;
@@ -263,7 +260,7 @@ impl Ahead {
         }
         // Not by `part * scale`, whose rounding may end just before `most`, at which a knot would
         // then be missed.
-        self.span = if part == longest { most } else { (part * scale).min(most) };
+        self.span = if part == most / scale { most } else { (part * scale).min(most) };
         self.expanded = scale;
         self.heads.clear();
         for w in &table.watched {
@@ -280,11 +277,21 @@ impl FlowTable {
         !self.curves.is_empty()
     }
 
+    /// The longest part of a span over which powers at their edges are negligible.
+    fn part_at_edges(&self, z: &[f64], series: &[CurveSeries], (part, span): (f64, f64)) -> f64 {
+        if !series.iter().any(|own| own.piece == Piece::Still) {
+            return part;
+        }
+        let Self { rate, weights, one, .. } = self;
+        let at = AtState { z, rates: &[], weights, one: *one, rate: *rate };
+        part_at_edges(&self.curves, series, (part, span), &at)
+    }
+
     /// The sides of powers with an edge ahead of a state, and the longest time over which the
     /// coefficients of a series are computed, s.
     #[inline(always)]
     fn sides_ahead(&self, z: &[f64]) -> (Vec<Piece>, f64) {
-        if !any_edge(&self.curves) {
+        if !edges::any(&self.curves) {
             return (vec![Piece::Whole; self.curves.len()], f64::INFINITY);
         }
         let mut rates = vec![0.0; z.len()];
@@ -342,8 +349,7 @@ impl FlowTable {
     /// must be within the motion's: a state that reaches the end of its motion stays there.
     pub fn carry_along(&self, z: &mut [f64], variations: &mut [Vec<f64>], time: f64) {
         let (mut left, sign) = (time.abs(), time.signum());
-        let mut ahead = Ahead::default();
-        ahead.backwards = sign < 0.0;
+        let mut ahead = Ahead::towards(sign < 0.0);
         let mut terms = vec![vec![0.0; z.len()]; LAST_CURVE_ORDER + 1];
         while left > 0.0 {
             ahead.find_curved(self, z, left);

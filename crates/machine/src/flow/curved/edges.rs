@@ -14,6 +14,8 @@ const STATE: f64 = 1e-18;
 /// Largest product of a span with the rate by the slope of such a power: the relative error of
 /// derivatives.
 const SLOPE: f64 = 1e-15;
+/// Factor on an argument and a time within which a power at its edge has to be negligible.
+const ROOM: f64 = 2.5;
 /// Part of the time to the edge over which a series is first computed if it cannot pass the edge.
 const TO_EDGE: f64 = 1.0;
 /// Largest part of the way to the edge that a series without a proved remainder covers.
@@ -35,6 +37,25 @@ pub(crate) struct AtState<'a> {
     pub one: usize,
     /// Rate of the mode, 1/s.
     pub rate: f64,
+}
+
+impl AtState<'_> {
+    /// The norm (A6) of the states.
+    fn norm(&self) -> f64 {
+        let states = self.z[..self.one].iter().zip(self.weights);
+        states.fold(0.0f64, |most, (z, w)| most.max((z * w).abs()))
+    }
+}
+
+impl CurveInMode {
+    /// Whether a power of an argument up to `a` has no effect over a time `h`, on a state of this
+    /// norm and on derivatives. Over a time that is short against the inverse of `rate` velocities
+    /// count more than displacements.
+    fn is_negligible(&self, (effect, p, a): (f64, f64, f64), (h, norm): (f64, f64), rate: f64) -> bool {
+        let reach = self.rows[0].others * (h * rate).min(1.0) + self.rows[0].velocities;
+        let slope = effect * reach * p * a.powf(p - 1.0);
+        effect * a.powf(p) * h <= STATE * norm && slope * h <= SLOPE
+    }
 }
 
 /// Sum of the sizes of the terms of an argument.
@@ -72,12 +93,10 @@ pub(crate) fn sides_ahead(curves: &[CurveInMode], at: &AtState) -> (Vec<Piece>, 
             return side;
         }
         let time = a.abs() / curved.argument.at(at.rates).abs();
-        // The argument doubles within this time, or reaches the edge.
-        let span = 2.0 * time.min(1.0 / at.rate);
+        // Within this time the argument doubles, or reaches the edge.
+        let span = time.min(1.0 / at.rate);
         let effect = effect(curves, i, at.z);
-        let change = effect * (2.0 * a.abs()).powf(*p) * span;
-        let slope = effect * own.reach() * p * (2.0 * a.abs()).powf(p - 1.0) * span;
-        if change <= STATE * norm && slope <= SLOPE {
+        if own.is_negligible((effect, *p, ROOM * a.abs()), (ROOM * span, norm), at.rate) {
             return Piece::Still;
         }
         longest = longest.min(TO_EDGE * time);
@@ -123,33 +142,49 @@ pub(crate) fn part_to_edge(curves: &[CurveInMode], series: &[CurveSeries], part:
 }
 
 /// The longest part of a span over which powers at their edges have no effect on a state and its
-/// derivatives, and other powers stay away from their edges.
+/// derivatives.
 pub(crate) fn part_at_edges(
     curves: &[CurveInMode],
     series: &[CurveSeries],
-    (mut part, span): (f64, f64),
+    (part, span): (f64, f64),
     at: &AtState,
 ) -> f64 {
-    let norm = at.z[..at.one].iter().zip(at.weights).fold(0.0f64, |most, (z, w)| most.max((z * w).abs()));
+    let norm = at.norm();
+    let mut allowed = part;
     for (i, (own, series)) in curves.iter().zip(series).enumerate() {
-        let CurveInMode { curved, acts, .. } = own;
-        let (Some(p), true) = (curved.operation.edge(), *acts) else { continue };
+        let (Some(p), true, Piece::Still) = (own.curved.operation.edge(), own.acts, series.piece) else {
+            continue;
+        };
         let effect = effect(curves, i, at.z);
         let is_allowed = |part: f64| {
-            let most = series.sum_of_sizes_beyond(part);
-            if series.piece != Piece::Still {
-                return !curved.operation.ends_at_edge() || most <= OF_WAY * series.first().abs();
-            }
-            let a = series.first().abs() + most;
-            let (h, slope) = (part * span, effect * own.reach() * p * a.powf(p - 1.0));
-            effect * a.powf(p) * h <= STATE * norm && slope * h <= SLOPE
+            let a = series.first().abs() + series.sum_of_sizes_beyond(part);
+            own.is_negligible((effect, p, a), (part * span, norm), at.rate)
         };
-        for _ in 0..TRIALS {
-            if is_allowed(part) {
-                break;
-            }
-            part *= SHORTER;
+        allowed = longest(allowed, is_allowed);
+    }
+    allowed
+}
+
+/// The longest part of a span, without a proved remainder, over which powers stay away from edges
+/// at which their series end.
+pub(crate) fn part_from_edges(curves: &[CurveInMode], series: &[CurveSeries], part: f64) -> f64 {
+    let mut allowed = part;
+    for (own, series) in curves.iter().zip(series) {
+        if own.acts && series.piece != Piece::Still && own.curved.operation.ends_at_edge() {
+            let first = series.first().abs();
+            allowed = longest(allowed, |part| series.sum_of_sizes_beyond(part) <= OF_WAY * first);
         }
+    }
+    allowed
+}
+
+/// The first of `part` and shorter parts that is allowed.
+fn longest(mut part: f64, is_allowed: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..TRIALS {
+        if is_allowed(part) {
+            break;
+        }
+        part *= SHORTER;
     }
     part
 }
