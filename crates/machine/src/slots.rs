@@ -1,8 +1,8 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
 use crate::description::{
-    Arms, Block, Body, BodyKind, ContactLaw, Description, Dimension, Free, Integrated, Level, Modal, OddPower,
-    SeriesLaw, Signal, Spring, StopLaw,
+    Arms, Block, Body, BodyKind, ContactLaw, Description, Dimension, Free, Integrated, Level, Modal,
+    OddPower, SeriesLaw, Signal, Spring, StopLaw,
 };
 use crate::kinds::{self, NumberKind};
 use crate::named::Named;

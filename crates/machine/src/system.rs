@@ -37,7 +37,8 @@ pub use losses::{Account, Losses, Power};
 pub use parts::Part;
 pub use row_matrix::RowMatrix;
 pub use rows::{
-    BodyRows, ContactRows, Elongation, FirstOrder, FrictionRows, LevelRows, OutputLimit, SpringRows, StopLevel, StopRows,
+    BodyRows, ContactRows, Elongation, FirstOrder, FrictionRows, LevelRows, OutputLimit, SpringRows,
+    StopLevel, StopRows,
 };
 pub use split::{Split, Term};
 pub(crate) use stiff::STIFF;

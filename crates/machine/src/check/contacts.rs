@@ -34,7 +34,11 @@ pub(crate) const FOLLOWS: &str = "friction at a stop with `exponent` or `dissipa
 
 fn check_exponent(of: &str, exponent: f64, kind: NumberKind, problems: &mut Vec<Problem>) {
     if !kind.contains(exponent) {
-        problems.push(refused(format!("{of}.exponent"), exponent, format!("expected {}", kind.range.allowed)));
+        problems.push(refused(
+            format!("{of}.exponent"),
+            exponent,
+            format!("expected {}", kind.range.allowed),
+        ));
     }
 }
 
@@ -49,7 +53,9 @@ fn check_contact(stop: &Stop, contact: ContactLaw, problems: &mut Vec<Problem>) 
         );
     }
     match stop.law {
-        StopLaw::Rigid { .. } => refuse("`exponent` and `dissipation` require `stiffness`, not `restitution`"),
+        StopLaw::Rigid { .. } => {
+            refuse("`exponent` and `dissipation` require `stiffness`, not `restitution`")
+        }
         StopLaw::Compliant { limit, .. } if limit != DampingLimit::NoPull => {
             refuse("`exponent` and `dissipation` require the law \"no-pull\"");
         }

@@ -131,9 +131,7 @@ impl Operation {
             // At the edge the slope is 0, and its derivative may have no limit.
             Self::OneSided(_) if a <= 0.0 => 0.0,
             Self::TwoSided(_) if a == 0.0 => 0.0,
-            Self::OneSided(p) | Self::TwoSided(p) => {
-                (p * (p - 1.0) * power(a.abs(), p - 2.0)).copysign(a)
-            }
+            Self::OneSided(p) | Self::TwoSided(p) => (p * (p - 1.0) * power(a.abs(), p - 2.0)).copysign(a),
             Self::Exponential => a.exp(),
             Self::Logarithm => -1.0 / (a * a),
             Self::Sine => -a.sin(),

@@ -64,9 +64,10 @@ impl StopTangent {
         ];
         let spring = &parts[0][0] + &parts[2][0];
         let force = &parts[0][1] + &parts[1][1] + &parts[2][1];
-        let release = own.release.as_ref().map(|_| {
-            HUNT_CROSSLEY * (dissipation * &**rate + own.dissipation * &by.elongation.rate)
-        });
+        let release = own
+            .release
+            .as_ref()
+            .map(|_| HUNT_CROSSLEY * (dissipation * &**rate + own.dissipation * &by.elongation.rate));
         Self { spring, force, release, ..by }
     }
 }

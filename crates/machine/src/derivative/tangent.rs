@@ -180,7 +180,8 @@ impl Tangent {
             (s.arms.clone(), by.arms.clone(), dk, by.damping, preload)
         });
         let powers = along.springs.iter().map(|own| own.power.into_iter().collect::<Vec<_>>());
-        let powers: Vec<_> = powers.chain(along.dampers.iter().map(|own| own.odd_powers().collect())).collect();
+        let powers: Vec<_> =
+            powers.chain(along.dampers.iter().map(|own| own.odd_powers().collect())).collect();
         let dampers = d.dampers.iter().zip(&along.dampers);
         let dampers = dampers.map(|(s, by)| (s.arms.clone(), by.arms.clone(), 0.0, by.damping, 0.0));
         let matrices = d.matrices.iter().flat_map(|own| own.springs()).map(|spring| {
@@ -203,7 +204,11 @@ impl Tangent {
             let e = &rows.elongation;
             let mut force = dk * &*e.e + rows.stiffness * &own.e + dc * &*e.rate + rows.damping * &own.rate;
             force[system.signals.one] += preload;
-            let odd = rows.curves.iter().map(|own| &system.curved[own.0]).filter(|own| own.operation.edge().is_some());
+            let odd = rows
+                .curves
+                .iter()
+                .map(|own| &system.curved[own.0])
+                .filter(|own| own.operation.edge().is_some());
             for (curved, by) in odd.zip(powers.get(self.springs.len()).into_iter().flatten()) {
                 force[curved.place] += by.coefficient;
             }

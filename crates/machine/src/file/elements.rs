@@ -12,8 +12,8 @@ use super::series;
 use super::signals::{self, Values};
 use super::stepped;
 use crate::description::{
-    Arms, ContactLaw, Damper, Description, Dimension, Freewheel, Friction, Link, Load, Signal, Spring,
-    Stop, StopLaw,
+    Arms, ContactLaw, Damper, Description, Dimension, Freewheel, Friction, Link, Load, Signal, Spring, Stop,
+    StopLaw,
 };
 use crate::kinds;
 use crate::parameters::has_unit;
@@ -107,21 +107,22 @@ fn spring(reading: &mut Reading, name: String, table: &FileTable, names: &Names)
 fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Damper> {
     let own = ["between", "arms", "damping", "quadratic", "cubic"];
     reading.known(table, &[&own[..], &powers::KEYS].concat());
-    let (arms, (damping, [quadratic, cubic], power)) = with_arms(reading, table, names, |reading, dimension| {
-        let power = powers::read(reading, table, dimension, (true, &[]));
-        if !table.has("quadratic") && !table.has("cubic") && !powers::is_given(table) {
-            let damping = reading.required_number(table, "damping", kinds::DASHPOT, dimension);
-            return Some((damping?, [None; 2], power?));
-        }
-        let damping = reading.number_or(table, "damping", kinds::CURVED_DAMPING, dimension, 0.0);
-        let mut coefficient = |key: &str, kind| match reading.optional(table, key) {
-            Some(entry) => reading.number(&entry, kind, dimension).map(Some),
-            None => Some(None),
-        };
-        let quadratic = coefficient("quadratic", kinds::QUADRATIC_DAMPING);
-        let cubic = coefficient("cubic", kinds::CUBIC_DAMPING);
-        Some((damping?, [quadratic?, cubic?], power?))
-    })?;
+    let (arms, (damping, [quadratic, cubic], power)) =
+        with_arms(reading, table, names, |reading, dimension| {
+            let power = powers::read(reading, table, dimension, (true, &[]));
+            if !table.has("quadratic") && !table.has("cubic") && !powers::is_given(table) {
+                let damping = reading.required_number(table, "damping", kinds::DASHPOT, dimension);
+                return Some((damping?, [None; 2], power?));
+            }
+            let damping = reading.number_or(table, "damping", kinds::CURVED_DAMPING, dimension, 0.0);
+            let mut coefficient = |key: &str, kind| match reading.optional(table, key) {
+                Some(entry) => reading.number(&entry, kind, dimension).map(Some),
+                None => Some(None),
+            };
+            let quadratic = coefficient("quadratic", kinds::QUADRATIC_DAMPING);
+            let cubic = coefficient("cubic", kinds::CUBIC_DAMPING);
+            Some((damping?, [quadratic?, cubic?], power?))
+        })?;
     Some(Damper { name, arms, damping, quadratic, cubic, power })
 }
 

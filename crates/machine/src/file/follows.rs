@@ -1,7 +1,7 @@
 //! Reading of friction that follows the force of a stop.
 
-use crate::check::FOLLOWS;
 use super::reading::{FileTable, Reading};
+use crate::check::FOLLOWS;
 use crate::description::{Dimension, Follows, Stop, StopLaw};
 use crate::kinds;
 

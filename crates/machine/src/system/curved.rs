@@ -5,6 +5,7 @@ use crate::curved::{Curved, Operation, POWERS, Polynomial};
 use crate::description::{Description, OddPower};
 use crate::elements::Element;
 use crate::functional::Functional;
+use crate::mode::{Mode, StopState};
 
 /// Number of curved forces of a machine.
 pub fn count(d: &Description) -> usize {
@@ -13,6 +14,18 @@ pub fn count(d: &Description) -> usize {
     let stops = d.stops.iter().filter_map(|own| own.contact);
     let stops = stops.map(|own| usize::from(own.exponent != 1.0) + own.dissipation.iter().count());
     springs.chain(dampers).chain(stops).sum()
+}
+
+impl Curved {
+    /// The column of xᵖ of a released contact, as if the contact had its force: accounts and event
+    /// functions need this power beyond the release.
+    pub(crate) fn released(&self, system: &System, mode: &Mode) -> Option<Vec<(usize, f64)>> {
+        let (Part::Stop(i), Operation::OneSided(_)) = (self.owner, self.operation) else { return None };
+        let stop = &system.stops[i];
+        let terms = stop.elongation.mobility.terms().iter();
+        let column = terms.map(|&(k, x)| (system.coordinates + k, stop.stiffness() * x));
+        (mode.stops[i] == StopState::Free).then(|| column.collect())
+    }
 }
 
 /// The first element with a curved force, by its dotted name.

@@ -114,7 +114,14 @@ pub fn spring(terms: &[(usize, f64)], stiffness: f64, damping: f64) -> Spring {
 
 /// A rigid stop.
 pub fn rigid(name: &str, terms: &[(usize, f64)], gap: f64, restitution: f64) -> Stop {
-    Stop { name: name.into(), arms: arms(terms), gap, law: StopLaw::Rigid { restitution }, stepped: None, contact: None }
+    Stop {
+        name: name.into(),
+        arms: arms(terms),
+        gap,
+        law: StopLaw::Rigid { restitution },
+        stepped: None,
+        contact: None,
+    }
 }
 
 /// A compliant stop.

@@ -1,5 +1,5 @@
 //! Powers with an edge in a mode: the sides on which a power series begins, and where it ends
-//! (docs/assembly-law.md, section 21).
+//! (docs/assembly-law.md, section 22).
 
 use super::CurveInMode;
 use crate::curved::{CurveSeries, NEAR, Operation, Piece, TERMS};
@@ -11,9 +11,13 @@ const ROUNDING: f64 = 1e-14;
 /// Change of the state by a power that counts as 0, relative to the state: a hundredth of the
 /// remainder of a series.
 const STATE: f64 = 1e-18;
-/// Largest product of a span with the rate by the slope of such a power: the relative error of
-/// derivatives.
-const SLOPE: f64 = 1e-15;
+/// Largest effect of the slope of such a power of a rate on a derivative of the motion, relative to it.
+const OF_RATE: f64 = 1e-14;
+/// The same for a power of a displacement, over the time of one series: the changed rate acts much
+/// longer. A contact lasts 1e8 to 1e10 times as long.
+const OF_PLACE: f64 = 1e-22;
+/// Number of orders from which the norm of a body that begins to move is taken.
+pub(crate) const FIRST: usize = 6;
 /// Factor on an argument and a time within which a power at its edge has to be negligible.
 const ROOM: f64 = 2.5;
 /// Part of the time to the edge over which a series is first computed if it cannot pass the edge.
@@ -49,12 +53,13 @@ impl AtState<'_> {
 
 impl CurveInMode {
     /// Whether a power of an argument up to `a` has no effect over a time `h`, on a state of this
-    /// norm and on derivatives. Over a time that is short against the inverse of `rate` velocities
-    /// count more than displacements.
-    fn is_negligible(&self, (effect, p, a): (f64, f64, f64), (h, norm): (f64, f64), rate: f64) -> bool {
-        let reach = self.rows[0].others * (h * rate).min(1.0) + self.rows[0].velocities;
-        let slope = effect * reach * p * a.powf(p - 1.0);
-        effect * a.powf(p) * h <= STATE * norm && slope * h <= SLOPE
+    /// norm and on derivatives. The effects are those of the force's value and of its slope.
+    fn is_negligible(&self, [effect, slope]: [f64; 2], p: f64, a: f64, (h, norm): (f64, f64)) -> bool {
+        let [_, of_velocities, of_others] = self.plain;
+        let slope = slope * p * a.powf(p - 1.0) * h;
+        effect * a.powf(p) * h <= STATE * norm
+            && slope * of_velocities <= OF_RATE
+            && slope * h * of_others <= OF_PLACE
     }
 }
 
@@ -89,35 +94,45 @@ pub(crate) fn sides_ahead(curves: &[CurveInMode], at: &AtState) -> (Vec<Piece>, 
         };
         let a = curved.argument.at(at.z);
         let side = Piece::of(&curved.operation, a, ROUNDING * terms(&curved.argument, at.z));
-        if side == Piece::Still || !curved.operation.ends_at_edge() {
+        let is_two_sided = matches!(curved.operation, Operation::TwoSided(_));
+        if side == Piece::Still || !(is_two_sided || curved.operation.ends_at_edge()) {
             return side;
         }
         let time = a.abs() / curved.argument.at(at.rates).abs();
         // Within this time the argument doubles, or reaches the edge.
         let span = time.min(1.0 / at.rate);
-        let effect = effect(curves, i, at.z);
-        if own.is_negligible((effect, *p, ROOM * a.abs()), (ROOM * span, norm), at.rate) {
+        if own.is_negligible(effects(curves, i, at.z), *p, ROOM * a.abs(), (ROOM * span, norm)) {
             return Piece::Still;
         }
-        longest = longest.min(TO_EDGE * time);
+        if curved.operation.ends_at_edge() {
+            longest = longest.min(TO_EDGE * time);
+        }
         side
     };
     let sides = curves.iter().enumerate().map(&mut of).collect();
     (sides, longest)
 }
 
-/// Norm of the column of a force, with its effect through products.
-fn effect(curves: &[CurveInMode], i: usize, z: &[f64]) -> f64 {
-    let through = |own: &CurveInMode| {
-        let factor = own.rows[0].nested.iter().find(|nested| nested.0 == i).map_or(0.0, |nested| nested.1);
-        if factor == 0.0 { 0.0 } else { factor * own.effect(1.0) * own.curved.second.at(z).abs() }
-    };
-    curves[i].effect(1.0) + curves[i + 1..].iter().map(through).sum::<f64>()
+/// Norm of the column of a force and its largest entry, with its effect through products.
+fn effects(curves: &[CurveInMode], i: usize, z: &[f64]) -> [f64; 2] {
+    let mut effects = [curves[i].effect(1.0), curves[i].plain[0]];
+    for own in &curves[i + 1..] {
+        let Some(&(_, factor)) = own.rows[0].nested.iter().find(|nested| nested.0 == i) else { continue };
+        let factor = factor * own.curved.second.at(z).abs();
+        effects[0] += factor * own.effect(1.0);
+        effects[1] += factor * own.plain[0];
+    }
+    effects
 }
 
 /// The part of a span at which a power first comes to its edge, of the forces whose series continue
 /// beyond it; at most `part`. With `backwards` the series goes back in time.
-pub(crate) fn part_to_edge(curves: &[CurveInMode], series: &[CurveSeries], part: f64, backwards: bool) -> f64 {
+pub(crate) fn part_to_edge(
+    curves: &[CurveInMode],
+    series: &[CurveSeries],
+    part: f64,
+    backwards: bool,
+) -> f64 {
     let mut first = part;
     for (own, series) in curves.iter().zip(series) {
         let operation = &own.curved.operation;
@@ -147,18 +162,20 @@ pub(crate) fn part_at_edges(
     curves: &[CurveInMode],
     series: &[CurveSeries],
     (part, span): (f64, f64),
-    at: &AtState,
+    (z, norms): (&[f64], [f64; FIRST]),
 ) -> f64 {
-    let norm = at.norm();
     let mut allowed = part;
     for (i, (own, series)) in curves.iter().zip(series).enumerate() {
         let (Some(p), true, Piece::Still) = (own.curved.operation.edge(), own.acts, series.piece) else {
             continue;
         };
-        let effect = effect(curves, i, at.z);
+        let effects = effects(curves, i, z);
         let is_allowed = |part: f64| {
-            let a = series.first().abs() + series.sum_of_sizes_beyond(part);
-            own.is_negligible((effect, p, a), (part * span, norm), at.rate)
+            let a = series.highest(&own.curved.operation, part).max(0.0);
+            // A body at rest has a norm only as it begins to move.
+            let step = |(most, power): (f64, f64), norm: &f64| (most.max(norm * power), power * part);
+            let norm = norms.iter().fold((0.0, 1.0), step).0;
+            own.is_negligible(effects, p, a, (series.inside(&own.curved.operation, part) * span, norm))
         };
         allowed = longest(allowed, is_allowed);
     }
