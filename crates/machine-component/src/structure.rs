@@ -205,7 +205,8 @@ impl<'a> Structure<'a> {
             Action::Linear if element.is_curved() => self.elastic(element, Dependent),
             Action::Linear => self.elastic(element, Tunable),
             Action::Switching => {
-                let mut knowns = self.elastic(element, Discrete);
+                let times = if element.is_curved() { Dependent } else { Discrete };
+                let mut knowns = self.elastic(element, times);
                 self.steps(element, &mut knowns);
                 knowns
             }

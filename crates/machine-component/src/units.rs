@@ -65,9 +65,17 @@ pub(crate) const DECLARED: &[Declared] = &[
     declared("Hz", [0, 0, -1, 0], &[("kHz", 1e-3)], "Frequency", "Frequency"),
     declared("1/m", [0, -1, 0, 0], &[], "InverseLength", "InverseLength"),
     declared("1/s", [0, 0, -1, 0], &[], "Rate", "Frequency"),
+    declared(POWER, [0, 0, 0, 0], &[], "PowerCoefficient", ""),
     declared("1", [0, 0, 0, 0], &[], "Number", "DimensionlessRatio"),
     declared(NO_UNIT, [0, 0, 0, 0], &[], "Sensitivity", ""),
 ];
+
+/// Units that FMI cannot declare, as their exponents are not integers; the last letter of the
+/// others is the exponent of a file.
+const POWERS: [&str; 8] =
+    ["N/m1.5", "N/m2.5", POWER, "N.m/rad1.5", "N.m/rad2.5", "N.m/radp", "N.sp/mp", "N.m.sp/radp"];
+/// The unit under which [`POWERS`] are listed.
+const POWER: &str = "N/mp";
 
 const NUMBER: usize = DECLARED.len() - 2;
 
@@ -77,12 +85,14 @@ const SHOWN: [&str; 2] = ["m", "rad"];
 impl Declared {
     /// Returns the declaration of a unit; for an unknown unit, the declaration of pure numbers.
     pub fn of(unit: &str) -> &'static Self {
+        let unit = if POWERS.contains(&unit) { POWER } else { unit };
         DECLARED.iter().find(|declared| declared.unit == unit).unwrap_or(&DECLARED[NUMBER])
     }
 
-    /// Returns the `Unit` element; `None` for matrices, whose elements have different units.
+    /// Returns the `Unit` element; `None` for matrices, whose elements have different units, and for
+    /// units with exponents that are not integers.
     pub fn unit(&self) -> Option<Unit> {
-        if self.unit == NO_UNIT {
+        if [NO_UNIT, POWER].contains(&self.unit) {
             return None;
         }
         let [kg, m, s, rad] = self.exponents;
@@ -93,10 +103,13 @@ impl Declared {
 
     /// The `SimpleType` or `Float64Type` element.
     pub fn declared_type(&self) -> Type {
-        if self.unit == NO_UNIT {
+        if [NO_UNIT, POWER].contains(&self.unit) {
             let kind = TypeKind::Real { quantity: None, unit: None, display_unit: None };
-            let description =
-                "Derivatives; each element has the SI unit of its row over that of its column".into();
+            let description = match self.unit {
+                POWER => "Coefficient of a power, in SI: its unit has an exponent that is not an integer",
+                _ => "Derivatives; each element has the SI unit of its row over that of its column",
+            };
+            let description = description.into();
             return Type { name: self.name.into(), description, kind };
         }
         let mut declared = Type::real(self.name, self.quantity, self.unit);

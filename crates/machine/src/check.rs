@@ -1,6 +1,7 @@
 //! Checks of a whole description, used by the file reader and by the setting of parameters.
 
 mod blocks;
+mod contacts;
 mod flexible;
 mod links;
 mod names;
@@ -88,6 +89,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     loads(machine, &mut problems);
     series(machine, &mut problems);
     curves(machine, &mut problems);
+    contacts::check(machine, &mut problems);
     stepped::check(machine, &mut problems);
     blocks::check(machine, &mut problems);
     if !problems.is_empty() {
@@ -298,6 +300,8 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
         }
     }
 }
+
+pub(crate) use contacts::FOLLOWS;
 
 /// Problems of curved springs: the curve is the whole force next to the dashpot, and a start at rest
 /// follows either curves or falling lines.

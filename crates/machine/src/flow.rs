@@ -35,8 +35,8 @@ use crate::signals::SMALL;
 use crate::system::{DENSE, STIFF, System};
 use apart::Apart;
 pub(crate) use curved::{
-    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_to_edge,
-    rate_at, shortened, sides_ahead,
+    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_from_edges,
+    part_to_edge, rate_at, shortened, sides_ahead,
 };
 use exponential::series_orders;
 use kept::Kept;

@@ -80,6 +80,32 @@ impl Solver {
     }
 }
 
+/// Error of the method where the third derivative of the motion jumps, and of late events, relative
+/// to places of 0.01 m and speeds of 1 m/s.
+const AT_EDGES: f64 = 1e-6;
+
+#[test]
+fn second_method_a_solver_follows_contacts_with_an_exponent() {
+    let text = "name = \"C\"\ngravity = 9.81\n\
+        body.b = { mass = 0.3, gravity = 1.0 }\n\
+        stop.h = { between = [\"ground\", \"b\"], gap = 0.02, stiffness = 2e5, exponent = 1.5, dissipation = 0.3 }\n\
+        stop.top = { between = [\"b\", \"ground\"], gap = 0.001, stiffness = 3e4, exponent = 1.25, damping = 2.0 }\n\
+        damper.air = { between = [\"ground\", \"b\"], quadratic = 0.1 }\n\
+        load.l = { on = \"b\", amplitude = 4.0, frequency = 6.0 }\n";
+    let description = file::parse(text, "c.toml", &file::no_records).unwrap();
+    let assembly = Arc::new(Assembly::new(description).unwrap());
+    let mut solver = Solver::new(&assembly);
+    solver.run(0.5, 1e-5);
+    let mut motion = Motion::new(assembly).unwrap();
+    let mut events = 0;
+    motion.advance_observed(0.5, &mut |_| events += 1).unwrap();
+    assert!(events > 6 && solver.events >= events, "{events} {}", solver.events);
+    for k in 0..2 {
+        let (own, exact) = (solver.motion.body(0)[k], motion.body(0)[k]);
+        assert!((own - exact).abs() < AT_EDGES * [0.01, 1.0][k].max(exact.abs()), "{own} {exact}");
+    }
+}
+
 fn example(name: &str) -> Arc<Assembly> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly").join(name);
     Arc::new(Assembly::new(file::read(&path.with_extension("toml")).unwrap()).unwrap())

@@ -1,4 +1,4 @@
-//! Starts at rest of machines with curved forces (docs/assembly-law.md, section 20).
+//! Starts at rest of machines with curved forces (docs/assembly-law.md, section 23).
 
 use crate::common::*;
 use vibro_machine::{Assembly, Differentiated, Error, Motion};

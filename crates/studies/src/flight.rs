@@ -294,7 +294,7 @@ fn curved_stretches(
     span: f64,
     visit: &mut dyn FnMut(&Series, f64),
 ) -> Vec<f64> {
-    let (mut state, mut ahead, mut left) = (z.to_vec(), Ahead::default(), span.abs());
+    let (mut state, mut ahead, mut left) = (z.to_vec(), Ahead::towards(span < 0.0), span.abs());
     let part = CURVED_PART.copysign(span);
     let mut series = Series { size: z.len(), terms: Vec::new() };
     while left > 0.0 {

@@ -1,5 +1,5 @@
 //! Powers with an edge at 0: the force of a contact and powers with two sides
-//! (docs/assembly-law.md, section 21).
+//! (docs/assembly-law.md, section 22).
 //!
 //! On each side of its edge such a power is an operation without an edge. If its exponent is not an
 //! integer, it has no power series at the edge itself. So near is the edge that the force is below

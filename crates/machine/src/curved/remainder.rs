@@ -16,9 +16,6 @@ pub(super) const ROOM: f64 = 1e-12;
 /// Largest exponent of the growth of an error within a span.
 const GROWTH: f64 = 20.0;
 
-/// Largest product of a span with the rate by the slope of a power that counts as 0: the relative
-/// error of derivatives of the motion.
-const SLOPE: f64 = 1e-14;
 /// Factor by which a span is shortened at an edge.
 const AT_EDGE: f64 = 0.5;
 /// Shortening of a span if an operation may not be defined throughout the span.
@@ -64,6 +61,9 @@ pub(crate) struct CurveTerms<'a> {
     /// Norm of the derivative of the operation's value by the states, over the tube; set by
     /// [`Remainder::bound`].
     pub(crate) steepness: f64,
+    /// Whether the operation is a side of a power with an edge. The motion beside the polynomial may
+    /// pass the edge, where the power stays Lipschitz.
+    pub(crate) is_sided: bool,
     /// Bound of the value of a power at its edge, which the series leaves out; set by
     /// [`Remainder::bound`].
     pub(crate) left_out: f64,
@@ -78,7 +78,19 @@ impl<'a> CurveTerms<'a> {
         effect: f64,
     ) -> Self {
         let (radius, scale, of_argument, steepness, left_out) = (0.0, 0.0, [0.0; 2], 0.0, 0.0);
-        Self { operation, series, arguments, effect, radius, scale, of_argument, steepness, left_out }
+        let is_sided = false;
+        Self {
+            operation,
+            series,
+            arguments,
+            effect,
+            radius,
+            scale,
+            of_argument,
+            steepness,
+            is_sided,
+            left_out,
+        }
     }
 
     /// Whether this is a polynomial of a row without operations.
@@ -125,9 +137,16 @@ impl<'a> CurveTerms<'a> {
             let sum = series[1..=last].iter().rev().fold(0.0, |sum, x| sum * part + x.abs()) * part;
             *radius = sum * (1.0 + ROOM) + argument.beyond(known, part, last) + reach * margin;
         }
-        let slopes = self.operation.steepest([a[0], b[0]], radii);
+        let slopes = match self.operation {
+            Operation::Power(p) if self.is_sided => Operation::TwoSided(p).steepest([a[0], b[0]], radii),
+            operation => operation.steepest([a[0], b[0]], radii),
+        };
+        let [first, _] = &self.arguments;
+        let highest = self.series.highest(&self.operation, part) * (1.0 + ROOM)
+            + first.beyond(known, part, last)
+            + reaches[0] * margin;
         let left_out: f64 = match self.operation.edge() {
-            Some(_) => self.operation.value([a[0].abs() + radii[0], 0.0]),
+            Some(_) => self.operation.value([highest, 0.0]),
             None => self.arguments.iter().zip(slopes).map(|(own, slope)| own.left_out(known, slope)).sum(),
         };
         let tail = tail + left_out;
@@ -215,9 +234,6 @@ impl Remainder<'_> {
             later[0].steepness = steepness;
             let is_still = later[0].is_still();
             later[0].left_out = if is_still { tail } else { 0.0 };
-            if is_still && effect * steepness * h > SLOPE {
-                return f64::INFINITY;
-            }
             if effect > 0.0 {
                 defect += effect * tail;
                 growth += effect * steepness;

@@ -26,12 +26,15 @@ pub struct CurveSeries {
     powers: [[f64; TERMS]; POWERS],
     /// The side of the edge, for a power with an edge.
     pub piece: Piece,
+    /// Whether the series is used back in time.
+    pub backwards: bool,
 }
 
 impl Default for CurveSeries {
     fn default() -> Self {
         Self {
             piece: Piece::default(),
+            backwards: false,
             x: [0.0; TERMS],
             back: [0.0; 2 * TERMS],
             powers: [[0.0; TERMS]; POWERS],
@@ -162,6 +165,40 @@ impl CurveSeries {
     /// Coefficients of the first argument, of a power with an edge times the sign of its side.
     pub(crate) fn argument(&self) -> [f64; TERMS] {
         self.x
+    }
+
+    /// Bound of the largest argument of a power at its edge: of x for a power of one side, of |x| for
+    /// others.
+    pub(crate) fn highest(&self, operation: &Operation, part: f64) -> f64 {
+        if !matches!(operation, Operation::OneSided(_)) {
+            return self.x[0].abs() + self.sum_of_sizes_beyond(part);
+        }
+        // Negative terms only lower the argument: the force of a contact that ends is 0 from there on.
+        let mut power = 1.0;
+        let terms = self.x[1..=LAST_CURVE_ORDER].iter().map(|x| {
+            power *= if self.backwards { -part } else { part };
+            (x * power).max(0.0)
+        });
+        self.x[0] + terms.sum::<f64>()
+    }
+
+    /// Bound of the part of a span, at most `part`, in which the argument of a power of one side is
+    /// positive.
+    pub(crate) fn inside(&self, operation: &Operation, part: f64) -> f64 {
+        if !matches!(operation, Operation::OneSided(_)) {
+            return part;
+        }
+        let slope = if self.backwards { -self.x[1] } else { self.x[1] };
+        let mut power = 1.0;
+        let steeper: f64 = self.x[2..=LAST_CURVE_ORDER]
+            .iter()
+            .map(|x| {
+                power *= part;
+                x.abs() * power
+            })
+            .sum();
+        let falls = -(slope + steeper);
+        if falls > 0.0 { part.min(self.x[0].max(0.0) / falls) } else { part }
     }
 
     /// The sum Σ |xₖ| partᵏ over the orders from 1 to the last one of curved forces.

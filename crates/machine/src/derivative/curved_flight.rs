@@ -5,8 +5,8 @@ use super::curved::CurvesInMode;
 use super::mode::VariedMode;
 use crate::curved::{CurveSeries, Operation, Piece};
 use crate::flow::{
-    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_to_edge,
-    rate_at, shortened, sides_ahead,
+    AtState, CURVE_REACH, CurveInMode, GroupNorms, LAST_CURVE_ORDER, part, part_at_edges, part_from_edges,
+    part_to_edge, rate_at, shortened, sides_ahead,
 };
 
 /// Size of the last terms relative to the first ones, of the state and of each column.
@@ -107,7 +107,10 @@ impl VariedMode {
         };
         let parts = (0..=self.by.len()).map(|column| part(&self.group_norms(&terms, z.width, column), LAST));
         let part = parts.fold(1.0, f64::min);
-        let part = part_at_edges(forces, &own, (part, span), &at);
+        let groups = self.group_norms(&terms, z.width, 0);
+        let norms = std::array::from_fn(|k| groups[k].into_iter().fold(0.0, f64::max));
+        let part = part_at_edges(forces, &own, (part, span), (at.z, norms));
+        let part = part_from_edges(forces, &own, part);
         CurvedSeries { part: part_to_edge(forces, &own, part, false), terms, span }
     }
 

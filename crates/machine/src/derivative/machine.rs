@@ -399,12 +399,15 @@ impl Machine {
     }
 
     /// Whether the force is continuous where this event function passes zero: for a branch with a
-    /// slider and for a stop that has no damping, or none there.
+    /// slider and for a stop that has no damping, or none there; dissipation ends at the edge.
     pub fn is_smooth(&self, watch: Watch) -> bool {
         match watch {
             Watch::Turns(_) | Watch::Yields(..) | Watch::Reverses(_) => true,
             Watch::Leaves(i) if self.system.stops[i].may_rebound() => true,
-            Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => !self.system.stops[i].is_damped(),
+            Watch::Presses(i) | Watch::Changes(i) | Watch::Leaves(i) => {
+                let stop = &self.system.stops[i];
+                !stop.is_damped() || stop.releases()
+            }
             _ => false,
         }
     }

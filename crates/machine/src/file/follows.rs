@@ -1,6 +1,7 @@
 //! Reading of friction that follows the force of a stop.
 
 use super::reading::{FileTable, Reading};
+use crate::check::FOLLOWS;
 use crate::description::{Dimension, Follows, Stop, StopLaw};
 use crate::kinds;
 
@@ -43,6 +44,10 @@ fn stop(reading: &mut Reading, table: &FileTable, stops: &[Stop]) -> Option<usiz
         let text = "this stop is rigid, and impacts with friction are not supported; \
                     use a compliant stop, with `stiffness`";
         reading.refuse(&entry, text);
+        return None;
+    }
+    if stops[found].contact.is_some() {
+        reading.refuse(&entry, FOLLOWS);
         return None;
     }
     Some(found)

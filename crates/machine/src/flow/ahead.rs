@@ -166,6 +166,11 @@ pub struct Ahead {
 }
 
 impl Ahead {
+    /// Memory for series ahead of states, or with `backwards` for series back in time.
+    pub fn towards(backwards: bool) -> Self {
+        Self { backwards, ..Self::default() }
+    }
+
     /// Expands the states ahead of `z` up to the nearest predicted event, but at most by a time
     /// `most`. `leaving` returns, for a watched functional, the order of its zero at the start and
     /// the value that it crosses.

@@ -3,7 +3,7 @@
 mod edges;
 mod pace;
 
-pub(crate) use edges::{AtState, any as any_edge, part_at_edges, part_to_edge, sides_ahead};
+pub(crate) use edges::{AtState, part_at_edges, part_from_edges, part_to_edge, sides_ahead};
 pub(crate) use pace::{GroupNorms, part, shortened};
 
 use super::ahead::{Ahead, HeadAhead, Series};
@@ -27,6 +27,12 @@ pub(crate) const CURVE_REACH: f64 = 4.0;
 /// The span of the computed coefficients may be 2³ times their radius of convergence. Beyond it they
 /// are computed again.
 const MOST_EXCESS: i64 = 3;
+
+/// Shortest part of a span that is proved with the coefficients of the whole span.
+const SHORT_PART: f64 = 1e-3;
+
+/// Norms of the terms of a series by order: by group, and of the signals.
+type Norms = ([GroupNorms; LAST_CURVE_ORDER + 1], [f64; LAST_CURVE_ORDER + 1]);
 
 /// Norms of the row of an argument: Σ |ℓᵢ| wᵢ over the velocities, and over the other coordinates
 /// without operations; and the operations in it.
@@ -71,6 +77,9 @@ pub(crate) struct CurveInMode {
     pub(super) effects: [f64; 2],
     /// Whether the force acts in the mode: the operations of a stop do so beyond its gap.
     pub(crate) acts: bool,
+    /// Largest entry of φ's column, and sums of the sizes of the entries of the first argument's row:
+    /// of the velocities, and of the others. They have no weights.
+    pub(crate) plain: [f64; 3],
 }
 
 impl CurveInMode {
@@ -89,8 +98,12 @@ impl CurveInMode {
                 let [others, velocities] = if curved.is_of_rate { [0.0, reach] } else { [reach, 0.0] };
                 rows[0] = RowNorms { others, velocities, nested: Vec::new() };
             }
+            let column: Vec<(usize, f64)> = match curved.released(system, mode) {
+                Some(column) => column,
+                None => columns.row(curved.place).to_vec(),
+            };
             let mut effects = [0.0f64; 2];
-            for &(i, y) in columns.row(curved.place) {
+            for &(i, y) in &column {
                 let effect = &mut effects[usize::from(!velocities.contains(&i))];
                 *effect = effect.max(y.abs() * weights[i]);
             }
@@ -98,7 +111,13 @@ impl CurveInMode {
                 Part::Stop(i) => mode.stops[i].is_inside(),
                 _ => true,
             };
-            Self { curved: curved.clone(), rows, effects, acts }
+            let largest = column.iter().fold(0.0f64, |most, entry| most.max(entry.1.abs()));
+            let [mut of_velocities, mut of_others] = [0.0; 2];
+            for &(j, x) in curved.argument.terms() {
+                *if velocities.contains(&j) { &mut of_velocities } else { &mut of_others } += x.abs();
+            }
+            let plain = [largest, of_velocities, of_others];
+            Self { curved: curved.clone(), rows, effects, acts, plain }
         };
         system.curved.iter().enumerate().map(in_mode).collect()
     }
@@ -115,11 +134,6 @@ impl CurveInMode {
         (self.effects[0] / faster).max(self.effects[1])
     }
 
-    /// Norm of the row of the first argument.
-    fn reach(&self) -> f64 {
-        self.rows[0].joint(1.0)
-    }
-
     /// The force with its series, for the bound of the remainder.
     #[inline(always)]
     fn with<'a>(&'a self, series: &'a CurveSeries, faster: f64) -> CurveTerms<'a> {
@@ -127,7 +141,9 @@ impl CurveInMode {
             |row: &'a RowNorms| ArgumentTerms { reach: row.joint(faster), nested: row.nested.as_slice() };
         let [first, second] = &self.rows;
         let arguments = [argument(first), argument(second)];
-        CurveTerms::new(self.curved.operation.on(series.piece), series, arguments, self.effect(faster))
+        let own = &self.curved.operation;
+        let terms = CurveTerms::new(own.on(series.piece), series, arguments, self.effect(faster));
+        CurveTerms { is_sided: own.edge().is_some(), ..terms }
     }
 
     /// Norms of the derivative of φ by the states without velocities, and by the velocities.
@@ -212,9 +228,11 @@ impl Series {
 
     /// Sets the sides on which the curved forces begin.
     #[inline(always)]
-    fn set_sides(&mut self, sides: &[Piece]) {
+    fn set_sides(&mut self, sides: &[Piece], backwards: bool) {
         self.curves.resize(sides.len(), CurveSeries::default());
-        self.curves.iter_mut().zip(sides).for_each(|(series, side)| series.piece = *side);
+        for (series, side) in self.curves.iter_mut().zip(sides) {
+            (series.piece, series.backwards) = (*side, backwards);
+        }
     }
 
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
@@ -228,6 +246,26 @@ impl Series {
     }
 }
 
+impl Series {
+    /// Expands the states ahead of `z` over a span, or over a shorter one where the series would
+    /// not converge; returns the norms of the terms.
+    #[inline(always)]
+    fn expand_curved(&mut self, table: &FlowTable, z: &[f64], span: &mut f64) -> Norms {
+        let (mut groups, mut signals) = ([[0.0; 3]; LAST_CURVE_ORDER + 1], [0.0; LAST_CURVE_ORDER + 1]);
+        loop {
+            self.expand(table, z, *span, LAST_CURVE_ORDER);
+            for k in 0..=LAST_CURVE_ORDER {
+                (groups[k], signals[k]) = self.norms(table, k);
+            }
+            let is_finite = self.term(LAST_CURVE_ORDER).iter().all(|x| x.is_finite());
+            match shortened(*span, is_finite, &groups, MOST_EXCESS) {
+                Some(shorter) => *span = shorter,
+                None => return (groups, signals),
+            }
+        }
+    }
+}
+
 impl Ahead {
     /// Expands the states ahead of `z` over the longest time, at most `most`, for which the
     /// remainder of the series is proved to be rounding.
@@ -236,26 +274,34 @@ impl Ahead {
         let mut scale = most.min(CURVE_REACH / rate_at(table.rate, &table.curves, z));
         let (sides, to_edge) = table.sides_ahead(z);
         scale = scale.min(to_edge);
-        self.series.set_sides(&sides);
+        self.series.set_sides(&sides, self.backwards);
         let series = &mut self.series;
-        let (mut groups, mut signals) = ([[0.0; 3]; LAST_CURVE_ORDER + 1], [0.0; LAST_CURVE_ORDER + 1]);
-        loop {
-            series.expand(table, z, scale, LAST_CURVE_ORDER);
-            for k in 0..=LAST_CURVE_ORDER {
-                (groups[k], signals[k]) = series.norms(table, k);
-            }
-            let is_finite = series.term(LAST_CURVE_ORDER).iter().all(|x| x.is_finite());
-            match shortened(scale, is_finite, &groups, MOST_EXCESS) {
-                Some(shorter) => scale = shorter,
-                None => break,
-            }
+        let (mut groups, mut signals) = series.expand_curved(table, z, &mut scale);
+        // Beyond the edge of a power the series has no remainder.
+        let longest = if to_edge < most { (most / scale).min(to_edge / scale) } else { most / scale };
+        let mut longest = table.part_at_edges(z, series, (longest, scale));
+        if longest < SHORT_PART {
+            // Powers of the radius would overflow.
+            scale *= longest;
+            (groups, signals) = series.expand_curved(table, z, &mut scale);
+            longest = (most / scale).min(1.0);
         }
         // The weights of velocities follow the pace of the motion. The remainder is then at most
         // the rounding of the displacements, and at most the rounding of the velocities.
         let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
-        let longest = most / scale;
         let part = table.proved_part(series, (&groups, &signals), (scale, faster), longest);
         let part = part_to_edge(&table.curves, &series.curves, part, self.backwards);
+        if std::env::var("DBG").is_ok() {
+            let a: Vec<_> = series
+                .curves
+                .iter()
+                .zip(&table.curves)
+                .map(|(own, c)| (own.first(), own.piece, c.acts, c.effects))
+                .collect();
+            eprintln!(
+                "scale {scale:e} to_edge {to_edge:e} most {most:e} longest {longest:e} part {part:e} faster {faster:e} {a:?} {z:?}"
+            );
+        }
         let mut power = 1.0;
         for k in 1..=LAST_CURVE_ORDER {
             power *= part;
@@ -263,7 +309,7 @@ impl Ahead {
         }
         // Not by `part * scale`, whose rounding may end just before `most`, at which a knot would
         // then be missed.
-        self.span = if part == longest { most } else { (part * scale).min(most) };
+        self.span = if part == most / scale { most } else { (part * scale).min(most) };
         self.expanded = scale;
         self.heads.clear();
         for w in &table.watched {
@@ -280,11 +326,20 @@ impl FlowTable {
         !self.curves.is_empty()
     }
 
+    /// The longest part of a span over which powers at their edges are negligible.
+    fn part_at_edges(&self, z: &[f64], series: &Series, (part, span): (f64, f64)) -> f64 {
+        if !series.curves.iter().any(|own| own.piece == Piece::Still) {
+            return part;
+        }
+        let norms = std::array::from_fn(|k| series.norm(self, k, self.one));
+        part_at_edges(&self.curves, &series.curves, (part, span), (z, norms))
+    }
+
     /// The sides of powers with an edge ahead of a state, and the longest time over which the
     /// coefficients of a series are computed, s.
     #[inline(always)]
     fn sides_ahead(&self, z: &[f64]) -> (Vec<Piece>, f64) {
-        if !any_edge(&self.curves) {
+        if !edges::any(&self.curves) {
             return (vec![Piece::Whole; self.curves.len()], f64::INFINITY);
         }
         let mut rates = vec![0.0; z.len()];
@@ -310,7 +365,7 @@ impl FlowTable {
     /// Replaces a state by its time derivative of an order below `TERMS`.
     pub fn derivative(&self, order: usize, z: &mut [f64]) {
         let mut series = Series::default();
-        series.set_sides(&edges::sides(&self.curves, z));
+        series.set_sides(&edges::sides(&self.curves, z), false);
         series.expand(self, z, 1.0, order);
         z.copy_from_slice(series.term(order));
         let factorial = (1..=order).fold(1.0, |product, k| product * k as f64);
@@ -342,8 +397,7 @@ impl FlowTable {
     /// must be within the motion's: a state that reaches the end of its motion stays there.
     pub fn carry_along(&self, z: &mut [f64], variations: &mut [Vec<f64>], time: f64) {
         let (mut left, sign) = (time.abs(), time.signum());
-        let mut ahead = Ahead::default();
-        ahead.backwards = sign < 0.0;
+        let mut ahead = Ahead::towards(sign < 0.0);
         let mut terms = vec![vec![0.0; z.len()]; LAST_CURVE_ORDER + 1];
         while left > 0.0 {
             ahead.find_curved(self, z, left);
@@ -411,7 +465,7 @@ impl FlowTable {
     ) -> Vec<Option<(usize, f64)>> {
         let mut series = Series::default();
         let length = self.length_for(z, sizes);
-        series.set_sides(&edges::sides(&self.curves, z));
+        series.set_sides(&edges::sides(&self.curves, z), false);
         series.expand(self, z, length, ORDERS - 1);
         let all = self.sizes_of_terms(z, sizes, (length, ORDERS - 1));
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;

@@ -246,6 +246,13 @@ impl PassageSearch<'_> {
             if stays {
                 continue;
             }
+            // The series before this one may have ended within the tolerance of a touch.
+            if self.table.is_curved() && order == 0 && begin > 0.0 && head.slope > 0.0 {
+                let row = &self.table.watched[place].row;
+                if begin > self.hybrid.sizes.zero_of(row) {
+                    return Some((0.0, place));
+                }
+            }
             let mut c = ahead.way(&self.table.watched[place].row);
             c[0] = begin.min(0.0);
             if order > 0 {

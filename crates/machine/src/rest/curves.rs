@@ -1,5 +1,5 @@
 //! The equilibrium under curved forces, by Newton's method along a path on which the forces at
-//! zero displacement grow from zero (docs/assembly-law.md, section 20).
+//! zero displacement grow from zero (docs/assembly-law.md, section 23).
 //!
 //! With R(q) the force of springs, compliant contacts and loads on the coordinates, the path solves
 //! R(q) = (1 - s) R(0) for s from 0 to 1. Each step of Newton's method replaces the curved forces

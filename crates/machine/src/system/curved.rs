@@ -7,6 +7,7 @@ use crate::elements::Element;
 use crate::formula::{Atom, Compiled, Formula, Line, Step, potential};
 use crate::functional::Functional;
 use crate::kernel::SparseMatrix;
+use crate::mode::{Mode, StopState};
 
 /// The operations of an element's formula; none if it is refused.
 pub(crate) fn compiled(element: Element) -> Option<Compiled> {
@@ -26,6 +27,18 @@ pub fn count(d: &Description) -> usize {
         _ => 0,
     };
     d.elements().map(|element| of_law(element) + of_formula(element)).sum()
+}
+
+impl Curved {
+    /// The column of xᵖ of a released contact, as if the contact had its force: accounts and event
+    /// functions need this power beyond the release.
+    pub(crate) fn released(&self, system: &System, mode: &Mode) -> Option<Vec<(usize, f64)>> {
+        let (Part::Stop(i), Operation::OneSided(_)) = (self.owner, self.operation) else { return None };
+        let stop = &system.stops[i];
+        let terms = stop.elongation.mobility.terms().iter();
+        let column = terms.map(|&(k, x)| (system.coordinates + k, stop.stiffness() * x));
+        (mode.stops[i] == StopState::Free).then(|| column.collect())
+    }
 }
 
 /// The first element with a curved force, by its dotted name.

@@ -57,6 +57,7 @@ def series(chain, t, s, v, states):
     args = [[] for _ in chain["element"]]
     rates = [[] for _ in chain["element"]]
     powers = [[] for _ in chain["element"]]
+    kept = [[] for _ in chain["element"]]
     for k in range(ORDERS):
         sk, vk = [x[k] for x in ss], [x[k] for x in vs]
         force = [gravity * m if k == 0 else mpf(0) for m in masses]
@@ -74,17 +75,17 @@ def series(chain, t, s, v, states):
                     powers[i].append(mpf(0))
                     continue
                 still = p != int(p) and args[i][0] < EDGE
-                w = mpf(0) if still else next_power(args[i], powers[i], p, k)
+                w = mpf(0) if still else next_power(args[i], powers[i], p, k, kept[i])
                 powers[i].append(w)
                 c = exact(own["c"]) * 3 / 2
-                product = sum(powers[i][j] * rates[i][k - j] for j in range(k + 1))
+                product = sum(powers[i][j] * rates[i][k - j] for j in range(k + 1)) if c else 0 if c else 0
                 f = exact(own["k"]) * (w + c * product) + exact(own["d"]) * r
                 act(force, own["ends"], f)
             else:
                 x = r if own["kind"] == "rate" else e
                 args[i].append(states[i] * x)
                 still = p != int(p) and args[i][0] < EDGE
-                w = mpf(0) if still else next_power(args[i], powers[i], p, k)
+                w = mpf(0) if still else next_power(args[i], powers[i], p, k, kept[i])
                 powers[i].append(w)
                 act(force, own["ends"], exact(own["k"]) * states[i] * w)
         for i in range(count):
@@ -94,15 +95,18 @@ def series(chain, t, s, v, states):
     return ss, vs, args, rates
 
 
-def next_power(x, w, p, k):
-    """The coefficient of order k of x^p; integer powers do not divide by x."""
+def next_power(x, w, p, k, kept):
+    """The coefficient of order k of x^p; integer powers do not divide by x. `kept` has the lower
+    integer powers."""
     if p != int(p):
         return power_next(x, w, p, k)
-    n = int(p)
-    total, base = [mpf(1)] + [mpf(0)] * k, x[: k + 1]
-    for _ in range(n):
-        total = [sum(total[j] * base[m - j] for j in range(m + 1)) for m in range(k + 1)]
-    return total[k]
+    factor = x
+    for m in range(int(p) - 1):
+        if len(kept) <= m:
+            kept.append([])
+        kept[m].append(sum(factor[j] * x[k - j] for j in range(k + 1)))
+        factor = kept[m]
+    return factor[k]
 
 
 def act(force, ends, f):

@@ -213,6 +213,32 @@ fn second_method_multipliers_and_columns_of_formulas() {
     }
 }
 
+/// Contacts with an exponent and a dissipation, and drag: flights along series that begin and end at
+/// their edges.
+#[test]
+fn second_method_multipliers_and_columns_of_contacts() {
+    let machine = machine(
+        "name = \"Contacts\"\nbody.b = { mass = 0.5 }\n\
+         spring.k = { between = [\"ground\", \"b\"], stiffness = 300.0, damping = 0.5 }\n\
+         damper.air = { between = [\"ground\", \"b\"], quadratic = 0.3 }\n\
+         stop.h = { between = [\"ground\", \"b\"], gap = 0.01, stiffness = 2e5, exponent = 1.5, dissipation = 0.3 }\n\
+         load.l = { on = \"b\", amplitude = 6.0, frequency = 4.5 }\n",
+    );
+    let orbit = Orbit::settled(&machine, &Start::default(), 400).unwrap();
+    assert!(!orbit.word().is_empty() && orbit.check_by_motion().unwrap() < ROUNDING);
+    let mut moduli: Vec<f64> = orbit.multipliers().iter().map(|m| m.norm()).collect();
+    moduli.sort_by(|a, b| b.total_cmp(a));
+    let by_motion = moduli_by_motion(&orbit);
+    for (own, other) in moduli.iter().zip(&by_motion) {
+        assert!((own - other).abs() < ROUNDING, "{moduli:?} {by_motion:?}");
+    }
+    for parameter in ["stop.h.stiffness", "stop.h.gap", "stop.h.dissipation", "damper.air.quadratic"] {
+        let present = machine.description.get(parameter).unwrap();
+        let apart = column_apart(&machine, &orbit, (parameter, 0.1 * present));
+        assert!(apart < APART, "{parameter}: {apart:e}");
+    }
+}
+
 /// A symmetric orbit loses its symmetry where a multiplier of the motion passes 1, and continues
 /// as an unstable orbit.
 #[test]

@@ -1,5 +1,5 @@
 //! Powers with an edge in a mode: the sides on which a power series begins, and where it ends
-//! (docs/assembly-law.md, section 21).
+//! (docs/assembly-law.md, section 22).
 
 use super::CurveInMode;
 use crate::curved::{CurveSeries, NEAR, Operation, Piece, TERMS};
@@ -11,9 +11,15 @@ const ROUNDING: f64 = 1e-14;
 /// Change of the state by a power that counts as 0, relative to the state: a hundredth of the
 /// remainder of a series.
 const STATE: f64 = 1e-18;
-/// Largest product of a span with the rate by the slope of such a power: the relative error of
-/// derivatives.
-const SLOPE: f64 = 1e-15;
+/// Largest effect of the slope of such a power of a rate on a derivative of the motion, relative to it.
+const OF_RATE: f64 = 1e-14;
+/// The same for a power of a displacement, over the time of one series: the changed rate acts much
+/// longer. A contact lasts 1e8 to 1e10 times as long.
+const OF_PLACE: f64 = 1e-22;
+/// Number of orders from which the norm of a body that begins to move is taken.
+pub(crate) const FIRST: usize = 6;
+/// Factor on an argument and a time within which a power at its edge has to be negligible.
+const ROOM: f64 = 2.5;
 /// Part of the time to the edge over which a series is first computed if it cannot pass the edge.
 const TO_EDGE: f64 = 1.0;
 /// Largest part of the way to the edge that a series without a proved remainder covers.
@@ -35,6 +41,26 @@ pub(crate) struct AtState<'a> {
     pub one: usize,
     /// Rate of the mode, 1/s.
     pub rate: f64,
+}
+
+impl AtState<'_> {
+    /// The norm (A6) of the states.
+    fn norm(&self) -> f64 {
+        let states = self.z[..self.one].iter().zip(self.weights);
+        states.fold(0.0f64, |most, (z, w)| most.max((z * w).abs()))
+    }
+}
+
+impl CurveInMode {
+    /// Whether a power of an argument up to `a` has no effect over a time `h`, on a state of this
+    /// norm and on derivatives. The effects are those of the force's value and of its slope.
+    fn is_negligible(&self, [effect, slope]: [f64; 2], p: f64, a: f64, (h, norm): (f64, f64)) -> bool {
+        let [_, of_velocities, of_others] = self.plain;
+        let slope = slope * p * a.powf(p - 1.0) * h;
+        effect * a.powf(p) * h <= STATE * norm
+            && slope * of_velocities <= OF_RATE
+            && slope * h * of_others <= OF_PLACE
+    }
 }
 
 /// Sum of the sizes of the terms of an argument.
@@ -68,32 +94,35 @@ pub(crate) fn sides_ahead(curves: &[CurveInMode], at: &AtState) -> (Vec<Piece>, 
         };
         let a = curved.argument.at(at.z);
         let side = Piece::of(&curved.operation, a, ROUNDING * terms(&curved.argument, at.z));
-        if side == Piece::Still || !curved.operation.ends_at_edge() {
+        let is_two_sided = matches!(curved.operation, Operation::TwoSided(_));
+        if side == Piece::Still || !(is_two_sided || curved.operation.ends_at_edge()) {
             return side;
         }
         let time = a.abs() / curved.argument.at(at.rates).abs();
-        // The argument doubles within this time, or reaches the edge.
-        let span = 2.0 * time.min(1.0 / at.rate);
-        let effect = effect(curves, i, at.z);
-        let change = effect * (2.0 * a.abs()).powf(*p) * span;
-        let slope = effect * own.reach() * p * (2.0 * a.abs()).powf(p - 1.0) * span;
-        if change <= STATE * norm && slope <= SLOPE {
+        // Within this time the argument doubles, or reaches the edge.
+        let span = time.min(1.0 / at.rate);
+        if own.is_negligible(effects(curves, i, at.z), *p, ROOM * a.abs(), (ROOM * span, norm)) {
             return Piece::Still;
         }
-        longest = longest.min(TO_EDGE * time);
+        if curved.operation.ends_at_edge() {
+            longest = longest.min(TO_EDGE * time);
+        }
         side
     };
     let sides = curves.iter().enumerate().map(&mut of).collect();
     (sides, longest)
 }
 
-/// Norm of the column of a force, with its effect through products.
-fn effect(curves: &[CurveInMode], i: usize, z: &[f64]) -> f64 {
-    let through = |own: &CurveInMode| {
-        let factor = own.rows[0].nested.iter().find(|nested| nested.0 == i).map_or(0.0, |nested| nested.1);
-        if factor == 0.0 { 0.0 } else { factor * own.effect(1.0) * own.curved.second.at(z).abs() }
-    };
-    curves[i].effect(1.0) + curves[i + 1..].iter().map(through).sum::<f64>()
+/// Norm of the column of a force and its largest entry, with its effect through products.
+fn effects(curves: &[CurveInMode], i: usize, z: &[f64]) -> [f64; 2] {
+    let mut effects = [curves[i].effect(1.0), curves[i].plain[0]];
+    for own in &curves[i + 1..] {
+        let Some(&(_, factor)) = own.rows[0].nested.iter().find(|nested| nested.0 == i) else { continue };
+        let factor = factor * own.curved.second.at(z).abs();
+        effects[0] += factor * own.effect(1.0);
+        effects[1] += factor * own.plain[0];
+    }
+    effects
 }
 
 /// The part of a span at which a power first comes to its edge, of the forces whose series continue
@@ -128,33 +157,51 @@ pub(crate) fn part_to_edge(
 }
 
 /// The longest part of a span over which powers at their edges have no effect on a state and its
-/// derivatives, and other powers stay away from their edges.
+/// derivatives.
 pub(crate) fn part_at_edges(
     curves: &[CurveInMode],
     series: &[CurveSeries],
-    (mut part, span): (f64, f64),
-    at: &AtState,
+    (part, span): (f64, f64),
+    (z, norms): (&[f64], [f64; FIRST]),
 ) -> f64 {
-    let norm = at.z[..at.one].iter().zip(at.weights).fold(0.0f64, |most, (z, w)| most.max((z * w).abs()));
+    let mut allowed = part;
     for (i, (own, series)) in curves.iter().zip(series).enumerate() {
-        let CurveInMode { curved, acts, .. } = own;
-        let (Some(p), true) = (curved.operation.edge(), *acts) else { continue };
-        let effect = effect(curves, i, at.z);
-        let is_allowed = |part: f64| {
-            let most = series.sum_of_sizes_beyond(part);
-            if series.piece != Piece::Still {
-                return !curved.operation.ends_at_edge() || most <= OF_WAY * series.first().abs();
-            }
-            let a = series.first().abs() + most;
-            let (h, slope) = (part * span, effect * own.reach() * p * a.powf(p - 1.0));
-            effect * a.powf(p) * h <= STATE * norm && slope * h <= SLOPE
+        let (Some(p), true, Piece::Still) = (own.curved.operation.edge(), own.acts, series.piece) else {
+            continue;
         };
-        for _ in 0..TRIALS {
-            if is_allowed(part) {
-                break;
-            }
-            part *= SHORTER;
+        let effects = effects(curves, i, z);
+        let is_allowed = |part: f64| {
+            let a = series.highest(&own.curved.operation, part).max(0.0);
+            // A body at rest has a norm only as it begins to move.
+            let step = |(most, power): (f64, f64), norm: &f64| (most.max(norm * power), power * part);
+            let norm = norms.iter().fold((0.0, 1.0), step).0;
+            own.is_negligible(effects, p, a, (series.inside(&own.curved.operation, part) * span, norm))
+        };
+        allowed = longest(allowed, is_allowed);
+    }
+    allowed
+}
+
+/// The longest part of a span, without a proved remainder, over which powers stay away from edges
+/// at which their series end.
+pub(crate) fn part_from_edges(curves: &[CurveInMode], series: &[CurveSeries], part: f64) -> f64 {
+    let mut allowed = part;
+    for (own, series) in curves.iter().zip(series) {
+        if own.acts && series.piece != Piece::Still && own.curved.operation.ends_at_edge() {
+            let first = series.first().abs();
+            allowed = longest(allowed, |part| series.sum_of_sizes_beyond(part) <= OF_WAY * first);
         }
+    }
+    allowed
+}
+
+/// The first of `part` and shorter parts that is allowed.
+fn longest(mut part: f64, is_allowed: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..TRIALS {
+        if is_allowed(part) {
+            break;
+        }
+        part *= SHORTER;
     }
     part
 }

@@ -93,7 +93,7 @@ fn compare(text: &str) {
         ahead.find_curved(&table, &z, 100.0);
         let (span, part) = (ahead.expanded, ahead.span / ahead.expanded);
         let mut series = Series::default();
-        series.set_sides(&edges::sides(&table.curves, &z));
+        series.set_sides(&edges::sides(&table.curves, &z), false);
         series.expand(&table, &z, span, LAST_CURVE_ORDER);
         for (beyond, faster) in BEYOND.into_iter().flat_map(|beyond| FASTER.map(|faster| (beyond, faster))) {
             let (limit, size) = bound(&table, &series, (span, faster), part * beyond);

@@ -1,0 +1,4 @@
+#![allow(missing_docs)]
+#[path = "../tests/contacts.rs"]
+mod contacts;
+fn main() {}
