@@ -305,7 +305,7 @@ impl System {
                     if spring.has_curve() {
                         self.add_curve(false, spring.curve.map(Option::unwrap_or_default));
                     }
-                    self.add_formula(element, start_of(d, &spring.arms)[0]);
+                    self.add_formula(element, || start_of(d, &spring.arms)[0]);
                     parts
                 }
                 Element::Spring(spring) => {
@@ -317,7 +317,7 @@ impl System {
                     if let Some(cubic) = damper.cubic {
                         self.add_curve(true, [0.0, cubic, 0.0, 0.0]);
                     }
-                    self.add_formula(element, 0.0);
+                    self.add_formula(element, || 0.0);
                     parts
                 }
                 Element::Modal(modal) => {

@@ -195,8 +195,8 @@ impl System {
         self.curved.push(Curved { argument, second, operation, place, is_of_rate, owner });
     }
 
-    /// Adds a formula to the spring that was added last. `start` is its elongation at time 0.
-    pub(crate) fn add_formula(&mut self, element: Element, start: f64) {
+    /// Adds a formula to the spring that was added last. `start` returns its elongation at time 0.
+    pub(crate) fn add_formula(&mut self, element: Element, start: impl FnOnce() -> f64) {
         let (Some(formula), Some(compiled)) = (element.formula(), compiled(element)) else { return };
         let Some(spring) = self.springs.last() else { return };
         let (elongation, size) = (spring.elongation.clone(), self.signals.size);
@@ -212,7 +212,7 @@ impl System {
         }
         let (force, elastic) = (row(&compiled.force), row(&compiled.elastic));
         let lossy = &force - &elastic;
-        let from = reference(&compiled, start);
+        let from = reference(&compiled, start());
         let formula = formula.into_owned();
         if let Some(spring) = self.springs.last_mut() {
             spring.force = &spring.force + &force;
