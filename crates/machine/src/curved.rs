@@ -16,11 +16,12 @@ mod remainder;
 mod series;
 
 pub use operation::Operation;
+pub use recurrence::TERMS;
 pub(crate) use remainder::{ArgumentTerms, CurveTerms, Remainder};
-pub use series::{CurveSeries, CurveSizes, TERMS};
+pub use series::{CurveSeries, CurveSizes};
 
 use crate::functional::Functional;
-use crate::system::Part;
+use crate::part::Part;
 
 /// Lowest power of a curve; lower powers are stiffness, damping and preload.
 pub const LOWEST: usize = 2;

@@ -44,9 +44,8 @@ pub use split::{Split, Term};
 pub(crate) use stiff::STIFF;
 pub(crate) use stops::{excess, forces, made_stops};
 
-use crate::check::start_of;
 use crate::curved::Curved;
-use crate::description::{Arms, BodyKind, Description, Spring};
+use crate::description::{Arms, BodyKind, Description, Spring, start_of};
 use crate::elements::Element;
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};

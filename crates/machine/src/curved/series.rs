@@ -1,11 +1,8 @@
 //! Power series of curved forces, order by order.
 
-use super::recurrence::{self, Coefficients};
+use super::recurrence::{self, Coefficients, TERMS};
 use super::{LOWEST, Operation, POWERS, Polynomial};
 
-/// Largest number of coefficients of a series. With straight laws and rate times length 4, the
-/// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
-pub const TERMS: usize = 40;
 /// A polynomial with all powers: a coefficient may be 0 and still vary.
 const ALL: Polynomial = Polynomial { coefficients: [1.0; POWERS] };
 
