@@ -7,6 +7,7 @@ mod bodies;
 mod curved;
 mod first_order;
 mod forces;
+mod formula;
 mod freewheels;
 mod further;
 mod gyroscopic;
