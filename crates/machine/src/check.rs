@@ -10,7 +10,6 @@ mod stepped;
 
 pub(crate) use flexible::MOST_COORDINATES;
 pub(crate) use names::{GROUND, problem_of as problem_of_name};
-pub(crate) use starts::start_of;
 
 use crate::description::{
     Arms, Body, BodyKind, Description, Dimension, Follows, Interpolation, Record, Signal, Spring, Stop,

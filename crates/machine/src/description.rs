@@ -9,6 +9,7 @@ mod block;
 mod flexible;
 mod matrix;
 mod series;
+mod starts;
 
 use crate::formula::Formula;
 use crate::named::NamedParameters;
@@ -17,6 +18,7 @@ pub(crate) use flexible::Inner;
 pub use flexible::Modal;
 pub use matrix::{Given, GivenNode, Matrix, MatrixDamping};
 pub use series::{Series, SeriesLaw};
+pub(crate) use starts::{elongation, start_of, starts};
 use std::borrow::Cow;
 
 /// A machine: bodies with one coordinate each, and elements between them.

@@ -7,6 +7,7 @@ mod bodies;
 mod curved;
 mod first_order;
 mod forces;
+mod formula;
 mod freewheels;
 mod further;
 mod gyroscopic;
@@ -45,9 +46,8 @@ pub use split::{Split, Term};
 pub(crate) use stiff::STIFF;
 pub(crate) use stops::{StopMaker, contact_forces, excess, forces, made_stops};
 
-use crate::check::start_of;
 use crate::curved::Curved;
-use crate::description::{Arms, BodyKind, Description, Spring};
+use crate::description::{Arms, BodyKind, Description, Spring, start_of};
 use crate::elements::Element;
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};
@@ -307,7 +307,7 @@ impl System {
                         self.add_curve(false, spring.curve.map(Option::unwrap_or_default));
                     }
                     self.add_odd_powers(false, spring.power);
-                    self.add_formula(element, start_of(d, &spring.arms)[0]);
+                    self.add_formula(element, || start_of(d, &spring.arms)[0]);
                     parts
                 }
                 Element::Spring(spring) => {
@@ -320,7 +320,7 @@ impl System {
                         self.add_curve(true, [0.0, cubic, 0.0, 0.0]);
                     }
                     self.add_odd_powers(true, damper.odd_powers());
-                    self.add_formula(element, 0.0);
+                    self.add_formula(element, || 0.0);
                     parts
                 }
                 Element::Modal(modal) => {

@@ -69,9 +69,12 @@ fn invariant_curved_elements_have_an_arrow_across() {
     for curved in [
         "spring.s = { stiffness = 1.0, cubic = 1.0, damping = 1.0",
         "spring.s = { cubic = 1.0, damping = 1.0",
+        "spring.s = { force = \"= sin(e)\", damping = 1.0",
+        "spring.s = { stiffness = 1.0, offset = 0.1, free_length = 0.2, damping = 1.0",
     ] {
         assert_eq!(strokes(curved), straight + 2, "{curved}");
     }
     let straight = strokes("damper.s = { damping = 1.0");
     assert_eq!(strokes("damper.s = { damping = 1.0, cubic = 1.0"), straight + 2);
+    assert_eq!(strokes("damper.s = { force = \"= tanh(rate)\""), straight + 2);
 }

@@ -1,12 +1,9 @@
 //! Power series of curved forces, order by order.
 
-use super::recurrence::{self, Coefficients};
+use super::recurrence::{self, Coefficients, TERMS};
 use super::{LOWEST, Operation, POWERS, Piece, Polynomial};
 use crate::flow::LAST_CURVE_ORDER;
 
-/// Largest number of coefficients of a series. With straight laws and rate times length 4, the
-/// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
-pub const TERMS: usize = 40;
 /// Distance from its edge, relative to the size of its argument, within which a power counts as 0
 /// in the choice of a mode: some thousand roundings.
 pub const NEAR: f64 = 1e-12;

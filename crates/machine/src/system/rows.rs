@@ -1,6 +1,6 @@
 //! Rows that act on the augmented state: elongations, rates and forces of bodies and elements.
 
-use super::curved::FormulaRows;
+use super::formula::FormulaRows;
 use crate::description::{DampingLimit, StopLaw};
 use crate::functional::Functional;
 use crate::mode::StopState;

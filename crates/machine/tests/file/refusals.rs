@@ -54,7 +54,7 @@ const CASES: &[(&str, &str, &str)] = &[
     // Unknown names.
     ("gap = \"5 mm\"", "gpa = \"5 mm\"", "m.toml:22: stop.upper.gpa = \"5 mm\": no such key; did you mean `gap`?"),
     ("[spring.mount]", "[sprign.mount]", "m.toml:15: sprign: no such kind of section; did you mean `spring`?"),
-    ("damping = \"60 N s/m\"", "colour = \"red\"", "m.toml:18: spring.mount.colour = \"red\": no such key; expected one of between, arms, stiffness, damping, preload, points, quadratic, cubic, quartic, quintic, slip, series_damping, slider"),
+    ("damping = \"60 N s/m\"", "colour = \"red\"", "m.toml:18: spring.mount.colour = \"red\": no such key; expected one of between, arms, stiffness, damping, preload, points, quadratic, cubic, quartic, quintic, force, offset, free_length, slip, series_damping, slider"),
     ("between = [\"ground\", \"box\"]", "between = [\"ground\", \"boks\"]", "m.toml:16: spring.mount.between[1] = \"boks\": no body has this name; did you mean `box`?"),
     ("between = [\"ground\", \"box\"]", "between = [\"grond\", \"box\"]", "m.toml:16: spring.mount.between[0] = \"grond\": no body has this name; did you mean `ground`?"),
     ("on = \"box\"", "on = \"bx\"", "m.toml:35: load.shaker.on = \"bx\": no body has this name; did you mean `box`?"),
@@ -117,7 +117,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = {}", "m.toml:40: spring.mesh.arms: names no body; expected one or more bodies"),
     ("arms = { wheel = \"50 mm\", box = 1.0 }", "arms = [\"wheel\", \"box\"]", "m.toml:40: spring.mesh.arms = [\"wheel\", \"box\"]: expected a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }"),
     // Springs and stops.
-    ("stiffness = \"48 kN/m\"", "stiffness = \"-48 kN/m\"", "m.toml:17: spring.mount.stiffness = \"-48 kN/m\": must not be negative: a negative stiffness requires a curve, such as `cubic`, or `points`"),
+    ("stiffness = \"48 kN/m\"", "stiffness = \"-48 kN/m\"", "m.toml:17: spring.mount.stiffness = \"-48 kN/m\": must not be negative: a negative stiffness requires a curve, such as `cubic`, a `force` or `points`"),
     ("stiffness = \"48 kN/m\"", "stiffness = \"48 kN m/rad\"", "m.toml:17: spring.mount.stiffness = \"48 kN m/rad\": cannot be in `kN m/rad`; expected one of N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m, lbf/in"),
     ("stiffness = \"48 kN/m\"", "", "m.toml:15: spring.mount.stiffness: missing; expected a number >= 0 in N/m, or with a unit: N/m, N/mm, kN/m, kN/mm, MN/m, N/cm, N/um, GN/m, lbf/in; `points` or a curve, such as `cubic`, may replace it"),
     ("damping = \"60 N s/m\"", "damping = -1", "m.toml:18: spring.mount.damping = -1: must not be negative"),

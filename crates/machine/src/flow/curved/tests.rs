@@ -14,6 +14,11 @@ const ROUNDING: f64 = 1e-14;
 /// Largest bound that is compared: far beyond, the bound of the growth has no meaning.
 const LARGEST: f64 = 1e-2;
 
+/// Largest ratio of the bound to the error that shows that the bound is not idle: for polynomials,
+/// and for formulas, whose coefficients are bounded by Cauchy's estimates. The 28th root of it is the
+/// loss of length of a series.
+const SHARP: [f64; 2] = [1e4, 1e7];
+
 /// Numbers between 0 and 1, by a linear congruence.
 struct Chance(u64);
 
@@ -75,16 +80,16 @@ fn bound(table: &FlowTable, series: &Series, (span, faster): (f64, f64), part: f
 
 #[test]
 fn second_method_the_remainder_is_below_its_bound() {
-    compare(CURVES);
+    compare(CURVES, SHARP[0]);
 }
 
 #[test]
 fn second_method_the_remainder_of_formulas_is_below_its_bound() {
-    compare(FORMULAS);
+    compare(FORMULAS, SHARP[1]);
 }
 
 /// Compares the bound with the error in random states.
-fn compare(text: &str) {
+fn compare(text: &str, sharp: f64) {
     let (system, table) = table(text);
     let (mut chance, mut compared, mut sharpest) = (Chance(7), 0, f64::INFINITY);
     for _ in 0..STATES {
@@ -116,6 +121,6 @@ fn compare(text: &str) {
         }
     }
     // The bound is compared where it is far above rounding, and is not idle.
-    assert!(compared > STATES && sharpest < 1e4, "{compared} {sharpest:e}");
+    assert!(compared > STATES && sharpest < sharp, "{compared} {sharpest:e}");
     println!("{compared} compared, the bound is {sharpest:e} times the error at least");
 }
