@@ -1,8 +1,8 @@
 //! Power series of curved forces, order by order.
 
-use crate::flow::LAST_CURVE_ORDER;
 use super::recurrence::{self, Coefficients};
 use super::{LOWEST, Operation, POWERS, Piece, Polynomial};
+use crate::flow::LAST_CURVE_ORDER;
 
 /// Largest number of coefficients of a series. With straight laws and rate times length 4, the
 /// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
@@ -34,7 +34,11 @@ impl Default for CurveSeries {
     fn default() -> Self {
         Self {
             piece: Piece::default(),
-            backwards: false, x: [0.0; TERMS], back: [0.0; 2 * TERMS], powers: [[0.0; TERMS]; POWERS] }
+            backwards: false,
+            x: [0.0; TERMS],
+            back: [0.0; 2 * TERMS],
+            powers: [[0.0; TERMS]; POWERS],
+        }
     }
 }
 

@@ -291,10 +291,6 @@ impl Ahead {
         let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
         let part = table.proved_part(series, (&groups, &signals), (scale, faster), longest);
         let part = part_to_edge(&table.curves, &series.curves, part, self.backwards);
-        if std::env::var("DBG").is_ok() {
-            let a: Vec<_> = series.curves.iter().zip(&table.curves).map(|(own, c)| (own.first(), own.piece, c.acts, c.effects)).collect();
-            eprintln!("scale {scale:e} to_edge {to_edge:e} most {most:e} longest {longest:e} part {part:e} faster {faster:e} {a:?} {z:?}");
-        }
         let mut power = 1.0;
         for k in 1..=LAST_CURVE_ORDER {
             power *= part;
