@@ -143,7 +143,7 @@ impl CurveTerms<'_> {
             let sums = [sums, others];
             if let Some(scale) = scale(&self.operation, sums, a[0], [w, g], radius) {
                 let found = scale * radius.powi(-(last as i32));
-                if !(found < tail) {
+                if found.is_nan() || found >= tail {
                     break;
                 }
                 tail = found;

@@ -226,7 +226,7 @@ pub enum CurveSizes {
     /// Of a power at its edge, which counts as 0.
     Still,
     /// Of a polynomial.
-    Polynomial(PolynomialSizes),
+    Polynomial(Box<PolynomialSizes>),
     /// Of another operation.
     Operation {
         /// The operation.
@@ -248,7 +248,7 @@ impl CurveSizes {
         }
         let operation = &operation.on(piece);
         if let Operation::Polynomial(force) = operation {
-            return Self::Polynomial(PolynomialSizes::of(force, arguments[0].abs(), shifts[0]));
+            return Self::Polynomial(Box::new(PolynomialSizes::of(force, arguments[0].abs(), shifts[0])));
         }
         let arguments = if piece == Piece::Whole { arguments } else { arguments.map(f64::abs) };
         let mut series = Box::<CurveSeries>::default();

@@ -45,14 +45,6 @@ pub(crate) struct AtState<'a> {
     pub rate: f64,
 }
 
-impl AtState<'_> {
-    /// The norm (A6) of the states.
-    fn norm(&self) -> f64 {
-        let states = self.z[..self.one].iter().zip(self.weights);
-        states.fold(0.0f64, |most, (z, w)| most.max((z * w).abs()))
-    }
-}
-
 impl CurveInMode {
     /// Whether a power of an argument up to `a` has no effect over a time `h`, on a state of this
     /// norm and on derivatives. The effects are those of the force's value and of its slope.
