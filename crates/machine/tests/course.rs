@@ -102,7 +102,7 @@ fn second_method_a_solver_follows_contacts_with_an_exponent() {
     assert!(events > 6 && solver.events >= events, "{events} {}", solver.events);
     for k in 0..2 {
         let (own, exact) = (solver.motion.body(0)[k], motion.body(0)[k]);
-        assert!((own - exact).abs() < AT_EDGES * [0.01, 1.0][k].max(exact.abs()), "{own} {exact}");
+        assert!((own - exact).abs() < AT_EDGES * [0.01_f64, 1.0][k].max(exact.abs()), "{own} {exact}");
     }
 }
 

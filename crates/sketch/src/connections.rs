@@ -11,8 +11,9 @@ pub(crate) enum Symbol {
     Spring { zigzag: bool, dashpot: bool, curved: bool },
     /// A zigzag in series with a dashpot or a slider; `dashpot`: one in parallel to both.
     Series { slides: bool, dashpot: bool },
-    /// Two plates with a gap; a zigzag behind one of them if it is compliant.
-    Stop { compliant: bool },
+    /// Two plates with a gap; a zigzag behind one of them if it is compliant, with an arrow across
+    /// if it is `curved`.
+    Stop { compliant: bool, curved: bool },
     /// Two bars in sliding contact.
     Friction,
     /// A pawl on a rack.
@@ -75,7 +76,10 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
             Symbol::Spring { zigzag: acts || !dashpot, dashpot, curved }
         }
         Element::Damper(_) => Symbol::Spring { zigzag: false, dashpot: true, curved: element.is_curved() },
-        Element::Stop(stop) => Symbol::Stop { compliant: matches!(stop.law, StopLaw::Compliant { .. }) },
+        Element::Stop(stop) => {
+            let compliant = matches!(stop.law, StopLaw::Compliant { .. });
+            Symbol::Stop { compliant, curved: element.is_curved() }
+        }
         Element::Friction(_) => Symbol::Friction,
         Element::Freewheel(_) => Symbol::Freewheel,
         Element::Modal(_) | Element::Matrix(_) | Element::Link(_) | Element::Load(_) => Symbol::Link,

@@ -217,8 +217,15 @@ impl Hand<'_> {
                     self.across(middle, y);
                 }
             }
-            Some(Symbol::Stop { compliant }) if faces => self.plates((from, to), y, compliant, opening),
-            Some(Symbol::Stop { compliant }) => self.clasp((from, to), y, compliant, opening),
+            Some(Symbol::Stop { compliant, curved }) => {
+                match faces {
+                    true => self.plates((from, to), y, compliant, opening),
+                    false => self.clasp((from, to), y, compliant, opening),
+                }
+                if curved {
+                    self.across(middle, y);
+                }
+            }
             Some(Symbol::Friction) => self.bars(from, to, y, 60.0),
             Some(Symbol::Freewheel) => self.ratchet(from, to, y, faces),
             Some(Symbol::Link) => {

@@ -272,10 +272,16 @@ impl Ahead {
     #[inline(always)]
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
         let mut scale = most.min(CURVE_REACH / rate_at(table.rate, &table.curves, z));
-        let (sides, to_edge) = table.sides_ahead(z);
-        scale = scale.min(to_edge);
-        self.series.set_sides(&sides, self.backwards);
         let series = &mut self.series;
+        let mut to_edge = f64::INFINITY;
+        if edges::any(&table.curves) {
+            let (sides, time) = table.sides_ahead(z);
+            series.set_sides(&sides, self.backwards);
+            to_edge = time;
+            scale = scale.min(to_edge);
+        } else {
+            series.curves.resize(table.curves.len(), CurveSeries::default());
+        }
         let (mut groups, mut signals) = series.expand_curved(table, z, &mut scale);
         // Beyond the edge of a power the series has no remainder.
         let longest = if to_edge < most { (most / scale).min(to_edge / scale) } else { most / scale };
@@ -291,17 +297,6 @@ impl Ahead {
         let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
         let part = table.proved_part(series, (&groups, &signals), (scale, faster), longest);
         let part = part_to_edge(&table.curves, &series.curves, part, self.backwards);
-        if std::env::var("DBG").is_ok() {
-            let a: Vec<_> = series
-                .curves
-                .iter()
-                .zip(&table.curves)
-                .map(|(own, c)| (own.first(), own.piece, c.acts, c.effects))
-                .collect();
-            eprintln!(
-                "scale {scale:e} to_edge {to_edge:e} most {most:e} longest {longest:e} part {part:e} faster {faster:e} {a:?} {z:?}"
-            );
-        }
         let mut power = 1.0;
         for k in 1..=LAST_CURVE_ORDER {
             power *= part;
@@ -339,9 +334,6 @@ impl FlowTable {
     /// coefficients of a series are computed, s.
     #[inline(always)]
     fn sides_ahead(&self, z: &[f64]) -> (Vec<Piece>, f64) {
-        if !edges::any(&self.curves) {
-            return (vec![Piece::Whole; self.curves.len()], f64::INFINITY);
-        }
         let mut rates = vec![0.0; z.len()];
         self.rates(z, &mut rates);
         let Self { rate, weights, one, .. } = self;

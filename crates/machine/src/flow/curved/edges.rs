@@ -8,6 +8,8 @@ use vibro_numerics::events::first_crossing;
 /// Distance from its edge, relative to the sizes of the terms of the argument, that counts as
 /// rounding.
 const ROUNDING: f64 = 1e-14;
+/// Multiple of the rounding up to which a power that is within it counts as 0.
+const PASSED: f64 = 4.0;
 /// Change of the state by a power that counts as 0, relative to the state: a hundredth of the
 /// remainder of a series.
 const STATE: f64 = 1e-18;
@@ -41,14 +43,6 @@ pub(crate) struct AtState<'a> {
     pub one: usize,
     /// Rate of the mode, 1/s.
     pub rate: f64,
-}
-
-impl AtState<'_> {
-    /// The norm (A6) of the states.
-    fn norm(&self) -> f64 {
-        let states = self.z[..self.one].iter().zip(self.weights);
-        states.fold(0.0f64, |most, (z, w)| most.max((z * w).abs()))
-    }
 }
 
 impl CurveInMode {
@@ -170,12 +164,15 @@ pub(crate) fn part_at_edges(
             continue;
         };
         let effects = effects(curves, i, z);
+        // Within the rounding of the argument a shorter span would not move it.
+        let rounding = PASSED * ROUNDING * terms(&own.curved.argument, z);
         let is_allowed = |part: f64| {
             let a = series.highest(&own.curved.operation, part).max(0.0);
             // A body at rest has a norm only as it begins to move.
             let step = |(most, power): (f64, f64), norm: &f64| (most.max(norm * power), power * part);
             let norm = norms.iter().fold((0.0, 1.0), step).0;
-            own.is_negligible(effects, p, a, (series.inside(&own.curved.operation, part) * span, norm))
+            a <= rounding
+                || own.is_negligible(effects, p, a, (series.inside(&own.curved.operation, part) * span, norm))
         };
         allowed = longest(allowed, is_allowed);
     }

@@ -1,4 +1,0 @@
-#![allow(missing_docs)]
-#[path = "../tests/contacts.rs"]
-mod contacts;
-fn main() {}
