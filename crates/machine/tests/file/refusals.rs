@@ -54,7 +54,7 @@ const CASES: &[(&str, &str, &str)] = &[
     // Unknown names.
     ("gap = \"5 mm\"", "gpa = \"5 mm\"", "m.toml:22: stop.upper.gpa = \"5 mm\": no such key; did you mean `gap`?"),
     ("[spring.mount]", "[sprign.mount]", "m.toml:15: sprign: no such kind of section; did you mean `spring`?"),
-    ("damping = \"60 N s/m\"", "colour = \"red\"", "m.toml:18: spring.mount.colour = \"red\": no such key; expected one of between, arms, stiffness, damping, preload, points, quadratic, cubic, quartic, quintic, force, offset, free_length, slip, series_damping, slider"),
+    ("damping = \"60 N s/m\"", "colour = \"red\"", "m.toml:18: spring.mount.colour = \"red\": no such key; expected one of between, arms, stiffness, damping, preload, points, quadratic, cubic, quartic, quintic, coefficient, exponent, force, offset, free_length, slip, series_damping, slider"),
     ("between = [\"ground\", \"box\"]", "between = [\"ground\", \"boks\"]", "m.toml:16: spring.mount.between[1] = \"boks\": no body has this name; did you mean `box`?"),
     ("between = [\"ground\", \"box\"]", "between = [\"grond\", \"box\"]", "m.toml:16: spring.mount.between[0] = \"grond\": no body has this name; did you mean `ground`?"),
     ("on = \"box\"", "on = \"bx\"", "m.toml:35: load.shaker.on = \"bx\": no body has this name; did you mean `box`?"),
