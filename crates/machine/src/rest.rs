@@ -226,6 +226,19 @@ fn amax(q: &[DoubleDouble]) -> f64 {
     q.iter().fold(0.0, |most, x| most.max(x.value().abs()))
 }
 
+impl SpringRows {
+    /// Stiffness without curved forces: of a spring with a formula, with the formula's straight part.
+    fn straight_stiffness(&self) -> f64 {
+        let w = self.elongation.w.terms();
+        if self.formula.is_none() || w.is_empty() {
+            return self.stiffness;
+        }
+        // The coordinates come first in the row of the force.
+        let along = |&(k, w): &(usize, f64)| w * self.force[k];
+        w.iter().map(along).sum::<f64>() / w.iter().map(|(_, w)| w * w).sum::<f64>()
+    }
+}
+
 impl Holding {
     /// The forces on a machine whose augmented state is `z` at q = 0.
     fn new(system: &System, z: &StateRow, friction: FrictionLevel, levels: &[[f64; 2]]) -> Self {
@@ -277,7 +290,7 @@ impl Holding {
         }
         let spring = |(spring, s): (usize, &SpringRows)| RestSpring {
             w: direction(&s.elongation.w),
-            stiffness: s.stiffness,
+            stiffness: s.straight_stiffness(),
             spring,
         };
         let mut springs: Vec<_> =

@@ -159,3 +159,34 @@ fn closed_form_derivatives_of_places_at_rest() {
         assert!(off < OF_DERIVATIVE * size, "{name}: {found:?} {expected:?}");
     }
 }
+
+/// A pendulum bears the torque m g l sin(e), and a formula that is straight the load k e. The path
+/// to a plate before an electrode ends at its fold.
+#[test]
+fn closed_form_formulas_bear_loads_and_give_way_at_folds() {
+    let formula = |force: f64, formula: &str, more: &str| {
+        let spring =
+            format!("spring.f = {{ between = [\"ground\", \"a\"], force = \"= {formula}\" }}\n{more}");
+        chain(&[force], &spring)
+    };
+    for share in [0.3f64, -0.999] {
+        let found = places(&formula(5.0 * share, "5 * sin(e)", ""));
+        assert!((found[0] / share.asin() - 1.0).abs() < 1e3 * ROUNDING, "{found:?} {share}");
+    }
+    let (spring, factor) = gives_way(&formula(5.5, "5 * sin(e)", ""));
+    assert!(spring == "f" && (factor * 1.1 - 1.0).abs() < FACTOR, "{spring} {factor}");
+    let found = places(&formula(3.0, "120 * e + 0.6 + 2 * rate", ""));
+    assert!((found[0] - 0.02).abs() < ROUNDING, "{found:?}");
+    let (k, d) = (100.0f64, 2e-3f64);
+    let leaf = "spring.leaf = { between = [\"ground\", \"a\"], stiffness = 100.0 }\n";
+    let plate = |c: f64| formula(0.0, &format!("-{c:e} / (2e-3 - e)^2"), leaf);
+    let most = 4.0 / 27.0 * k * d.powi(3);
+    let found = places(&plate(0.9 * most))[0];
+    let off = k * found - 0.9 * most / (d - found).powi(2);
+    assert!(off.abs() < 1e2 * ROUNDING * k * d && found < d / 3.0, "{found} {off:e}");
+    let c = 1.2 * most;
+    let fold = d - (2.0 * c / k).cbrt();
+    let expected = 1.0 - (c / (d - fold).powi(2) - k * fold) * d * d / c;
+    let (spring, factor) = gives_way(&plate(c));
+    assert!(spring == "f" && (factor - expected).abs() < FACTOR, "{spring} {factor} {expected}");
+}

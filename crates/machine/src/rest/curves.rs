@@ -106,7 +106,7 @@ impl<'a> Curves<'a> {
             if !terms.is_empty() {
                 let row = Functional::from_terms(own.force.len(), terms.into_iter());
                 let w = direction(&own.elongation.w);
-                curves.push(Curve { spring, w, row, stiffness: own.stiffness });
+                curves.push(Curve { spring, w, row, stiffness: own.straight_stiffness() });
             }
         }
         let press = |own: &crate::system::StopRows| match (&own.contact, own.law) {
