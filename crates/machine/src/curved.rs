@@ -19,7 +19,7 @@ mod series;
 pub use edge::Piece;
 pub use operation::Operation;
 pub(crate) use remainder::{ArgumentTerms, CurveTerms, Remainder};
-pub use series::{CurveSeries, CurveSizes, NEAR, TERMS};
+pub use series::{CurveSeries, CurveSizes, LAST_ORDER, NEAR, TERMS};
 
 use crate::functional::Functional;
 use crate::system::Part;

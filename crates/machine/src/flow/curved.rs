@@ -9,7 +9,7 @@ pub(crate) use pace::{GroupNorms, part, shortened};
 use super::ahead::{Ahead, HeadAhead, Series};
 use super::{FlowTable, ORDERS, RADIUS};
 use crate::curved::{
-    ArgumentTerms, CurveSeries, CurveSizes, CurveTerms, Curved, Operation, Piece, Remainder,
+    ArgumentTerms, CurveSeries, CurveSizes, CurveTerms, Curved, LAST_ORDER, Operation, Piece, Remainder,
 };
 use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix, largest_product};
@@ -18,9 +18,8 @@ use crate::mode::Mode;
 use crate::system::{Part, System};
 use std::ops::Range;
 
-/// Order of the last term of a series with curved forces. High orders are cheap with vector
-/// instructions. The number is fixed, so that every span takes the same operations.
-pub(crate) const LAST_CURVE_ORDER: usize = 28;
+/// Order of the last term of a series with curved forces.
+pub(crate) const LAST_CURVE_ORDER: usize = LAST_ORDER;
 /// Rate times the longest span over which coefficients are computed. The proved span of the series
 /// may be longer or shorter.
 pub(crate) const CURVE_REACH: f64 = 4.0;
