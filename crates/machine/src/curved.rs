@@ -18,11 +18,12 @@ mod series;
 
 pub use edge::Piece;
 pub use operation::Operation;
+pub use recurrence::TERMS;
 pub(crate) use remainder::{ArgumentTerms, CurveTerms, Remainder};
-pub use series::{CurveSeries, CurveSizes, LAST_ORDER, NEAR, TERMS};
+pub use series::{CurveSeries, CurveSizes, LAST_ORDER, NEAR};
 
 use crate::functional::Functional;
-use crate::system::Part;
+use crate::part::Part;
 
 /// Lowest power of a curve; lower powers are stiffness, damping and preload.
 pub const LOWEST: usize = 2;

@@ -32,6 +32,7 @@ pub mod named;
 pub mod neutral;
 pub mod norm;
 pub mod parameters;
+mod part;
 mod polyline;
 pub mod quantity;
 mod rates;

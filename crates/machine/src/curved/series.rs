@@ -1,11 +1,8 @@
 //! Power series of curved forces, order by order.
 
-use super::recurrence::{self, Coefficients};
+use super::recurrence::{self, Coefficients, TERMS};
 use super::{LOWEST, Operation, POWERS, Piece, Polynomial};
 
-/// Largest number of coefficients of a series. With straight laws and rate times length 4, the
-/// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
-pub const TERMS: usize = 40;
 /// Order of the last term of a series with curved forces. High orders are cheap with vector
 /// instructions. The number is fixed, so that every span takes the same operations.
 pub const LAST_ORDER: usize = 28;

@@ -6,21 +6,7 @@ use super::{Elongation, System};
 use crate::functional::Functional;
 use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode, StopState};
-
-/// A part of an element, by index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// Index in [`System::springs`].
-    Spring(usize),
-    /// Index in [`System::stops`].
-    Stop(usize),
-    /// Index in [`System::frictions`].
-    Friction(usize),
-    /// Index in [`System::branches`].
-    Branch(usize),
-    /// Index in [`System::loads`].
-    Load(usize),
-}
+pub use crate::part::Part;
 
 impl System {
     /// The index of the element that has a part, among all elements.
