@@ -237,6 +237,7 @@ impl Series {
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
     #[inline(always)]
     pub(super) fn curve(&mut self, table: &FlowTable, k: usize) {
+        self.curves.resize(table.curves.len(), CurveSeries::default());
         for (curve, series) in table.curves.iter().zip(&mut self.curves) {
             let terms = &mut self.terms[k * self.size..][..self.size];
             let value = series.next(&curve.curved.operation, k, curve.curved.arguments(terms));
@@ -278,8 +279,6 @@ impl Ahead {
             series.set_sides(&sides, self.backwards);
             to_edge = time;
             scale = scale.min(to_edge);
-        } else {
-            series.curves.resize(table.curves.len(), CurveSeries::default());
         }
         let (mut groups, mut signals) = series.expand_curved(table, z, &mut scale);
         // Beyond the edge of a power the series has no remainder.
