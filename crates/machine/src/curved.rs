@@ -20,7 +20,7 @@ pub use edge::Piece;
 pub use operation::Operation;
 pub use recurrence::TERMS;
 pub(crate) use remainder::{ArgumentTerms, CurveTerms, Remainder};
-pub use series::{CurveSeries, CurveSizes, NEAR};
+pub use series::{CurveSeries, CurveSizes, LAST_ORDER, NEAR};
 
 use crate::functional::Functional;
 use crate::part::Part;

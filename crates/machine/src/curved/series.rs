@@ -2,8 +2,10 @@
 
 use super::recurrence::{self, Coefficients, TERMS};
 use super::{LOWEST, Operation, POWERS, Piece, Polynomial};
-use crate::flow::LAST_CURVE_ORDER;
 
+/// Order of the last term of a series with curved forces. High orders are cheap with vector
+/// instructions. The number is fixed, so that every span takes the same operations.
+pub const LAST_ORDER: usize = 28;
 /// Distance from its edge, relative to the size of its argument, within which a power counts as 0
 /// in the choice of a mode: some thousand roundings.
 pub const NEAR: f64 = 1e-12;
@@ -172,7 +174,7 @@ impl CurveSeries {
         }
         // Negative terms only lower the argument: the force of a contact that ends is 0 from there on.
         let mut power = 1.0;
-        let terms = self.x[1..=LAST_CURVE_ORDER].iter().map(|x| {
+        let terms = self.x[1..=LAST_ORDER].iter().map(|x| {
             power *= if self.backwards { -part } else { part };
             (x * power).max(0.0)
         });
@@ -187,7 +189,7 @@ impl CurveSeries {
         }
         let slope = if self.backwards { -self.x[1] } else { self.x[1] };
         let mut power = 1.0;
-        let steeper: f64 = self.x[2..=LAST_CURVE_ORDER]
+        let steeper: f64 = self.x[2..=LAST_ORDER]
             .iter()
             .map(|x| {
                 power *= part;
@@ -200,7 +202,7 @@ impl CurveSeries {
 
     /// The sum Σ |xₖ| partᵏ over the orders from 1 to the last one of curved forces.
     pub(crate) fn sum_of_sizes_beyond(&self, part: f64) -> f64 {
-        self.sum_of_sizes(part, LAST_CURVE_ORDER) - self.x[0].abs()
+        self.sum_of_sizes(part, LAST_ORDER) - self.x[0].abs()
     }
 
     /// The least C with |xₖ| ≤ C ratio⁻ᵏ for the orders up to `last`.

@@ -9,7 +9,7 @@ pub(crate) use pace::{GroupNorms, part, shortened};
 use super::ahead::{Ahead, HeadAhead, Series};
 use super::{FlowTable, ORDERS, RADIUS};
 use crate::curved::{
-    ArgumentTerms, CurveSeries, CurveSizes, CurveTerms, Curved, Operation, Piece, Remainder,
+    ArgumentTerms, CurveSeries, CurveSizes, CurveTerms, Curved, LAST_ORDER, Operation, Piece, Remainder,
 };
 use crate::functional::Functional;
 use crate::kernel::{Sparse, SparseMatrix, largest_product};
@@ -18,9 +18,8 @@ use crate::mode::Mode;
 use crate::system::{Part, System};
 use std::ops::Range;
 
-/// Order of the last term of a series with curved forces. High orders are cheap with vector
-/// instructions. The number is fixed, so that every span takes the same operations.
-pub(crate) const LAST_CURVE_ORDER: usize = 28;
+/// Order of the last term of a series with curved forces.
+pub(crate) const LAST_CURVE_ORDER: usize = LAST_ORDER;
 /// Rate times the longest span over which coefficients are computed. The proved span of the series
 /// may be longer or shorter.
 pub(crate) const CURVE_REACH: f64 = 4.0;
@@ -238,6 +237,7 @@ impl Series {
     /// Sets the terms of order `k` of the curved forces, given the other coordinates' terms.
     #[inline(always)]
     pub(super) fn curve(&mut self, table: &FlowTable, k: usize) {
+        self.curves.resize(table.curves.len(), CurveSeries::default());
         for (curve, series) in table.curves.iter().zip(&mut self.curves) {
             let terms = &mut self.terms[k * self.size..][..self.size];
             let value = series.next(&curve.curved.operation, k, curve.curved.arguments(terms));
@@ -279,8 +279,6 @@ impl Ahead {
             series.set_sides(&sides, self.backwards);
             to_edge = time;
             scale = scale.min(to_edge);
-        } else {
-            series.curves.resize(table.curves.len(), CurveSeries::default());
         }
         let (mut groups, mut signals) = series.expand_curved(table, z, &mut scale);
         // Beyond the edge of a power the series has no remainder.
