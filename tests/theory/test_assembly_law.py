@@ -27,6 +27,9 @@ DEFINITIONS: Dict[int, str] = {
     50: "says which part of a stepped stiffness acts",
     52: "defines a freewheel",
     57: "defines a curved force and its coordinate",
+    62: "defines the force of a contact and a power with two sides (crates/machine/tests/contacts.rs)",
+    63: "a choice of the code: where a power at its edge counts as no force",
+    64: "says which path leads to the equilibrium (crates/machine/tests/curves_rest.rs)",
 }
 
 ROUNDING = mpf(10) ** -30

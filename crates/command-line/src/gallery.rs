@@ -47,6 +47,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "run_up",
     "impact_damper",
     "duffing_stop",
+    "pull_in",
     "shaken_box" "shaken_box.csv",
 };
 

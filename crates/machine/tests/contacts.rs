@@ -415,7 +415,6 @@ fn refused_contacts_and_powers() {
             "friction.f = { between = [\"ground\", \"b\"], follows = \"h\", coefficient = 0.2 }\nstop.h = ",
             "friction.f.follows = \"h\": friction at a stop with `exponent` or `dissipation` is not supported",
         ),
-        ("name = \"R\"", "name = \"R\"\nstart = \"rest\"", "the equilibrium is not computed"),
     ];
     for (from, to, said) in cases {
         let found = refused(from, to);

@@ -288,3 +288,32 @@ fn second_method_a_run_up_with_impacts() {
     agree(&found, &expected, NEAR);
     near(fan.coordinate(0), y[0], NEAR);
 }
+
+/// Relative rounding of an impact speed and an amplitude after some ten series.
+const PULLED: f64 = 1e-12;
+
+/// From rest the magnet's work is the leaf's energy and the armature's: c/(d - s) - c/d = k s²/2 +
+/// m v²/2. Below c = k d³/8 the armature turns round where k s/2 = c/(d (d - s)).
+#[test]
+fn closed_form_pull_in_of_a_relay() {
+    let (m, k, d, gap) = (2e-3f64, 100.0f64, 1.5e-3f64, 1.2e-3f64);
+    let mut motion = example("pull_in");
+    let events = followed(&mut motion, 0.1);
+    let EventKind::Impact { speed: found, .. } = events[0].kind else { panic!("{:?}", events[0]) };
+    let energy = 4.4e-8 * (1.0 / (d - gap) - 1.0 / d) - 0.5 * k * gap * gap;
+    let speed = (2.0 * energy / m).sqrt();
+    assert!((found / speed - 1.0).abs() < PULLED, "{found} {speed}");
+    // The bounces end, and the magnet holds the armature.
+    assert!(motion.body(0)[..2] == [gap, 0.0], "{:?}", motion.body(0));
+    let limit = k * d * d * d / 8.0;
+    let description = motion.assembly().description.with([("magnet", 0.99 * limit)]).unwrap();
+    let mut motion = Motion::new(Arc::new(Assembly::new(description).unwrap())).unwrap();
+    let mut largest = 0.0f64;
+    while motion.time() < 0.1 {
+        motion.advance_to(motion.time() + 1e-5).unwrap();
+        largest = largest.max(motion.body(0)[0]);
+    }
+    let turning = 0.5 * d * (1.0 - (1.0f64 - 0.99).sqrt());
+    // The samples miss the turning point by at most a(5e-6 s)²/2.
+    assert!(largest <= turning * (1.0 + PULLED) && largest > turning - 1e-8, "{largest} {turning}");
+}

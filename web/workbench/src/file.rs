@@ -50,6 +50,7 @@ const EXAMPLES: &[(&str, &str)] = examples![
     "gear_mesh.toml",
     "iwan_joint.toml",
     "duffing_stop.toml",
+    "pull_in.toml",
     "run_up.toml",
     "servo.toml",
     "shaken_rig.toml",
