@@ -52,7 +52,7 @@ def _columns(result: Union[PaperRun, PaperSection], of: str) -> tuple[Floats, Fl
 
 def _windows(run: PaperRun) -> NDArray[np.intp]:
     """Returns the first samples of at most 400 windows of whole drive periods; none if a run is short enough to be drawn as a line."""
-    # Without a drive there is no period.
+    # A machine without a drive has no period.
     periods = (run.t[-1] - run.t[0]) * run.machine.drive_frequency / (2 * np.pi) if len(run.t) else 0.0
     if periods <= _DRAWN * (1 + 1e-9):
         return np.empty(0, dtype=np.intp)

@@ -27,8 +27,8 @@ const MEDIAN: f64 = 2.72;
 const VAGUE: f64 = 5.0;
 /// Correlation of successive residuals above which they are more than noise.
 const FOLLOWS: f64 = 0.3;
-/// Part of the variance that earlier residuals explain, above which residuals are more than noise:
-/// for the verdict, and for the end of the search. Motions in wrong valleys explained 8 % and more
+/// Residuals are more than noise if earlier residuals explain more than this part of the variance:
+/// limits for the verdict, and for the end of the search. Motions in wrong valleys explained 8 % and more
 /// where the true one was 10 % better.
 const SHARE: f64 = 0.05;
 const SEARCHED: f64 = 0.02;
@@ -39,8 +39,8 @@ const OUTLIER: f64 = 3.0;
 /// record in 6000 exceeds `COLOURED` (χ² of 40 lags).
 const WHITE: f64 = 2.0;
 const COLOURED: f64 = 4.5;
-/// Number of samples from which white residuals show the noise better than differences do: the
-/// estimate from differences may then be off by twice as much as chance permits.
+/// Smallest number of samples for which white residuals give the noise better than differences
+/// do. The estimate from differences may then be off by twice what chance permits.
 const MANY: usize = 200;
 /// Deviation of contact times, relative to their mean interval: up to `MET` it counts as noise if
 /// no noise is given; above `APART` the motion is a different one. Contacts of a wrong motion are

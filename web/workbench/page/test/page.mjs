@@ -335,7 +335,7 @@ const tests = {
     assert.ok(await tab.isHidden("#problems"), await tab.textContent("#problems"));
     // Requested at an empty line: keys that are not used yet; Escape closes, undo removes an accepted offer.
     await tab.keyboard.press("Control+ ");
-    await offers("arms,stiffness,damping,law");
+    await offers("arms,stiffness,damping,law,exponent,dissipation");
     await tab.keyboard.press("Enter");
     assert.match(await text(tab), /\narms = $/);
     await tab.keyboard.press("Control+z");
