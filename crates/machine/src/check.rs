@@ -302,8 +302,13 @@ fn loads(machine: &Description, problems: &mut Vec<Problem>) {
 
 pub(crate) use contacts::FOLLOWS;
 
-/// Problems of curved springs: the curve is the whole force next to the dashpot, and a start at rest
-/// follows either curves or falling lines.
+/// The first spring with a falling line.
+fn falling(machine: &Description) -> Option<&Spring> {
+    machine.springs.iter().find(|own| slopes(&own.points).iter().any(|slope| *slope < 0.0))
+}
+
+/// Problems of curved springs: the curve is the whole force next to the dashpot, and a start at
+/// rest follows either curves or falling lines.
 fn curves(machine: &Description, problems: &mut Vec<Problem>) {
     for spring in machine.springs.iter().filter(|own| own.is_curved()) {
         let name = format!("spring.{}", spring.name);
@@ -317,9 +322,8 @@ fn curves(machine: &Description, problems: &mut Vec<Problem>) {
         let Some(Err(text)) = element.formula().map(|own| own.compiled()) else { continue };
         problems.push(Problem::new(format!("{}.force", element.dotted()), None, text));
     }
-    let falls = machine.springs.iter().find(|own| slopes(&own.points).iter().any(|slope| *slope < 0.0));
     let curved = crate::system::first_curved(machine);
-    if let (true, Some(element), Some(spring)) = (machine.starts_at_rest, curved, falls) {
+    if let (true, Some(element), Some(spring)) = (machine.starts_at_rest, curved, falling(machine)) {
         let text =
             format!("falling lines cannot be combined with {element} in a machine that starts at rest");
         problems.push(Problem::new(format!("spring.{}.points", spring.name), None, text));

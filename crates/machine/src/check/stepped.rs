@@ -1,9 +1,8 @@
 //! Problems of stiffnesses that step in time.
 
-use super::refused;
+use super::{falling, refused};
 use crate::description::{Description, Interpolation, Signal, StopLaw};
 use crate::kinds::STIFFNESS;
-use crate::polyline::slopes;
 use crate::refusal::Problem;
 use crate::stepped::{MOST_LEVELS, count, given, zero};
 
@@ -44,8 +43,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             }
         }
     }
-    let falls = machine.springs.iter().find(|own| slopes(&own.points).iter().any(|slope| *slope < 0.0));
-    if let (true, true, Some(spring)) = (any, machine.starts_at_rest, falls) {
+    if let (true, true, Some(spring)) = (any, machine.starts_at_rest, falling(machine)) {
         let text =
             "falling lines cannot be combined with a stiffness that steps in a machine that starts at rest";
         problems.push(Problem::new(format!("spring.{}.points", spring.name), None, text));

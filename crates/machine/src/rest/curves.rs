@@ -162,7 +162,8 @@ impl<'a> Curves<'a> {
                 break;
             }
         }
-        let of = |own: &Curve| (own.stiffness + self.slope(own, &at.q)) * own.size();
+        let there = self.state(&at.q);
+        let of = |own: &Curve| (own.stiffness + self.slope(own, &there)) * own.size();
         let softest = self.curves.iter().min_by(|a, b| of(a).total_cmp(&of(b)));
         // A load that nothing bears has no path at all.
         let whole = self.tangent(holding, &origin, &begin, 1.0).settle(&self.system.mass, &begin.q);
@@ -197,13 +198,13 @@ impl<'a> Curves<'a> {
         z
     }
 
-    /// Slope of a curved force by its elongation, without the straight stiffness.
-    fn slope(&self, own: &Curve, q: &DVector<f64>) -> f64 {
+    /// Slope of a curved force by its elongation at a state, without the straight stiffness.
+    fn slope(&self, own: &Curve, z: &StateRow) -> f64 {
         let size = own.size();
         if size == 0.0 {
             return 0.0;
         }
-        let (z, mut variation) = (self.state(q), StateRow::zeros(self.z.len()));
+        let mut variation = StateRow::zeros(self.z.len());
         own.w.iter().for_each(|&(k, w)| variation[k] = w / size);
         self.system.vary_curved(z.as_slice(), variation.as_mut_slice());
         own.row.dot(&variation)
@@ -223,7 +224,8 @@ impl<'a> Curves<'a> {
 
     /// The piecewise linear problem of the tangents at a point.
     fn tangent(&self, holding: &Holding, origin: &DVector<f64>, at: &Point, load: f64) -> Holding {
-        let slopes = self.curves.iter().map(|own| self.slope(own, &at.q)).collect::<Vec<_>>();
+        let z = self.state(&at.q);
+        let slopes = self.curves.iter().map(|own| self.slope(own, &z)).collect::<Vec<_>>();
         self.put(holding, origin, (at, &slopes), load)
     }
 
@@ -361,8 +363,7 @@ impl<'a> Curves<'a> {
         let whole = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
         let Some(whole) = whole else { return false };
         let values = SymmetricEigen::new(0.5 * (&whole + whole.transpose())).eigenvalues;
-        let size = own.springs.iter().map(|spring| spring.stiffness.abs()).fold(0.0, f64::max);
         // Directions without force have the stiffness 0.
-        values.min() >= -ZERO * size / self.system.mass.diagonal().min()
+        values.min() >= -ZERO * largest / self.system.mass.diagonal().min()
     }
 }
