@@ -1,15 +1,10 @@
 //! Contacts with an exponent and a dissipation, and powers with two sides.
 
-use std::sync::Arc;
+use crate::common::assembled;
 use vibro_machine::derivative::Extremes;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion, Reached};
-use vibro_machine::{Assembly, Differentiated, Quantity, What};
-
-fn machine(text: &str) -> Arc<Assembly> {
-    let description = parse(text, "m.toml", &no_records).expect("a machine");
-    Arc::new(Assembly::new(description).expect("an assembly"))
-}
+use vibro_machine::{Differentiated, Quantity, What};
 
 /// Γ(7/5)/Γ(9/10) √π from 40 digits: the duration of a Hertz impact is 2 xₘ/v times this.
 const HERTZ: f64 = 1.471_637_592_162_352_3;
@@ -27,7 +22,7 @@ fn closed_form_duration_and_depth_of_a_hertz_impact() {
         );
         let depth = (1.25 * mass * v * v / k).powf(0.4);
         let duration = 2.0 * depth / v * HERTZ;
-        let mut motion = Motion::new(machine(&text)).expect("a motion");
+        let mut motion = Motion::new(assembled(&text)).expect("a motion");
         motion.advance_to(0.5 * duration).expect("an end");
         let off = (motion.body(0)[0] / depth - 1.0).abs();
         assert!(off < IMPACT, "{off:e} of the depth in {text}");
@@ -60,7 +55,7 @@ fn invariant_of_hunt_and_crossley() {
                  stop.h = {{ between = [\"ground\", \"b\"], gap = 0.001, stiffness = 3e5, \
                  exponent = {exponent}, dissipation = {dissipation} }}\n"
             );
-            let mut motion = Motion::new(machine(&text)).expect("a motion");
+            let mut motion = Motion::new(assembled(&text)).expect("a motion");
             let mut events = 0;
             motion.advance_observed(1.0, &mut |_| events += 1).expect("an end");
             let after = motion.body(0)[1];
@@ -90,7 +85,7 @@ fn closed_form_drop_with_drag() {
                  body.b = {{ mass = {m}, gravity = 1.0, start = {{ v = -{up:?} }} }}\n\
                  damper.air = {{ between = [\"ground\", \"b\"], {power} }}\n"
             );
-            let mut motion = Motion::new(machine(&text)).expect("a motion");
+            let mut motion = Motion::new(assembled(&text)).expect("a motion");
             let (last, pace) = ((m * g / c).sqrt(), (g * c / m).sqrt());
             let top = (up / last).atan() / pace;
             let height = (m / c) * 0.5 * (up / last).powi(2).ln_1p();
@@ -132,7 +127,7 @@ fn closed_form_period_of_a_power_spring() {
                 "name = \"P\"\nbody.b = {{ mass = {mass:e}, start = {{ s = {amplitude:e} }} }}\n\
                  spring.k = {{ between = [\"ground\", \"b\"], coefficient = {c:e}, exponent = {exponent:?} }}\n"
             );
-            let mut motion = Motion::new(machine(&text)).expect("a motion");
+            let mut motion = Motion::new(assembled(&text)).expect("a motion");
             motion.advance_to(5.0 * period).expect("an end");
             let [s, v, _] = motion.body(0);
             let off = (s / amplitude - 1.0).abs().max((v * period / amplitude).abs());
@@ -154,7 +149,7 @@ fn second_method_contacts_in_forty_digits() {
         let number = |text: &str| text.trim().parse::<f64>().expect("a number");
         let numbers = |text: &str| text.split(',').filter(|x| !x.is_empty()).map(number).collect::<Vec<_>>();
         let (exact_times, exact, factor) = (numbers(fields[3]), numbers(fields[4]), number(fields[5]));
-        let mut motion = Motion::new(machine(&fields[0].replace('|', "\n"))).expect("a motion");
+        let mut motion = Motion::new(assembled(&fields[0].replace('|', "\n"))).expect("a motion");
         let (kinetic, stored) = motion.kinetic_and_stored();
         let mut times = Vec::new();
         motion.advance_observed(number(fields[1]), &mut |event| times.push(event.time)).expect("an end");
@@ -182,7 +177,7 @@ fn second_method_derivatives_of_contacts_by_numbers() {
     for row in include_str!("data/contacts_by.txt").lines() {
         let fields: Vec<&str> = row.split(';').collect();
         let number = |text: &str| text.trim().parse::<f64>().expect("a number");
-        let assembly = machine(&fields[0].replace('|', "\n"));
+        let assembly = assembled(&fields[0].replace('|', "\n"));
         let mut motion = Differentiated::new(assembly, &[fields[2]]).expect("a motion");
         motion.advance_to(number(fields[1])).expect("an end");
         let own = motion.state_derivative(0).expect("a derivative");
@@ -208,7 +203,7 @@ fn closed_form_derivatives_of_a_hertz_impact() {
          stop.h = {{ between = [\"ground\", \"b\"], gap = {gap}, stiffness = {k}, exponent = 1.5, dissipation = 0 }}\n"
     );
     let names = ["stop.h.stiffness", "stop.h.gap", "body.b.mass", "body.b.start.v"];
-    let mut motion = Differentiated::new(machine(&text), &names).expect("a motion");
+    let mut motion = Differentiated::new(assembled(&text), &names).expect("a motion");
     let mut extremes = [Extremes::new(Quantity::of_body(0, What::S))];
     motion.advance_with_extremes(end, &mut extremes, &mut |_, _| ()).expect("an end");
     let depth = (1.25 * m * v * v / k).powf(0.4);
@@ -248,7 +243,7 @@ fn invariant_momentum_and_energy_of_beads() {
                 i - 1
             );
         }
-        let mut motion = Motion::new(machine(&text)).expect("a motion");
+        let mut motion = Motion::new(assembled(&text)).expect("a motion");
         let momentum = |motion: &Motion| -> f64 {
             (0..count).map(|i| (0.05 + 0.01 * i as f64) * motion.body(i)[1]).sum()
         };
@@ -276,7 +271,7 @@ fn invariant_a_contact_never_pulls() {
                 stop.h = { between = [\"ground\", \"b\"], gap = 0.0, stiffness = 4e4, exponent = 1.5, dissipation = 2.5 }\n\
                 load.l = { on = \"b\", amplitude = 40.0, frequency = 20.0, phase = 0.4 }\n\
                 spring.k = { between = [\"ground\", \"b\"], stiffness = 400.0 }\n";
-    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let mut motion = Motion::new(assembled(text)).expect("a motion");
     let (kinetic, stored) = motion.kinetic_and_stored();
     let (mut frees, mut inside) = (0, 0);
     let stop = motion.assembly().description.elements().position(|own| own.dotted() == "stop.h");
@@ -314,11 +309,11 @@ fn second_method_variations_are_differences() {
         )
     };
     let end = |s: f64, v: f64| {
-        let mut motion = Motion::new(machine(&text(s, v))).expect("a motion");
+        let mut motion = Motion::new(assembled(&text(s, v))).expect("a motion");
         motion.advance_to(0.3).expect("an end");
         motion.body(0)
     };
-    let mut motion = Motion::new(machine(&text(0.0, 0.1))).expect("a motion");
+    let mut motion = Motion::new(assembled(&text(0.0, 0.1))).expect("a motion");
     let mut variations = motion.unit_variations();
     while motion.advance_with(0.3, &mut variations).expect("an end") == Reached::Event {}
     let h = 1e-7;

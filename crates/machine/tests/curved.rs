@@ -1,16 +1,11 @@
 //! Springs and dashpots with curved forces: motions in closed form, energies, events.
 
+use crate::common::assembled;
 use std::f64::consts::PI;
-use std::sync::Arc;
 use vibro_machine::derivative::{Extremes, Gradient};
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion, Reached};
-use vibro_machine::{Assembly, Differentiated, Quantity, What};
-
-fn machine(text: &str) -> Arc<Assembly> {
-    let description = parse(text, "m.toml", &no_records).expect("a machine");
-    Arc::new(Assembly::new(description).expect("an assembly"))
-}
+use vibro_machine::{Differentiated, Quantity, What};
 
 /// Tolerance on the difference from 50 digits, divided by the motion's amplification of a change
 /// of its start: some tens of roundings of coordinates and rates of order 1 to 10.
@@ -72,7 +67,7 @@ fn closed_form_period_of_a_hardening_spring() {
                  body.car = {{ mass = 1e3, start = {{ s = 100.0, v = 30.0 }} }}\n\
                  damper.d = {{ between = [\"ground\", \"car\"], damping = 0.1 }}\n"
             );
-            let mut motion = Motion::new(machine(&text)).expect("a motion").with_most_work(SERIES);
+            let mut motion = Motion::new(assembled(&text)).expect("a motion").with_most_work(SERIES);
             for turn in 1..=20 {
                 motion.advance_to(f64::from(turn) * period).expect("an end");
             }
@@ -99,7 +94,7 @@ fn invariant_energy_accounts_balance() {
         stop.soft = { between = [\"a\", \"ground\"], gap = 0.05, stiffness = 2e4, damping = 20.0 }\n\
         friction.f = { between = [\"ground\", \"c\"], force = 0.6, static = 0.9 }\n\
         load.l = { on = \"a\", amplitude = 30.0, frequency = 2.3 }\n";
-    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let mut motion = Motion::new(assembled(text)).expect("a motion");
     let energy = |motion: &Motion| {
         let (k, p) = motion.kinetic_and_stored();
         k + p
@@ -110,7 +105,7 @@ fn invariant_energy_accounts_balance() {
     let off = energy(&motion) - first - motion.energy().balance();
     assert!(count > 100 && off.abs() < BALANCE * first.abs(), "{count} events, {off}");
     // Pauses change the series, not the motion.
-    let mut paused = Motion::new(machine(text)).expect("a motion");
+    let mut paused = Motion::new(assembled(text)).expect("a motion");
     (1..=800).for_each(|i| paused.advance_to(0.01 * f64::from(i)).expect("an end"));
     for i in 0..3 {
         let off = paused.body(i)[0] - motion.body(i)[0];
@@ -127,7 +122,7 @@ fn second_method_random_chains_in_fifty_digits() {
         let fields: Vec<&str> = row.split(';').collect();
         let number = |text: &str| text.trim().parse::<f64>().expect("a number");
         let (end, impacts, factor) = (number(fields[1]), number(fields[2]), number(fields[3]));
-        let mut motion = Motion::new(machine(&fields[0].replace('|', "\n"))).expect("a motion");
+        let mut motion = Motion::new(assembled(&fields[0].replace('|', "\n"))).expect("a motion");
         let mut count = 0.0;
         let mut observer =
             |event: &Event| count += f64::from(u8::from(matches!(event.kind, EventKind::Impact { .. })));
@@ -158,11 +153,11 @@ fn second_method_variations_are_differences_of_motions() {
         )
     };
     let end = |shift: f64| {
-        let mut motion = Motion::new(machine(&text(shift))).expect("a motion");
+        let mut motion = Motion::new(assembled(&text(shift))).expect("a motion");
         motion.advance_to(3.0).expect("an end");
         motion.states()
     };
-    let mut motion = Motion::new(machine(&text(0.0))).expect("a motion");
+    let mut motion = Motion::new(assembled(&text(0.0))).expect("a motion");
     let mut variations = vec![motion.unit_variations()[0].clone()];
     let mut events = 0;
     while motion.advance_with(3.0, &mut variations).expect("an end") == Reached::Event {
@@ -208,7 +203,7 @@ fn closed_form_derivatives_of_an_amplitude() {
          spring.k = {{ between = [\"ground\", \"b\"], stiffness = {k}, cubic = {c} }}\n"
     );
     let columns = ["body.b.start.v", "body.b.mass", "spring.k.stiffness", "spring.k.cubic"];
-    let mut motion = Differentiated::new(machine(&text), &columns).expect("a motion");
+    let mut motion = Differentiated::new(assembled(&text), &columns).expect("a motion");
     let mut extremes = [Extremes::new(Quantity::of_body(0, What::S))];
     motion.advance_with_extremes(3.0, &mut extremes, &mut |_, _| ()).expect("an end");
     let highest = extremes[0].highest().expect("an amplitude");
@@ -234,7 +229,7 @@ fn invariant_energy_balances_over_many_events() {
         stop.soft = { between = [\"a\", \"ground\"], gap = 0.2, stiffness = 500.0, damping = 1.0 }\n\
         friction.f = { between = [\"ground\", \"a\"], force = 0.1 }\n\
         load.l = { on = \"a\", amplitude = 6.0, frequency = 1.1 }\n";
-    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let mut motion = Motion::new(assembled(text)).expect("a motion");
     let mut events = 0;
     for k in 1..=2000 {
         motion.advance_observed(0.05 * f64::from(k), &mut |_| events += 1).expect("an end");
@@ -250,7 +245,7 @@ fn invariant_energy_balances_over_many_events() {
 fn a_motion_that_ends_in_finite_time_says_so() {
     let text = "name = \"E\"\nbody.b = { mass = 1.0, start = { s = 1.5 } }\n\
                 spring.k = { between = [\"ground\", \"b\"], stiffness = 1.0, cubic = -1.0 }\n";
-    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let mut motion = Motion::new(assembled(text)).expect("a motion");
     let error = motion.advance_to(100.0).expect_err("an end").to_string();
     assert!(error.contains("spring.k") && error.contains("finite time"), "{error}");
     assert!(motion.time() < 10.0 && motion.body(0).iter().all(|x| x.is_finite()), "{:?}", motion.body(0));
@@ -264,7 +259,7 @@ fn closed_form_bodies_at_rest_under_signals() {
                 spring.k = { between = [\"ground\", \"b\"], cubic = 5.0 }\n\
                 friction.f = { between = [\"ground\", \"b\"], force = 3.0 }\n\
                 load.l = { on = \"b\", amplitude = 2.0, frequency = 1.0 }\n";
-    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let mut motion = Motion::new(assembled(text)).expect("a motion");
     motion.advance_to(10.0).expect("an end");
     assert_eq!(motion.body(0), [0.0, 0.0, 0.0]);
     // The load begins as 3.75 t², and the spring is too weak to matter: s begins as 0.31 t⁴.
@@ -274,7 +269,7 @@ fn closed_form_bodies_at_rest_under_signals() {
          spring.k = {{ between = [\"ground\", \"b\"], cubic = 1e-9 }}\n\
          load.l = {{ on = \"b\", table = {record}, interpolation = \"cubic\" }}\n"
     );
-    let mut motion = Motion::new(machine(&text)).expect("a motion");
+    let mut motion = Motion::new(assembled(&text)).expect("a motion");
     motion.advance_to(1.0).expect("an end");
     assert!(motion.body(0)[0] > 0.1, "{:?}", motion.body(0));
 }
@@ -287,7 +282,7 @@ fn second_method_derivatives_by_numbers_are_differences_in_fifty_digits() {
     for row in include_str!("data/curved_by.txt").lines() {
         let fields: Vec<&str> = row.split(';').collect();
         let number = |text: &str| text.trim().parse::<f64>().expect("a number");
-        let assembly = machine(&fields[0].replace('|', "\n"));
+        let assembly = assembled(&fields[0].replace('|', "\n"));
         let mut motion = Differentiated::new(assembly, &[fields[2]]).expect("a motion");
         motion.advance_to(number(fields[1])).expect("an end");
         let own = motion.state_derivative(0).expect("a derivative");
@@ -316,7 +311,7 @@ fn second_method_a_gradient_is_differences_of_sums() {
         )
     };
     let start = [60.0, 1.2, 0.2, 0.9];
-    let assembly = |x: &[f64]| machine(&text(x[0], x[1], x[2], x[3]));
+    let assembly = |x: &[f64]| assembled(&text(x[0], x[1], x[2], x[3]));
     let place = Quantity::of_body(1, What::S);
     let sum = |x: &[f64]| {
         let mut motion = Motion::new(assembly(x)).expect("a motion");
@@ -364,7 +359,7 @@ fn invariant_energy_balances_after_the_last_knot_of_a_record() {
     let mut off = 0.0f64;
     for k in 0..20 {
         let begin = 0.1247 + 1e-6 * f64::from(k);
-        let mut motion = Motion::from_state(machine(text), begin, &state).expect("a motion");
+        let mut motion = Motion::from_state(assembled(text), begin, &state).expect("a motion");
         let energy = |motion: &Motion| motion.kinetic_and_stored().0 + motion.kinetic_and_stored().1;
         let first = energy(&motion);
         motion.advance_to(0.1303).expect("an end");

@@ -1,19 +1,14 @@
 //! Springs and dampers whose forces are formulas: motions in closed form, energies, events, ends.
 
+use crate::common::assembled;
 use std::f64::consts::PI;
-use std::sync::Arc;
 use vibro_machine::derivative::Gradient;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion};
-use vibro_machine::{Assembly, Differentiated, Quantity, What};
+use vibro_machine::{Differentiated, Quantity, What};
 
 fn described(text: &str) -> Result<vibro_machine::description::Description, String> {
     parse(text, "m.toml", &no_records).map_err(|refusal| refusal.to_string())
-}
-
-fn machine(text: &str) -> Arc<Assembly> {
-    let description = described(text).expect("a machine");
-    Arc::new(Assembly::new(description).expect("an assembly"))
 }
 
 /// Rounding of a state after some periods, relative to its amplitudes.
@@ -71,7 +66,7 @@ fn closed_form_pendulum_from_170_degrees() {
          [spring.weight]\nbetween = [\"ground\", \"arm\"]\nforce = \"= m*g*l * sin(e)\"\n"
     );
     let (omega, modulus) = ((moment / inertia).sqrt(), (start / 2.0).sin());
-    let mut motion = Motion::new(machine(&text)).expect("a motion");
+    let mut motion = Motion::new(assembled(&text)).expect("a motion");
     let period = 4.0 * complete(modulus) / omega;
     let mut largest = 0.0f64;
     for k in 1..=200 {
@@ -96,7 +91,7 @@ fn second_method_random_chains_in_forty_digits() {
         let fields: Vec<&str> = row.split(';').collect();
         let number = |text: &str| text.trim().parse::<f64>().expect("a number");
         let (end, impacts, factor) = (number(fields[1]), number(fields[2]), number(fields[3]));
-        let mut motion = Motion::new(machine(&fields[0].replace('|', "\n"))).expect("a motion");
+        let mut motion = Motion::new(assembled(&fields[0].replace('|', "\n"))).expect("a motion");
         let energy = |motion: &Motion| motion.kinetic_and_stored().0 + motion.kinetic_and_stored().1;
         let first = energy(&motion);
         let mut count = 0.0;
@@ -145,7 +140,7 @@ fn invariant_toda_lattice() {
         let next = (i + 1) % bodies.len();
         text += &format!("spring.k{i} = {{ between = [\"b{i}\", \"b{next}\"], force = \"= -exp(-e)\" }}\n");
     }
-    let mut motion = Motion::new(machine(&text)).expect("a motion");
+    let mut motion = Motion::new(assembled(&text)).expect("a motion");
     let of = |motion: &Motion| {
         let at = |k: usize| (0..bodies.len()).map(|i| motion.body(i)[k]).collect::<Vec<_>>();
         (toda_invariants(&at(0), &at(1)), at(1).iter().sum::<f64>())
@@ -223,7 +218,7 @@ fn second_method_single_bodies_in_forty_digits() {
     ];
     for (name, text, times, exact) in cases {
         let text = format!("name = \"M\"\nbody.b = {{ {text}");
-        let mut motion = Motion::new(machine(&text)).expect("a motion");
+        let mut motion = Motion::new(assembled(&text)).expect("a motion");
         for (time, exact) in times.into_iter().zip(exact) {
             motion.advance_to(time).expect("an end");
             let [s, v, _] = motion.body(0);
@@ -231,7 +226,7 @@ fn second_method_single_bodies_in_forty_digits() {
             assert!(off < SINGLE, "{name} at {time}: {off:e}");
         }
         let (kinetic, stored) = motion.kinetic_and_stored();
-        let mut begun = Motion::new(machine(&text)).expect("a motion");
+        let mut begun = Motion::new(assembled(&text)).expect("a motion");
         begun.advance_to(0.0).expect("a start");
         let (kinetic, stored) =
             (kinetic - begun.kinetic_and_stored().0, stored - begun.kinetic_and_stored().1);
@@ -255,7 +250,7 @@ fn second_method_pendulum_with_a_stop() {
         [7.019150135396093, -2.001608365510787],
         [9.459400308269577, -1.5166289229702277],
     ];
-    let mut motion = Motion::new(machine(text)).expect("a motion");
+    let mut motion = Motion::new(assembled(text)).expect("a motion");
     let mut found = Vec::new();
     motion
         .advance_observed(12.0, &mut |event: &Event| {
@@ -280,7 +275,7 @@ fn second_method_derivatives_by_parameters_in_forty_digits() {
     for row in include_str!("data/formulas_by.txt").lines() {
         let fields: Vec<&str> = row.split(';').collect();
         let number = |text: &str| text.trim().parse::<f64>().expect("a number");
-        let assembly = machine(&fields[0].replace('|', "\n"));
+        let assembly = assembled(&fields[0].replace('|', "\n"));
         let mut motion = Differentiated::new(assembly, &[fields[2]]).expect("a motion");
         motion.advance_to(number(fields[1])).expect("an end");
         let own = motion.state_derivative(0).expect("a derivative");
@@ -327,7 +322,7 @@ fn second_method_derivatives_are_differences() {
     };
     let place = Quantity::of_body(1, What::S);
     let end = |x: &[f64; 6]| {
-        let mut motion = Motion::new(machine(&chain(x))).expect("a motion");
+        let mut motion = Motion::new(assembled(&chain(x))).expect("a motion");
         let sum: f64 = (1..=10)
             .map(|k| {
                 motion.advance_to(0.2 * f64::from(k)).expect("an end");
@@ -337,9 +332,9 @@ fn second_method_derivatives_are_differences() {
         (motion.states(), sum)
     };
     let names = NUMBERS.map(|own| own.0);
-    let mut motion = Differentiated::new(machine(&chain(&values)), &names).expect("a motion");
+    let mut motion = Differentiated::new(assembled(&chain(&values)), &names).expect("a motion");
     motion.advance_to(2.0).expect("an end");
-    let mut gradient = Gradient::new(machine(&chain(&values)), &names).expect("a motion");
+    let mut gradient = Gradient::new(assembled(&chain(&values)), &names).expect("a motion");
     for k in 1..=10 {
         gradient.advance_to(0.2 * f64::from(k)).expect("an end");
         let weight = 2.0 * gradient.motion().value(place);
@@ -375,7 +370,7 @@ fn invariant_motions_end_at_the_edge_of_a_domain() {
     let plate = "name = \"P\"\nbody.b = { mass = 0.5 }\n\
         spring.k = { between = [\"ground\", \"b\"], stiffness = 20.0 }\n\
         spring.field = { between = [\"ground\", \"b\"], force = \"= -4 / (1 - e)^2\" }\n";
-    let mut motion = Motion::new(machine(plate)).expect("a motion");
+    let mut motion = Motion::new(assembled(plate)).expect("a motion");
     let error = motion.advance_to(100.0).expect_err("an end").to_string();
     assert!(error.contains("spring.field") && error.contains("t = 0."), "{error}");
     let [s, v, _] = motion.body(0);
@@ -388,7 +383,7 @@ fn invariant_motions_end_at_the_edge_of_a_domain() {
             "name = \"R\"\nbody.b = {{ mass = 1.0, start = {{ s = {start:?}, v = {v:?} }} }}\n\
              spring.root = {{ between = [\"ground\", \"b\"], force = \"= {force}\" }}\n"
         );
-        let mut motion = Motion::new(machine(&text)).expect("a motion");
+        let mut motion = Motion::new(assembled(&text)).expect("a motion");
         match motion.advance_to(30.0) {
             Ok(()) => panic!("{force}: no end at {:?}", motion.body(0)),
             Err(error) => {
@@ -482,7 +477,7 @@ fn belt(x: &[f64; 4]) -> String {
 fn second_method_stribeck_friction_on_a_belt() {
     let exact = [0.798, 1.4042654659104081, 2.275183411559605, 2.8814488774700133, 3.75236682311921];
     let text = belt(&[2.0, 4.0, 0.05, 50.0]);
-    let mut motion = Motion::new(machine(&text)).expect("a motion");
+    let mut motion = Motion::new(assembled(&text)).expect("a motion");
     let (first, mut found) = (motion.kinetic_and_stored(), Vec::new());
     motion
         .advance_observed(4.0, &mut |event: &Event| {
@@ -503,7 +498,7 @@ fn second_method_stribeck_friction_on_a_belt() {
     assert!(off.abs() < BALANCE, "{off:e}");
     // Just before and after the first slip.
     let force = |time: f64| {
-        let mut motion = Motion::new(machine(&text)).expect("a motion");
+        let mut motion = Motion::new(assembled(&text)).expect("a motion");
         motion.advance_to(time).expect("an end");
         let index = motion.assembly().description.elements().count() - 1;
         motion.value(Quantity::of_element(index, What::F))
@@ -516,12 +511,12 @@ fn second_method_stribeck_friction_on_a_belt() {
 fn second_method_derivatives_of_stribeck_friction() {
     let values = [2.0, 4.0, 0.05, 50.0];
     let names = ["friction.f.force", "friction.f.static", "friction.f.stribeck", "spring.k.stiffness"];
-    let mut motion = Differentiated::new(machine(&belt(&values)), &names).expect("a motion");
+    let mut motion = Differentiated::new(assembled(&belt(&values)), &names).expect("a motion");
     motion.advance_to(4.0).expect("an end");
     let end = |i: usize, by: f64| {
         let mut values = values;
         values[i] += by;
-        let mut motion = Motion::new(machine(&belt(&values))).expect("a motion");
+        let mut motion = Motion::new(assembled(&belt(&values))).expect("a motion");
         motion.advance_to(4.0).expect("an end");
         motion.states()
     };
@@ -557,7 +552,7 @@ fn invariant_formulas_are_the_forces_of_the_keys() {
         )
     };
     let end = |text: &str| {
-        let mut motion = Motion::new(machine(text)).expect("a motion");
+        let mut motion = Motion::new(assembled(text)).expect("a motion");
         let first = motion.kinetic_and_stored();
         motion.advance_to(5.0).expect("an end");
         let now = motion.kinetic_and_stored();
@@ -606,7 +601,7 @@ fn second_method_a_gradient_of_straight_formulas() {
         )
     };
     let gradient = |force: &str| {
-        let mut found = Gradient::new(machine(&text(force)), &["k", "c", "p"]).expect("a motion");
+        let mut found = Gradient::new(assembled(&text(force)), &["k", "c", "p"]).expect("a motion");
         for k in 1..=10 {
             found.advance_to(0.3 * f64::from(k)).expect("an end");
             found.add(Quantity::of_body(0, What::S), 1.0);
