@@ -260,6 +260,47 @@ fn invariant_momentum_and_energy_of_beads() {
     }
 }
 
+/// Largest |e| at the time of an edge, m: the last digit of a time near 100 s, 1.4e-14 s, times a
+/// speed of 2 m/s.
+const AT_EDGE: f64 = 5e-14;
+
+/// A body in a forced motion of period 0.5 s touches a contact with dissipation once a period.
+/// Each contact begins and ends at e = 0, also after hundreds of them: what counts as zero does
+/// not grow with the count of contacts.
+#[test]
+fn invariant_contacts_end_at_their_edge() {
+    for (stiffness, per_period) in [(1e5, 1.0), (1e9, 1.5)] {
+        let text = format!(
+            "name = \"R\"\nbody.a = {{ mass = 1.0, start = {{ s = -0.1, v = 1.0 }} }}\n\
+             spring.k = {{ between = [\"ground\", \"a\"], stiffness = 100.0 }}\n\
+             load.f = {{ on = \"a\", amplitude = 8.0, frequency = 2.0 }}\n\
+             stop.h = {{ between = [\"ground\", \"a\"], gap = 0.0, stiffness = {stiffness:e}, \
+             exponent = 1.5, dissipation = 0.2 }}\n"
+        );
+        let (mut motion, until) = (Motion::new(assembled(&text)).expect("a motion"), 100.0);
+        let mut ends = Vec::new();
+        let mut note = |event: &Event| {
+            if matches!(event.kind, EventKind::Press { .. } | EventKind::Free { .. }) {
+                ends.push(event.clone());
+            }
+        };
+        let reached = motion.advance_observed(until, &mut note);
+        assert!(reached.is_ok(), "{reached:?} in {text}");
+        let (contacts, expected) = (ends.len() / 2, per_period * until / 0.5);
+        assert_eq!(contacts as f64, expected, "contacts in {text}");
+        for pair in ends.chunks(2) {
+            let kinds = pair.iter().map(|event| matches!(event.kind, EventKind::Press { .. }));
+            assert!(kinds.eq([true, false]), "{pair:?} in {text}");
+        }
+        let mut motion = Motion::new(assembled(&text)).expect("a motion");
+        for event in &ends {
+            motion.advance_to(event.time).expect("an end");
+            let off = motion.body(0)[0].abs();
+            assert!(off < AT_EDGE, "e = {off:e} m at {} s in {text}", event.time);
+        }
+    }
+}
+
 /// Rounding of the energy accounts of order 10 J over some tens of events, J.
 const BALANCED: f64 = 1e-12;
 

@@ -124,6 +124,9 @@ impl Motion {
         for (size, x) in start.iter_mut().zip(hybrid.z.as_slice()).take(one) {
             *size = x.abs();
         }
+        // Sizes of curved forces follow from these. Their largest sizes depend on the sizes raised
+        // here, which would then grow without end.
+        self.assembly.system.set_curved_sizes(hybrid.z.as_slice(), start);
         rates.resize(start.len(), 0.0);
         let flight_sizes = &mut rates[..one - n];
         let table = &self.tables.at(self.place).table;

@@ -221,4 +221,11 @@ impl System {
             sizes[curved.place] = sizes[curved.place].max(curved.size(z, sizes));
         }
     }
+
+    /// Sets the sizes of curved forces to their rounding at a state.
+    pub(crate) fn set_curved_sizes(&self, z: &[f64], sizes: &mut [f64]) {
+        for curved in &self.curved {
+            sizes[curved.place] = curved.size(z, sizes);
+        }
+    }
 }
