@@ -25,8 +25,11 @@ impl Plan {
     /// Returns the model description of this machine.
     pub fn description(&self) -> Description {
         let machine = &self.assembly.description;
-        let declared =
-            || units::DECLARED.iter().filter(|d| self.table.rows.iter().any(|row| row.unit == d.unit));
+        let declared = || {
+            units::DECLARED
+                .iter()
+                .filter(|d| self.table.rows.iter().any(|row| Declared::of(row.unit).unit == d.unit))
+        };
         let rebounds = self.assembly.system().stops.iter().any(StopRows::may_rebound);
         let types = declared().map(Declared::declared_type).chain(units::enumerations(rebounds)).collect();
         let structure = Structure::new(self);

@@ -122,6 +122,25 @@ fn invariant_both_descriptions_have_every_variable_with_a_unit_that_is_defined()
     }
 }
 
+/// Every type that a variable declares is defined, also of numbers whose units FMI cannot write.
+#[test]
+fn invariant_declared_types_are_defined() {
+    let text = "name = \"P\"\nbody.b = { mass = 1.0 }\n\
+                spring.k = { between = [\"ground\", \"b\"], coefficient = 5.0, exponent = 1.7 }\n\
+                stop.h = { between = [\"ground\", \"b\"], gap = 0.1, stiffness = 3e9, exponent = 1.5 }\n";
+    let powers = Plan::new(text.into(), "p.toml").unwrap();
+    assert!(powers.xml(Version::Fmi3, None).contains("declaredType=\"PowerCoefficient\""));
+    for plan in plans().into_iter().chain([powers]) {
+        for version in [Version::Fmi2, Version::Fmi3] {
+            let xml = plan.xml(version, None);
+            let uses = xml.split("declaredType=\"").skip(1).filter_map(|rest| rest.split('"').next());
+            for name in uses.collect::<HashSet<_>>() {
+                assert!(xml.contains(&format!("Type name=\"{name}\"")), "{name} in {}", plan.name());
+            }
+        }
+    }
+}
+
 /// fmi-sim 0.7 does not open archives in which a variable itself has one of these attributes.
 #[test]
 fn invariant_units_and_nominal_values_are_those_of_declared_types_in_fmi_3() {

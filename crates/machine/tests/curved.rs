@@ -251,6 +251,27 @@ fn a_motion_that_ends_in_finite_time_says_so() {
     assert!(motion.time() < 10.0 && motion.body(0).iter().all(|x| x.is_finite()), "{:?}", motion.body(0));
 }
 
+/// Rounding of the time at which a motion ends: the clock shows 1e-16 of it.
+const END: f64 = 1e-14;
+
+/// Dampers that accelerate, v' = v^p with v = 1 at first: v = (1 - (p - 1) t)^(1/(1 - p)) grows
+/// without bounds until t = 1/(p - 1), at a finite place for p > 2.
+#[test]
+fn closed_form_end_of_motions_whose_rate_grows_without_bounds() {
+    let dampers = [("quadratic", "", 2.0), ("cubic", "", 3.0), ("coefficient", ", exponent = 2.5", 2.5)];
+    for (key, more, p) in dampers {
+        let text = format!(
+            "name = \"E\"\nbody.b = {{ mass = 1.0, start = {{ v = 1.0 }} }}\n\
+             damper.d = {{ between = [\"ground\", \"b\"], {key} = -1.0{more} }}\n"
+        );
+        let mut motion = Motion::new(assembled(&text)).expect("a motion");
+        let error = motion.advance_to(5.0).expect_err("an end").to_string();
+        assert!(error.contains("damper.d") && error.contains("finite time"), "{error}");
+        let off = motion.time() * (p - 1.0) - 1.0;
+        assert!(off.abs() < END && motion.body(0).iter().all(|x| x.is_finite()), "{off:e} {error}");
+    }
+}
+
 /// The load varies while the body hardly moves: it sticks, or its load begins with a power of
 /// time.
 #[test]

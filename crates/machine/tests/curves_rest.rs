@@ -190,3 +190,32 @@ fn closed_form_formulas_bear_loads_and_give_way_at_folds() {
     let (spring, factor) = gives_way(&plate(c));
     assert!(spring == "f" && (factor - expected).abs() < FACTOR, "{spring} {factor} {expected}");
 }
+
+/// Springs without a stiffness at e = 0, alone or one behind another, bear a load at F(e) = load: powers, formulas,
+/// and two springs across the motion without tension at e = 0.
+#[test]
+fn closed_form_springs_that_are_soft_at_zero_bear_loads() {
+    let spring = |ends: &str, keys: &str| format!("spring.{ends} = {{ between = {keys} }}\n");
+    let on_a = |keys: &str| spring("k", &format!("[\"ground\", \"a\"], {keys}"));
+    let across = |e: f64| 1000.0 * e * (1.0 - 0.1 / e.hypot(0.1));
+    let cases: [(&str, f64, &dyn Fn(f64) -> f64); 7] = [
+        ("force = \"= 1e4 * e^7\"", 20.0, &|e| 1e4 * e.powi(7)),
+        ("force = \"= 1e3 * e^2 * e\"", -20.0, &|e| 1e3 * e.powi(3)),
+        ("force = \"= 1e4 * e^2\"", 20.0, &|e| 1e4 * e * e),
+        ("force = \"= 100 * (e - sin(e))\"", 20.0, &|e| 100.0 * (e - e.sin())),
+        ("coefficient = 1e4, exponent = 9", 20.0, &|e| 1e4 * e.powi(9)),
+        ("coefficient = 1e4, exponent = 20", 20.0, &|e| 1e4 * e.powi(20)),
+        ("stiffness = 1000, offset = 0.1, free_length = 0.1", -20.0, &across),
+    ];
+    for (keys, load, force) in cases {
+        let found = places(&chain(&[load], &on_a(keys)))[0];
+        let off = force(found) - load;
+        assert!(off.abs() < 1e2 * ROUNDING * load.abs(), "{off:e} N at {found} m with {keys}");
+        let behind = on_a(keys) + &spring("l", &format!("[\"a\", \"b\"], {keys}"));
+        let found = places(&chain(&[0.5 * load, load], &behind));
+        for (e, load) in [(found[0], 1.5 * load), (found[1] - found[0], load)] {
+            let off = force(e) - load;
+            assert!(off.abs() < 1e2 * ROUNDING * load.abs(), "{off:e} N at {found:?} with {keys} twice");
+        }
+    }
+}

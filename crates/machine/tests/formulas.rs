@@ -18,6 +18,8 @@ const RETURNED: f64 = 1e-12;
 const ROUNDINGS: f64 = 1e-13;
 /// Difference of the energy from its accounts, relative to the first energy.
 const BALANCE: f64 = 1e-13;
+/// Rate at which friction of the width 1e-5 m/s comes to rest.
+const SMOOTHED: f64 = 2e-4;
 
 /// Rounding of the invariants of a chaotic-looking but integrable chain over 100 s.
 const TODA: f64 = 1e-12;
@@ -226,11 +228,7 @@ fn second_method_single_bodies_in_forty_digits() {
             assert!(off < SINGLE, "{name} at {time}: {off:e}");
         }
         let (kinetic, stored) = motion.kinetic_and_stored();
-        let mut begun = Motion::new(assembled(&text)).expect("a motion");
-        begun.advance_to(0.0).expect("a start");
-        let (kinetic, stored) =
-            (kinetic - begun.kinetic_and_stored().0, stored - begun.kinetic_and_stored().1);
-        let off = kinetic + stored - motion.energy().balance();
+        let off = balance(&text, motion.time());
         assert!(off.abs() < BALANCE * (kinetic.abs() + stored.abs() + 1.0), "{name}: {off:e}");
     }
 }
@@ -392,6 +390,51 @@ fn invariant_motions_end_at_the_edge_of_a_domain() {
             }
         }
         assert!(motion.body(0).iter().all(|x| x.is_finite()) && motion.time() > 0.01, "{:?}", motion.body(0));
+    }
+}
+
+/// The change of the mechanical energy from the start to `end`, less the sum of the accounts, J.
+fn balance(text: &str, end: f64) -> f64 {
+    let mut motion = Motion::new(assembled(text)).expect("a motion");
+    let before = motion.kinetic_and_stored();
+    motion.advance_to(end).expect(text);
+    let after = motion.kinetic_and_stored();
+    after.0 + after.1 - before.0 - before.1 - motion.energy().balance()
+}
+
+/// A force that has a value at e' = 0 without depending on e is the preload of that value.
+#[test]
+fn invariant_balance_of_formulas_with_a_force_at_rest() {
+    for element in [
+        "damper.d = { between = [\"ground\", \"b\"], force = \"= 1 + rate\" }",
+        "spring.d = { between = [\"ground\", \"b\"], force = \"= exp(0.5*rate)\" }",
+    ] {
+        let text = format!(
+            "name = \"F\"\nbody.b = {{ mass = 1.0, start = {{ s = 0.5, v = 1.0 }} }}\n\
+             spring.k = {{ between = [\"ground\", \"b\"], stiffness = 4.0 }}\n{element}\n"
+        );
+        let off = balance(&text, 5.0);
+        assert!(off.abs() < BALANCE, "off by {off:e} J with {element}");
+    }
+}
+
+/// Friction that a formula makes smooth has no edge of its domain, however sharp it is. v falls by
+/// 1 m/s² until it is about the width of the curve.
+#[test]
+fn closed_form_smooth_friction_passes_zero() {
+    for v in [0.5f64, 10.0] {
+        let text = format!(
+            "name = \"C\"\nbody.b = {{ mass = 1.0, start = {{ v = {v:?} }} }}\n\
+             spring.k = {{ between = [\"ground\", \"b\"], stiffness = 1.0 }}\n\
+             damper.d = {{ between = [\"ground\", \"b\"], force = \"= rate/sqrt(rate^2 + 1e-10)\" }}\n"
+        );
+        let mut motion = Motion::new(assembled(&text)).expect("a motion");
+        // v = v0 cos t - sin t until t = atan v0.
+        let turn = v.atan();
+        motion.advance_to(turn).expect(&text);
+        assert!(motion.body(0)[1].abs() < SMOOTHED, "{:?} at {turn} s in {text}", motion.body(0));
+        let off = balance(&text, 4.0);
+        assert!(off.abs() < BALANCE * v * v, "off by {off:e} J in {text}");
     }
 }
 

@@ -42,6 +42,7 @@ mod paper;
 mod pauses;
 mod points;
 mod points_rest;
+mod powers;
 mod prescribed;
 mod quantum;
 mod random;

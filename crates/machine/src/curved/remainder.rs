@@ -39,6 +39,11 @@ impl ArgumentTerms<'_> {
     }
 }
 
+/// Omitted terms of a force that moves no state, relative to the force.
+const UNSEEN: f64 = 1e-16;
+/// Factor on a span that is too long for such a force.
+const OF_UNSEEN: f64 = 0.8;
+
 /// An operation with its series, and the norms of its rows and its column.
 #[derive(Clone, Copy)]
 pub(crate) struct CurveTerms<'a> {
@@ -67,6 +72,11 @@ pub(crate) struct CurveTerms<'a> {
     /// Bound of the value of a power at its edge, which the series leaves out; set by
     /// [`Remainder::bound`].
     pub(crate) left_out: f64,
+    /// Whether the force moves no state, as between held or prescribed bodies. Contact forces and
+    /// accounts then need its own series to be exact.
+    pub(crate) is_unseen: bool,
+    /// Bound of the omitted terms of such a force; set by [`Remainder::bound`].
+    pub(crate) omitted: f64,
 }
 
 impl<'a> CurveTerms<'a> {
@@ -78,7 +88,7 @@ impl<'a> CurveTerms<'a> {
         effect: f64,
     ) -> Self {
         let (radius, scale, of_argument, steepness, left_out) = (0.0, 0.0, [0.0; 2], 0.0, 0.0);
-        let is_sided = false;
+        let (is_sided, is_unseen, omitted) = (false, false, 0.0);
         Self {
             operation,
             series,
@@ -90,6 +100,8 @@ impl<'a> CurveTerms<'a> {
             steepness,
             is_sided,
             left_out,
+            is_unseen,
+            omitted,
         }
     }
 
@@ -105,18 +117,36 @@ impl<'a> CurveTerms<'a> {
         self.operation.edge().is_some()
     }
 
-    /// Σ |wₖ| partᵏ over k ≥ `last`, with what operations at their edges leave out,
-    /// and the norm of w's derivative by the states
-    /// within `margin` of the polynomial. `known` has the operations before this one.
+    /// Whether the omitted terms of a force that moves no state are rounding of it. A power at its
+    /// edge has no terms.
+    fn is_exact(&self, part: f64, last: usize) -> bool {
+        if !self.is_unseen || self.is_still() || self.omitted == 0.0 {
+            return true;
+        }
+        let (mut most, mut power) = (0.0f64, 1.0);
+        for k in 0..=last {
+            let value = match &self.operation {
+                Operation::Polynomial(force) => self.series.at_order(force, k),
+                _ => self.series.of_operation()[2][k],
+            };
+            most = most.max(value.abs() * power);
+            power *= part;
+        }
+        self.omitted <= UNSEEN * most
+    }
+
+    /// Σ |wₖ| partᵏ over k ≥ `last`, what operations at their edges leave out, and the norm of w's
+    /// derivative by the states within `margin` of the polynomial. `known` has the operations before
+    /// this one.
     pub(super) fn tail_and_steepness(
         &self,
         known: &[Self],
         (part, margin): (f64, f64),
         last: usize,
-    ) -> (f64, f64) {
+    ) -> (f64, f64, f64) {
         let ratio = part / self.radius;
         if !(ratio < 1.0 && self.scale.is_finite()) {
-            return (f64::INFINITY, f64::INFINITY);
+            return (f64::INFINITY, 0.0, f64::INFINITY);
         }
         let [a, b, w, _] = self.series.of_operation();
         let tail = match self.operation {
@@ -149,9 +179,8 @@ impl<'a> CurveTerms<'a> {
             Some(_) => self.operation.value([highest, 0.0]),
             None => self.arguments.iter().zip(slopes).map(|(own, slope)| own.left_out(known, slope)).sum(),
         };
-        let tail = tail + left_out;
         let along = |slope: f64, reach: f64| if reach > 0.0 { slope * reach } else { 0.0 };
-        (tail, along(slopes[0], reaches[0]) + along(slopes[1], reaches[1]))
+        (tail, left_out, along(slopes[0], reaches[0]) + along(slopes[1], reaches[1]))
     }
 }
 
@@ -223,15 +252,18 @@ impl Remainder<'_> {
             let CurveTerms { operation, arguments, effect, of_argument, .. } = later[0];
             if let (Operation::Polynomial(force), true) = (&operation, later[0].is_plain()) {
                 let (reach, [scale, most]) = (arguments[0].reach, of_argument);
-                defect += effect * tail(force, scale, (ratio, power), last);
+                let tail = tail(force, scale, (ratio, power), last);
+                defect += effect * tail;
+                later[0].omitted = tail;
                 let most = most * (1.0 + ROOM) + reach * margin;
                 let slope = force.majorant().derivative(most);
                 growth += effect * slope * reach;
                 later[0].steepness = slope * reach;
                 continue;
             }
-            let (tail, steepness) = later[0].tail_and_steepness(known, (part, margin), last);
-            later[0].steepness = steepness;
+            let (own, left_out, steepness) = later[0].tail_and_steepness(known, (part, margin), last);
+            let tail = own + left_out;
+            (later[0].steepness, later[0].omitted) = (steepness, own);
             let is_still = later[0].is_still();
             later[0].left_out = if is_still { tail } else { 0.0 };
             if effect > 0.0 {
@@ -271,7 +303,11 @@ impl Remainder<'_> {
             let limit = REMAINDER * if at_rest { size } else { self.size(part) };
             let bound = self.bound(part, radius, limit);
             if bound <= limit {
-                return part;
+                if self.curves.iter().all(|own| own.is_exact(part, last)) {
+                    return part;
+                }
+                part *= OF_UNSEEN;
+                continue;
             }
             let is_undefined = bound.is_infinite() && self.curves.iter().any(|own| !own.is_plain());
             let factor = match self.curves.iter().any(CurveTerms::is_still) {

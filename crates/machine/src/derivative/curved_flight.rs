@@ -94,6 +94,8 @@ impl VariedMode {
             weights: &self.curves.weights,
             one: self.curves.one,
             rate: self.curves.rate,
+            // Only states and their derivatives are carried.
+            watched: &[],
         };
         let (sides, to_edge) = sides_ahead(forces, &at);
         let mut span = most.min(CURVE_REACH / rate).min(to_edge);

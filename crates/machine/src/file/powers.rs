@@ -62,14 +62,47 @@ fn of_power(
     dimension: Dimension,
 ) -> Option<f64> {
     let exponent = exponent?;
-    if let (true, Some(text)) = (kind.unit(dimension).ends_with('p'), entry.value.as_str())
-        && let Some((_, unit)) = split(text)
-        && let Some(other) = exponents_in(unit).find(|other| *other != exponent)
-    {
+    let si = kind.unit(dimension);
+    let written = entry.value.as_str().and_then(split).filter(|(_, unit)| !unit.is_empty());
+    let (true, Some((number, unit))) = (si.ends_with('p'), written) else {
+        return reading.number(entry, kind, dimension);
+    };
+    if let Some(other) = exponents_in(unit).find(|other| *other != exponent) {
         reading.refuse(entry, format!("its unit has the power {other}; expected the exponent {exponent}"));
         return None;
     }
-    reading.number(entry, kind, dimension)
+    let Some(factor) = factor_of(unit, si, exponent) else {
+        let expected = si.replace('.', " ").replace('p', &format!("^{exponent}"));
+        let text = format!("cannot be in {unit}; expected {expected}, or a number without a unit");
+        reading.refuse(entry, text);
+        return None;
+    };
+    let value = number * factor;
+    let fault = (!kind.contains(value)).then(|| kind.fault(value, dimension));
+    fault.map_or(Some(value), |fault| {
+        reading.refuse(entry, fault);
+        None
+    })
+}
+
+/// The value in the SI unit `si` of one of a unit whose exponents are `exponent`, written as p in
+/// `si`. A prefix stands before N; a length may be in mm or um.
+fn factor_of(unit: &str, si: &str, exponent: f64) -> Option<f64> {
+    let unit: String = unit.replace([' ', '*', '·', '⋅'], ".").replace('^', "").replace('µ', "u");
+    let (prefix, rest) = unit.split_once('N')?;
+    let scale = match prefix {
+        "" => 1.0,
+        "m" => 1e-3,
+        "k" => 1e3,
+        "M" => 1e6,
+        "G" => 1e9,
+        _ => return None,
+    };
+    let power = exponent.to_string();
+    let expected = si.strip_prefix('N')?.replace('p', &power);
+    let lengths = [("/m", 0), ("/mm", 3), ("/um", 6)];
+    let found = lengths.into_iter().find(|(length, _)| expected.replace("/m", length) == rest)?;
+    Some(scale * 10f64.powi(found.1).powf(exponent))
 }
 
 /// The numbers in a unit, such as 2.2 in `N/m^2.2`.

@@ -74,6 +74,8 @@ pub(crate) struct CurveInMode {
     rows: [RowNorms; 2],
     /// Norm of φ's column for the accelerations, and of its column for other rates: max |yᵢ| / wᵢ.
     pub(super) effects: [f64; 2],
+    /// Whether the force moves no state and is in no other operation.
+    is_unseen: bool,
     /// Whether the force acts in the mode: the operations of a stop do so beyond its gap.
     pub(crate) acts: bool,
     /// Largest entry of φ's column, and sums of the sizes of the entries of the first argument's row:
@@ -116,9 +118,16 @@ impl CurveInMode {
                 *if velocities.contains(&j) { &mut of_velocities } else { &mut of_others } += x.abs();
             }
             let plain = [largest, of_velocities, of_others];
-            Self { curved: curved.clone(), rows, effects, acts, plain }
+            let is_unseen = effects == [0.0; 2] && acts;
+            Self { curved: curved.clone(), rows, effects, acts, plain, is_unseen }
         };
-        system.curved.iter().enumerate().map(in_mode).collect()
+        let mut all: Vec<Self> = system.curved.iter().enumerate().map(in_mode).collect();
+        for i in 0..all.len() {
+            let nested: Vec<usize> =
+                all[i].rows.iter().flat_map(|row| row.nested.iter().map(|own| own.0)).collect();
+            nested.into_iter().for_each(|inner| all[inner].is_unseen = false);
+        }
+        all
     }
 
     /// Whether this is a polynomial of a row without operations.
@@ -142,7 +151,7 @@ impl CurveInMode {
         let arguments = [argument(first), argument(second)];
         let own = &self.curved.operation;
         let terms = CurveTerms::new(own.on(series.piece), series, arguments, self.effect(faster));
-        CurveTerms { is_sided: own.edge().is_some(), ..terms }
+        CurveTerms { is_sided: own.edge().is_some(), is_unseen: self.is_unseen, ..terms }
     }
 
     /// Norms of the derivative of φ by the states without velocities, and by the velocities.
@@ -334,8 +343,8 @@ impl FlowTable {
     fn sides_ahead(&self, z: &[f64]) -> (Vec<Piece>, f64) {
         let mut rates = vec![0.0; z.len()];
         self.rates(z, &mut rates);
-        let Self { rate, weights, one, .. } = self;
-        sides_ahead(&self.curves, &AtState { z, rates: &rates, weights, one: *one, rate: *rate })
+        let Self { rate, weights, one, watched, .. } = self;
+        sides_ahead(&self.curves, &AtState { z, rates: &rates, weights, one: *one, rate: *rate, watched })
     }
 
     /// Longest time, s, over which forces raise the sizes of rates: a sub-step. Curved forces

@@ -15,6 +15,10 @@ const MOST: f64 = 1e100;
 /// there ends soon: it grows without bounds in finite time.
 const MOST_CURVED: f64 = 1e30;
 
+/// Length of a series relative to the time reached, below which the clock does not show it. A
+/// motion with such series ends in finite time, with rates beyond all bounds.
+const INVISIBLE: f64 = 1e-18;
+
 /// Distance from the edge of the domain of an operation at which a motion ends, relative to the
 /// largest terms of the argument. Closer to the edge, roundings of the argument exceed 1e-7 of it.
 const EDGE: f64 = 1e-9;
@@ -81,16 +85,30 @@ impl Motion {
         let beyond = z[..system.signals.one].iter().position(|x| x.abs() > limit || x.is_nan());
         let Some(k) = beyond else { return Ok(()) };
         if is_curved {
-            let name = self.steepest().0;
-            let cause = format!(
-                "the motion ends in finite time; the force of {name} lets coordinates grow beyond \
-                 all bounds"
-            );
-            return Err(Error::Stuck { time: self.time(), cause });
+            return Err(self.ends_in_finite_time());
         }
         let name = self.assembly.name_of_state(k);
         let name = name.rsplit_once('.').map_or(name.clone(), |(of, what)| format!("{of}: {what}"));
         Err(Error::Beyond { time: self.time(), name, value: z[k] })
+    }
+
+    /// Refuses a series of curved forces, of a length in s, that the clock does not show, although
+    /// it shows the time `left` up to the goal.
+    pub(super) fn check_series(&self, length: f64, left: f64) -> Result<(), Error> {
+        let time = self.time().abs();
+        if length > INVISIBLE * time || left <= f64::EPSILON * time {
+            return Ok(());
+        }
+        Err(self.at_edge(NEAR).map_or_else(|| self.ends_in_finite_time(), |own| self.leaves_domain(own)))
+    }
+
+    fn ends_in_finite_time(&self) -> Error {
+        let name = self.steepest().0;
+        let cause = format!(
+            "the motion ends in finite time; the force of {name} lets coordinates or rates grow \
+             beyond all bounds"
+        );
+        Error::Stuck { time: self.time(), cause }
     }
 
     /// Refuses a state at the edge of the domain of a formula. Within a series no operation leaves
@@ -100,15 +118,21 @@ impl Motion {
     }
 
     /// An operation whose argument is near the edge of its domain, or beyond it. `near` is relative
-    /// to the largest terms of the argument.
+    /// to the terms of the argument: to their present sizes if they are curved themselves, as a
+    /// square has only the rounding of its own value.
     fn at_edge(&self, near: f64) -> Option<&Curved> {
-        let (z, sizes) = (self.hybrid.z.as_slice(), self.hybrid.sizes.0.as_slice());
-        let is_at_edge = |own: &&Curved| {
+        let (system, z) = (&self.assembly.system, self.hybrid.z.as_slice());
+        let is_at_edge = |own: &Curved, sizes: &[f64]| {
             let argument = own.argument.at(z);
             let is_near = argument.abs() <= near * own.argument.size(sizes);
             own.operation.has_domain() && (is_near || !own.operation.is_defined(argument))
         };
-        self.assembly.system.curved.iter().find(is_at_edge)
+        // The largest sizes of the motion are at least the present ones.
+        let largest = self.hybrid.sizes.0.as_slice();
+        let first = system.curved.iter().position(|own| is_at_edge(own, largest))?;
+        let mut sizes = largest.to_vec();
+        system.set_curved_sizes(z, &mut sizes);
+        system.curved[first..].iter().find(|own| is_at_edge(own, &sizes))
     }
 
     /// Error of a motion that reaches the edge of the domain of an operation.

@@ -219,6 +219,7 @@ impl Motion {
     /// signals at the goal keep their advanced values.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, [at_knot, keeps]: [bool; 2]) -> Result<Option<Due>, Error> {
+        let left = goal.minus(self.hybrid.time).value();
         let flown = if self.table().is_dense() {
             Some(self.by_tables(goal, at_knot))
         } else {
@@ -240,6 +241,9 @@ impl Motion {
         }
         self.include_state();
         self.check_domains()?;
+        if self.table().is_curved() && place.is_none() && self.scratch.ahead.span < left {
+            self.check_series(self.scratch.ahead.span, left)?;
+        }
         self.keep_contacts();
         if let Some(place) = place {
             let watch = self.table().watched[place].watch;

@@ -20,6 +20,10 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 const CONTRACTION: f64 = 0.25;
 /// Smallest step in s: where a smaller one is needed, the machine gives way.
 const LEAST_STEP: f64 = 1e-9;
+/// First s of machines that only curved forces without a slope at zero displacement hold.
+const FIRST_LOAD: f64 = 1e-4;
+/// Halvings of an elongation between two powers of two: down to rounding.
+const HALVINGS: usize = 53;
 /// Largest number of steps in s, of corrections at one s, and of corrections of stops alone.
 const MOST: (usize, usize, usize) = (10_000, 200, 100);
 /// Correction that counts as rounding, and one below which corrections need not decrease, relative
@@ -142,19 +146,26 @@ impl<'a> Curves<'a> {
         let places = self.presses.iter().map(|own| own.excess.max(own.place(push)).max(f64::MIN_POSITIVE));
         let mut at = Point { q: DVector::zeros(holding.force.len()), places: places.collect() };
         let begin = at.clone();
-        if self.is_monotone() {
-            // Springs without a slope at q = 0 would not bear anything there.
-            let secants = self.curves.iter().map(|own| self.secant(own, push)).collect::<Vec<_>>();
-            let own = self.put(holding, &origin, (&at, &secants), 1.0);
-            at.q = own.settle(&self.system.mass, &at.q).unwrap_or(at.q);
-        }
+        let tangent = self.tangent(holding, &origin, &begin, 1.0);
+        // A load that nothing bears has no path at all.
+        let whole = tangent.settle(&self.system.mass, &begin.q);
         let (mut load, mut step) = (0.0, 1.0);
+        if self.is_monotone() {
+            at.q = self.by_secants(holding, &origin, &at, (push, 1.0));
+        } else if whole.is_err() && self.is_soft(&begin.q, FIRST_LOAD * push) {
+            // Curves alone bear the load.
+            let mut near = at.clone();
+            near.q = self.by_secants(holding, &origin, &at, (push, FIRST_LOAD));
+            if let Some(found) = self.solved(holding, &origin, &near, (FIRST_LOAD, true)) {
+                (at, load, step) = (found, FIRST_LOAD, FIRST_LOAD);
+            }
+        }
         for _ in 0..MOST.0 {
             if load >= 1.0 {
                 return Ok(Ok(at.q));
             }
             let next = f64::min(load + step, 1.0);
-            match self.solved(holding, &origin, &at, next) {
+            match self.solved(holding, &origin, &at, (next, self.is_monotone())) {
                 Some(found) => (at, load, step) = (found, next, 2.0 * step),
                 None => step *= 0.5,
             }
@@ -165,8 +176,6 @@ impl<'a> Curves<'a> {
         let there = self.state(&at.q);
         let of = |own: &Curve| (own.stiffness + self.slope(own, &there)) * own.size();
         let softest = self.curves.iter().min_by(|a, b| of(a).total_cmp(&of(b)));
-        // A load that nothing bears has no path at all.
-        let whole = self.tangent(holding, &origin, &begin, 1.0).settle(&self.system.mass, &begin.q);
         match (softest, whole) {
             (Some(own), _) if load > 0.0 || of(own) < 0.0 => {
                 let spring = d.springs.get(own.spring).map_or(String::new(), |own| own.name.clone());
@@ -174,6 +183,30 @@ impl<'a> Curves<'a> {
             }
             (_, left) => Ok(left),
         }
+    }
+
+    /// Whether no spring falls at a point: with a falling spring no equilibrium is near. A slope
+    /// counts as 0 beside the stiffness at which the spring bears a force.
+    fn is_soft(&self, q: &DVector<f64>, force: f64) -> bool {
+        let there = self.state(q);
+        self.curves.iter().all(|own| {
+            let slope = own.stiffness + self.slope(own, &there);
+            slope >= -ZERO * (self.secant(own, force) + own.stiffness).abs()
+        })
+    }
+
+    /// An estimate of the equilibrium at a load, by lines from q = 0 to the point at which each
+    /// spring bears this share of `push`. The tangent of a spring may be zero at q = 0.
+    fn by_secants(
+        &self,
+        holding: &Holding,
+        origin: &DVector<f64>,
+        at: &Point,
+        (push, load): (f64, f64),
+    ) -> DVector<f64> {
+        let secants = self.curves.iter().map(|own| self.secant(own, load * push)).collect::<Vec<_>>();
+        let own = self.put(holding, origin, (at, &secants), load);
+        own.settle(&self.system.mass, &at.q).unwrap_or_else(|_| at.q.clone())
     }
 
     /// The stiffness between no elongation and the one at which a spring bears a force.
@@ -184,10 +217,18 @@ impl<'a> Curves<'a> {
             own.w.iter().for_each(|&(k, w)| q[k] = e * w / own.size());
             (own.row.dot(&self.state(q)) - begin) / e
         };
-        let all = (-100..100).map(|k| 2f64.powi(k)).map(|e| (e, of(e, &mut q)));
-        all.filter(|(_, k)| k.is_finite())
-            .find(|(e, k)| (k + own.stiffness) * e >= force)
-            .map_or(0.0, |own| own.1)
+        let mut bears = |e: f64| {
+            let k = of(e, &mut q);
+            k.is_finite().then_some((k, (k + own.stiffness) * e >= force))
+        };
+        let all = (-100..100).map(|k| 2f64.powi(k));
+        let Some(most) = all.into_iter().find(|e| bears(*e).is_some_and(|own| own.1)) else { return 0.0 };
+        let (mut low, mut high) = (0.5 * most, most);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            *if bears(middle).is_some_and(|own| own.1) { &mut high } else { &mut low } = middle;
+        }
+        bears(high).map_or(0.0, |own| own.0)
     }
 
     /// The augmented state at coordinates q.
@@ -293,8 +334,15 @@ impl<'a> Curves<'a> {
         Some(at)
     }
 
-    /// The point of the path at a load, from a point before it.
-    fn solved(&self, holding: &Holding, origin: &DVector<f64>, from: &Point, load: f64) -> Option<Point> {
+    /// The point of the path at a load, from a point before it; from `any` point if only one
+    /// equilibrium is near.
+    fn solved(
+        &self,
+        holding: &Holding,
+        origin: &DVector<f64>,
+        from: &Point,
+        (load, any): (f64, bool),
+    ) -> Option<Point> {
         let off = |a: &Point, b: &Point| {
             let change = &a.q - &b.q;
             change.dot(&self.system.mass.times(&change)).sqrt()
@@ -304,7 +352,7 @@ impl<'a> Curves<'a> {
         for count in 0..MOST.1 {
             let next = self.corrected(holding, origin, &at, load)?;
             let (change, size) = (off(&next, &at), next.q.dot(&self.system.mass.times(&next.q)).sqrt());
-            let contracts = change <= CONTRACTION * last || change <= SMALL * size || self.is_monotone();
+            let contracts = any || change <= CONTRACTION * last || change <= SMALL * size;
             if count == 0 && !contracts || !change.is_finite() {
                 return None;
             }

@@ -26,7 +26,11 @@ impl FormulaRows {
 
     /// The stored energy at an elongation, J.
     pub fn stored(&self, e: f64) -> f64 {
-        if self.formula.depends_on_elongation() { potential(&self.formula, self.from, e) } else { 0.0 }
+        if self.formula.depends_on_elongation() {
+            potential(&self.formula, self.from, e)
+        } else {
+            self.formula.value(0.0, 0.0).unwrap_or(0.0) * (e - self.from)
+        }
     }
 }
 

@@ -3,6 +3,9 @@
 
 use super::CurveInMode;
 use crate::curved::{CurveSeries, NEAR, Operation, Piece, TERMS};
+use crate::kernel::Sparse;
+use crate::mode::WatchTable;
+use std::sync::Arc;
 use vibro_numerics::events::first_crossing;
 
 /// Distance from its edge, relative to the sizes of the terms of the argument, that counts as
@@ -13,6 +16,8 @@ const PASSED: f64 = 4.0;
 /// Change of the state by a power that counts as 0, relative to the state: a hundredth of the
 /// remainder of a series.
 const STATE: f64 = 1e-18;
+/// Value of a power that counts as 0 in a watched functional, relative to the sizes of its terms.
+const WATCHED: f64 = 1e-17;
 /// Largest effect of the slope of such a power of a rate on a derivative of the motion, relative to it.
 const OF_RATE: f64 = 1e-14;
 /// The same for a power of a displacement, over the time of one series: the changed rate acts much
@@ -43,15 +48,32 @@ pub(crate) struct AtState<'a> {
     pub one: usize,
     /// Rate of the mode, 1/s.
     pub rate: f64,
+    /// The watched functionals of the mode.
+    pub watched: &'a [Arc<WatchTable>],
+}
+
+impl AtState<'_> {
+    /// Whether a force of this size counts as 0 in all watched functionals.
+    fn is_unseen(&self, place: usize, force: f64) -> bool {
+        let is_small = |row: &Sparse| {
+            let own = row.terms().iter().filter(|term| term.0 == place).map(|term| term.1.abs()).sum::<f64>();
+            let size = row.terms().iter().map(|&(j, x)| (x * self.z[j]).abs()).sum::<f64>();
+            own * force <= WATCHED * size
+        };
+        self.watched.iter().all(|own| is_small(&own.row))
+    }
 }
 
 impl CurveInMode {
     /// Whether a power of an argument up to `a` has no effect over a time `h`, on a state of this
-    /// norm and on derivatives. The effects are those of the force's value and of its slope.
+    /// norm and on derivatives. The effects are those of the force's value and of its slope. A force
+    /// that moves no state, as between held or prescribed bodies, has an effect on contact forces
+    /// and accounts all the same.
     fn is_negligible(&self, [effect, slope]: [f64; 2], p: f64, a: f64, (h, norm): (f64, f64)) -> bool {
         let [_, of_velocities, of_others] = self.plain;
         let slope = slope * p * a.powf(p - 1.0) * h;
-        effect * a.powf(p) * h <= STATE * norm
+        effect > 0.0
+            && effect * a.powf(p) * h <= STATE * norm
             && slope * of_velocities <= OF_RATE
             && slope * h * of_others <= OF_PLACE
     }
@@ -95,7 +117,10 @@ pub(crate) fn sides_ahead(curves: &[CurveInMode], at: &AtState) -> (Vec<Piece>, 
         let time = a.abs() / curved.argument.at(at.rates).abs();
         // Within this time the argument doubles, or reaches the edge.
         let span = time.min(1.0 / at.rate);
-        if own.is_negligible(effects(curves, i, at.z), *p, ROOM * a.abs(), (ROOM * span, norm)) {
+        let farthest = ROOM * a.abs();
+        if own.is_negligible(effects(curves, i, at.z), *p, farthest, (ROOM * span, norm))
+            && at.is_unseen(curved.place, farthest.powf(*p))
+        {
             return Piece::Still;
         }
         if curved.operation.ends_at_edge() {
