@@ -30,6 +30,7 @@ mod any_unit;
 mod blocks;
 mod bodies;
 mod completion;
+mod contacts;
 mod curve;
 mod edit;
 mod elements;

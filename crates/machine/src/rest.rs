@@ -7,12 +7,12 @@ mod lines;
 mod path;
 mod weighted;
 
-use crate::description::{Description, Friction, SeriesLaw, StopLaw};
+use crate::description::{Description, Friction, StopLaw};
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
-use crate::system::{BranchRows, FrictionRows, RowMatrix, SpringRows, System};
+use crate::system::{BranchLaw, BranchRows, FrictionRows, RowMatrix, SpringRows, System};
 use curves::Curves;
 use lines::Lined;
 use nalgebra::DVector;
@@ -190,12 +190,12 @@ impl System {
         let inner = |branch: &BranchRows| {
             let e = branch.elongation.e.dot(&z);
             match branch.law {
-                SeriesLaw::Dashpot { .. } => e,
+                BranchLaw::Dashpot(_) => e,
                 // Starts at x = 0 and slips until its force is at most the slip level.
-                SeriesLaw::Slider { slip } => {
-                    let most = slip / branch.stiffness;
-                    if e.abs() > most { e - most.copysign(e) } else { 0.0 }
-                }
+                _ => match branch.most(z.as_slice()) {
+                    Some(most) if e.abs() > most => e - most.copysign(e),
+                    _ => 0.0,
+                },
             }
         };
         self.branches.iter().map(inner).collect()
@@ -260,7 +260,7 @@ impl Holding {
         }
         let known = signal_sizes(system, z);
         for branch in &system.branches {
-            let SeriesLaw::Slider { slip } = branch.law else { continue };
+            let BranchLaw::Slider(slip) = branch.law else { continue };
             let (w, excess) = (direction(&branch.elongation.w), branch.elongation.e.dot(z));
             let compliance = 1.0 / branch.stiffness;
             contacts.push(RestContact { w, excess, force: (-slip, slip), compliance });
