@@ -271,9 +271,13 @@ impl System {
         }
     }
 
-    /// All branches with their sliders held.
+    /// The states of all branches with sliders held and contacts open.
     pub fn held_sliders(&self) -> Vec<SliderState> {
-        vec![SliderState::Held; self.branches.len()]
+        let state = |own: &BranchRows| match own.stop() {
+            Some(_) => SliderState::Off,
+            None => SliderState::Held,
+        };
+        self.branches.iter().map(state).collect()
     }
 
     /// The level of a branch with a slider, as a row.
