@@ -135,7 +135,8 @@ fn closed_form_yang_and_menq_with_a_normal_load_of_any_phase_and_lift_off() {
     for phase in [0.0, 0.7, 0.5 * PI, 2.1, PI, 4.0] {
         for (mean, amplitude) in [(0.1, 0.0), (0.1, 0.06), (0.1, 0.09), (0.05, 0.2), (-0.05, 0.2)] {
             for (friction, kt) in [(0.4, 50.0), (0.8, 90.0), (0.15, 300.0), (3.0, 100.0)] {
-                let rig = Rig { x: 0.3, f: 1.3, n: [mean, amplitude, phase], stiffness: [100.0, kt], friction };
+                let rig =
+                    Rig { x: 0.3, f: 1.3, n: [mean, amplitude, phase], stiffness: [100.0, kt], friction };
                 let mut m = motion(machine(&rig.text()));
                 let begin = unaccounted(&m);
                 let found = words(&events(&mut m, 4.0));
@@ -395,7 +396,11 @@ fn closed_form_steps_of_prescribed_ends() {
         lost += by;
         m.advance_to(time).unwrap();
         assert!((of(&m, 1, What::F) - normal).abs() < 1e-12, "{time}: {}", of(&m, 1, What::F));
-        assert!((of(&m, 1, What::TangentF) - tangential).abs() < 1e-12, "{time}: {}", of(&m, 1, What::TangentF));
+        assert!(
+            (of(&m, 1, What::TangentF) - tangential).abs() < 1e-12,
+            "{time}: {}",
+            of(&m, 1, What::TangentF)
+        );
         let found = m.energy().branches[0].value();
         assert!((found - lost).abs() < 1e-12, "{time}: {found} {lost}");
         assert!((unaccounted(&m) - begin).abs() < 1e-12, "{time}");
@@ -415,7 +420,8 @@ fn closed_form_steps_of_prescribed_ends() {
 /// Without friction (μ = 0) the tangential force is zero, and the slider follows e_t.
 #[test]
 fn closed_form_without_friction_the_slider_follows() {
-    let text = OBLIQUE.replace("friction = 0.35", "friction = 0.0").replace("friction = 0.6", "friction = 0.0");
+    let text =
+        OBLIQUE.replace("friction = 0.35", "friction = 0.0").replace("friction = 0.6", "friction = 0.0");
     let mut m = motion(machine(&text));
     for k in 1..=40 {
         m.advance_to(0.1 * f64::from(k)).unwrap();

@@ -32,8 +32,7 @@ impl<'a> Structure<'a> {
         let blocks = self.elements.len() - self.machine.blocks.len();
         let limits = self.machine.limits_of_outputs();
         let contacts = 2 * self.machine.contacts.len();
-        let first =
-            contacts + stops_before(self.machine, self.machine.stops.len() + self.machine.corners());
+        let first = contacts + stops_before(self.machine, self.machine.stops.len() + self.machine.corners());
         if let Some(((block, output), _)) = place.checked_sub(first).and_then(|own| limits.get(own)) {
             join(knowns, &self.of_block(blocks + block, What::Output(*output)), Dependent);
             return self.anything_set(knowns);

@@ -1,8 +1,8 @@
 //! The event indicators, as variables.
 
 use super::{Quantity, Role, VariableTable, slides};
-use vibro_machine::{Description, Element};
 use vibro_machine::description::StopLaw;
+use vibro_machine::{Description, Element};
 
 impl VariableTable {
     /// Adds the event indicators in the order of `Motion::indicators`.

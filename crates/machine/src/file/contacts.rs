@@ -5,6 +5,7 @@ use super::elements::{NO_BODY, between, levers};
 use super::reading::{Entry, FileTable, Reading};
 use crate::description::{Arms, Closing, Contact, Dimension, Tangent};
 use crate::kinds;
+use crate::refusal::Problem;
 
 /// Keys of a contact.
 const KEYS: [&str; 10] = [
@@ -46,6 +47,7 @@ pub(super) fn contact(
     let others = OTHERS.iter().map(|own| own.0).filter(|key| table.has(key));
     reading.known(table, &KEYS.into_iter().chain(others).collect::<Vec<_>>());
     OTHERS.iter().for_each(|(key, text)| reading.excluded(table, key, text));
+    let before = reading.problems.len();
     let normal = row(reading, table, "normal", names);
     let closing = closing(reading, table);
     let stiffness = stiffness(reading, table);
@@ -56,6 +58,13 @@ pub(super) fn contact(
         let text =
             "requires a direction in `normal`, such as \"y\"; remove it if `normal` names its own ends";
         reading.excluded(table, "between", text);
+    }
+    // The normal and the tangent have the same ends.
+    for problem in reading.problems.split_off(before) {
+        let is_same = |own: &Problem| (&own.name, &own.text) == (&problem.name, &problem.text);
+        if !reading.problems[before..].iter().any(is_same) {
+            reading.problems.push(problem);
+        }
     }
     Some(Contact {
         name,

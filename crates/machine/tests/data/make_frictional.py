@@ -340,10 +340,11 @@ def varied(machine, i, key, by):
 
 def main():
     is_by = "by" in sys.argv
-    seeds = range(100, 112) if is_by else range(36)
+    seeds = range(100, 109) if is_by else range(36)
     for seed in seeds:
         machine, end = chosen(seed)
-        if not starts_inside(machine):
+        # Derivatives need many runs: only of machines with at most two contacts.
+        if not starts_inside(machine) or (is_by and len(machine["mass"]) > 4):
             continue
         s, v, w, events = run(machine, end)
         if not is_by:
