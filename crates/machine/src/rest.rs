@@ -7,7 +7,7 @@ mod lines;
 mod path;
 mod weighted;
 
-use crate::description::{Description, Friction, StopLaw};
+use crate::description::{Contact, Description, Friction, StopLaw};
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};
 use crate::law::Sizes;
@@ -99,8 +99,18 @@ struct RestState {
 /// that no force determines stay as close to zero as possible.
 ///
 /// # Errors
-/// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`].
+/// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`];
+/// [`Error::OutOfRange`] for a contact with friction, whose force depends on how the loads grow.
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
+    let rubs = |own: &Contact| Some((own.name.clone(), own.tangent.as_ref()?.friction));
+    if let Some((name, value)) = d.contacts.iter().find_map(rubs) {
+        let allowed = "a contact without friction: its force at rest depends on how the loads have grown";
+        return Err(Error::OutOfRange {
+            name: format!("contact.{name}.friction"),
+            value,
+            allowed: allowed.into(),
+        });
+    }
     let (n, mut z) = (system.coordinates, system.at_rest(None));
     system.put_out_at_rest(d, &mut z);
     system.fill_curved(z.as_mut_slice());

@@ -1,6 +1,7 @@
 //! Summaries of a machine and of a motion, in words.
 
 mod drifts;
+mod growth;
 mod spans;
 
 use super::{MotionRecord, event_in_words};
@@ -105,6 +106,7 @@ pub fn summary(machine: Description) -> Result<String> {
     };
     lines.push(format!("natural frequencies in the start's mode{}{small}", of_blocks(d)));
     lines.extend(frequencies(&assembly, &motion));
+    lines.extend(growth::growth(&assembly));
     Ok(lines.join("\n"))
 }
 
@@ -217,6 +219,13 @@ fn equilibrium(assembly: &Assembly) -> String {
             "equilibrium: not computed, because block.{} feeds back {read}; use `vibro run` to \
              find where it settles",
             block.name
+        );
+    }
+    if let Some(own) = assembly.description.contacts.iter().find(|own| own.tangent.is_some()) {
+        return format!(
+            "equilibrium: not computed, because the force of friction of contact.{} depends on how the \
+             loads have grown",
+            own.name
         );
     }
     match assembly.equilibrium() {

@@ -82,7 +82,7 @@ impl BranchRows {
     }
 
     /// The stop whose force limits the slider of a contact; `None` for another branch.
-    pub(crate) fn stop(&self) -> Option<usize> {
+    pub fn stop(&self) -> Option<usize> {
         if let BranchLaw::Contact { stop, .. } = self.law { Some(stop) } else { None }
     }
 
