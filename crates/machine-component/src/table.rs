@@ -26,7 +26,7 @@ mod quantity;
 pub use quantity::{Energy, Quantity};
 
 use fmi_doors::{Base, Bases, Problem};
-use vibro_machine::description::{Block, Dimension, Series, SeriesLaw, Stop, StopLaw};
+use vibro_machine::description::{Block, Dimension, SeriesLaw, Stop, StopLaw};
 use vibro_machine::following::Following;
 use vibro_machine::quantity::NamedQuantity;
 use vibro_machine::{Description, Element, Owner, Parameter, What};
@@ -220,21 +220,14 @@ impl VariableTable {
                     sliders += 1;
                 }
                 Element::Contact(contact) => {
+                    if contact.tangent.is_some() {
+                        self.slider_of_contact((i, element), sliders);
+                        sliders += 1;
+                    }
                     let state = Quantity::StopState(machine.stops.len() + contacts);
                     let name = format!("{}.state", contact.name);
                     self.push(name, "State of the contact", "1", Role::Discrete, state);
                     contacts += 1;
-                    if contact.tangent.is_some() {
-                        let what = What::SliderRate;
-                        let (name, unit) = (format!("{}.{}", contact.name, what.word()), "m/s");
-                        let quantity = vibro_machine::Quantity::of_element(i, what);
-                        let meaning = vibro_machine::quantity::meaning(what, Some(element));
-                        self.push(name, meaning, unit, Role::Output, Quantity::Column(quantity));
-                        let (name, state) = (&contact.name, Quantity::SliderState(sliders));
-                        let name = format!("{name}.slider.state");
-                        self.push(name, "State of the slider", "1", Role::Discrete, state);
-                        sliders += 1;
-                    }
                 }
                 Element::Block(_) => {
                     let rates = machine.blocks[blocks].sampling.is_none();
@@ -246,6 +239,17 @@ impl VariableTable {
                 _ => {}
             }
         }
+    }
+
+    /// Adds the rate of a contact's slider, which follows its place, and the slider's state.
+    fn slider_of_contact(&mut self, (i, element): (usize, Element), slider: usize) {
+        let what = What::SliderRate;
+        let name = format!("{}.{}", element.name(), what.word());
+        let quantity = Quantity::Column(vibro_machine::Quantity::of_element(i, what));
+        let meaning = vibro_machine::quantity::meaning(what, Some(element));
+        self.push(name, meaning, what.unit(Dimension::Translation), Role::Output, quantity);
+        let (name, state) = (format!("{}.slider.state", element.name()), Quantity::SliderState(slider));
+        self.push(name, "State of the slider", "1", Role::Discrete, state);
     }
 
     /// Adds a quantity; a quantity of a sampled block is discrete.

@@ -3,6 +3,7 @@
 use crate::common::*;
 use std::f64::consts::{PI, TAU};
 use vibro_machine::derivative::Gradient;
+use vibro_machine::mode::SliderState;
 use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Differentiated, Motion, Quantity, What};
 
@@ -285,6 +286,11 @@ fn second_method_random_machines_in_40_digits() {
         }
         let off = (unaccounted(&m) - begin).abs();
         assert!(off < 1e-12 * (1.0 + m.energy().branches[0].value()), "{off:e} J in {row}");
+        // Long series of states without tables, and the general law at every event.
+        let text = fields[0].replace('|', "\n");
+        for mut other in [motion(machine(&with_company(&text))), motion(machine(&text)).by_general_law()] {
+            agree(&words(&events(&mut other, end)), &words(&all), 1e3 * DIGITS * factor);
+        }
     }
     assert!(met > 500, "{met}");
 }
@@ -431,4 +437,69 @@ fn closed_form_without_friction_the_slider_follows() {
             assert!(off.abs() < 1e-12, "{off:e}");
         }
     }
+}
+
+/// A body at rest at its gap, where a load begins to press and another to push: the first nonzero
+/// derivative of the rate of slip decides, of any order.
+#[test]
+fn closed_form_the_first_derivative_decides_at_the_edge() {
+    let begun = |normal: &str, tangential: &str| {
+        let text = format!(
+            "name = \"Edge\"\nbody.n = {{ mass = 2.0 }}\nbody.t = {{ mass = 0.5 }}\n\
+             contact.c = {{ normal = [\"ground\", \"n\"], tangent = [\"ground\", \"t\"], gap = 0.0, \
+             stiffness = 300.0, tangential_stiffness = 100.0, friction = 0.25 }}\n\
+             load.fn = {{ on = \"n\", {normal} }}\nload.ft = {{ on = \"t\", {tangential} }}\n"
+        );
+        let m = motion(machine(&text));
+        m.mode().sliders[0]
+    };
+    let constant = |x: f64| format!("constant = {x}");
+    let ramp = |x: f64| format!("table = [[0.0, 0.0], [1.0, {x}]]");
+    // The limit: p_t/m_t = μ k_n/k_t p_n/m_n, with p_n = 8 N: 3 m/s² and 1.5 N.
+    for (tangential, state) in
+        [(1.49, SliderState::Held), (1.51, SliderState::Up), (-1.51, SliderState::Down)]
+    {
+        assert_eq!(begun(&constant(8.0), &constant(tangential)), state, "{tangential}");
+        assert_eq!(begun(&ramp(8.0), &ramp(tangential)), state, "{tangential}");
+    }
+    assert_eq!(begun(&constant(8.0), &ramp(100.0)), SliderState::Held);
+    assert_eq!(begun(&ramp(8.0), &constant(1e-3)), SliderState::Up);
+    assert_eq!(begun(&ramp(8.0), &constant(-1e-3)), SliderState::Down);
+    assert_eq!(begun(&constant(-8.0), &constant(1.0)), SliderState::Off);
+    assert_eq!(begun(&constant(0.0), &constant(1.0)), SliderState::Off);
+}
+
+/// Derivatives of a jump: with the height of a step, the limited force follows μ N, and the slider the
+/// step; a contact that a step closes without a slip has none.
+#[test]
+fn closed_form_derivatives_over_steps_of_prescribed_ends() {
+    let text = r#"
+        name = "Steps"
+        body.n = { motion = { constant = 0.1, steps = [[0.2, -0.06], [0.4, -0.08], [0.5, 0.12]] } }
+        body.t = { motion = { steps = [[0.1, 0.1]] } }
+        body.box = { mass = 1.0 }
+        spring.k = { between = ["ground", "box"], stiffness = 1.0 }
+        contact.c = { normal = ["ground", "n"], tangent = ["ground", "t"], gap = 0.0, stiffness = 100.0, tangential_stiffness = 50.0, friction = 0.2 }
+    "#;
+    let names = ["body.t.motion.steps[0].height", "body.n.motion.steps[0].height", "contact.c.friction"];
+    let mut by = Differentiated::new(assembled(text), &names).unwrap();
+    let quantity = |what| Quantity::of_element(1, what);
+    let column =
+        |by: &Differentiated, what| (0..3).map(|p| by.derivative(quantity(what), p)).collect::<Vec<_>>();
+    by.advance_to(0.15).unwrap();
+    // T = μ N = 0.2 · 10 N; the slider is at 0.1 m - T/k_t.
+    assert_eq!(column(&by, What::TangentF), [0.0, 0.0, 10.0].map(Some));
+    let slider = column(&by, What::Slider);
+    for (found, exact) in slider.iter().zip([1.0, 0.0, -0.2]) {
+        assert!((found.unwrap() - exact).abs() < ROUNDING, "{slider:?}");
+    }
+    // The normal elongation falls by 0.06 m: N = 4 N and T = 0.8 N.
+    by.advance_to(0.3).unwrap();
+    let force = column(&by, What::TangentF);
+    for (found, exact) in force.iter().zip([0.0, 20.0, 4.0]) {
+        assert!((found.unwrap() - exact).abs() < 1e-11, "{force:?}");
+    }
+    by.advance_to(0.6).unwrap();
+    assert!(by.derivative(quantity(What::TangentF), 0).is_none());
+    assert!(by.lost(0).unwrap().to_string().contains("contact.c"), "{:?}", by.lost(0));
 }
