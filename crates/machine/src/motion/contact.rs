@@ -90,7 +90,7 @@ fn carried(stretch: f64, jump: f64, [from, to]: [f64; 2]) -> Carried {
         // The slider slips once the distance to its limit is used up.
         let (room, closing) = (most(closes) - direction * begun, direction * jump - growth);
         let at = if closing > 0.0 { closes + room.max(0.0) / closing } else { f64::INFINITY };
-        (at < opens).then(|| (direction, at, closing * (opens - at)))
+        (at < opens).then_some((direction, at, closing * (opens - at)))
     };
     let found = [1.0, -1.0].into_iter().filter_map(slip).min_by(|a, b| a.1.total_cmp(&b.1));
     let Some((direction, at, way)) = found else {
