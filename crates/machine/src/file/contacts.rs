@@ -3,7 +3,7 @@
 use super::bodies::Names;
 use super::elements::{NO_BODY, between, levers};
 use super::reading::{Entry, FileTable, Reading};
-use crate::description::{Arms, Closing, Contact, Dimension, Tangent};
+use crate::description::{Arms, Closing, Contact, Description, Dimension, Tangent};
 use crate::kinds;
 use crate::refusal::Problem;
 
@@ -37,13 +37,15 @@ const OTHERS: [(&str, &str); 4] = [
 const ROW: &str = "expected a direction of the nodes in `between`, such as \"y\" or \"-y\"; two names, such as \
                    [\"ground\", \"box\"]; or { arms = { A = 1.0, B = -1.0 } }";
 
+/// Reads the contacts.
+pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machine: &mut Description) {
+    for (name, table) in reading.section(root, "contact") {
+        machine.contacts.extend(contact(reading, name, &table, names));
+    }
+}
+
 /// Reads a contact.
-pub(super) fn contact(
-    reading: &mut Reading,
-    name: String,
-    table: &FileTable,
-    names: &Names,
-) -> Option<Contact> {
+fn contact(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Contact> {
     let others = OTHERS.iter().map(|own| own.0).filter(|key| table.has(key));
     reading.known(table, &KEYS.into_iter().chain(others).collect::<Vec<_>>());
     OTHERS.iter().for_each(|(key, text)| reading.excluded(table, key, text));

@@ -1,8 +1,7 @@
-//! Reading of springs, dampers, stops, frictions, contacts, freewheels, links and loads.
+//! Reading of springs, dampers, stops, frictions, freewheels, links and loads.
 
 use super::blocks;
 use super::bodies::Names;
-use super::contacts;
 use super::curve;
 use super::follows;
 use super::formula;
@@ -38,9 +37,6 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machi
     }
     for (name, table) in reading.section(root, "friction") {
         machine.frictions.extend(friction(reading, name, &table, names, &machine.stops));
-    }
-    for (name, table) in reading.section(root, "contact") {
-        machine.contacts.extend(contacts::contact(reading, name, &table, names));
     }
     for (name, table) in reading.section(root, "freewheel") {
         reading.known(&table, &["between", "arms"]);

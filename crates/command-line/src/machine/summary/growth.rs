@@ -36,3 +36,30 @@ pub(super) fn growth(assembly: &Assembly) -> Vec<String> {
     }
     lines
 }
+
+#[cfg(test)]
+mod tests {
+    use super::growth;
+    use vibro_machine::Assembly;
+    use vibro_machine::file::{no_records, parse};
+
+    /// The stiffness in slip upwards, ((160, -40), (20, 170)) N/m on 1 kg, has the eigenvalues
+    /// 165 ± √(5² - 800): the rate is the real part of √(-165 ± 27.84 i), 1.0798 1/s at 2.0516 Hz.
+    /// Downwards the product of the couplings is positive, and nothing grows.
+    #[test]
+    fn closed_form_slip_grows_where_friction_turns_the_coupling() {
+        let text = r#"
+            name = "Squeal"
+            body.n = { mass = 1.0 }
+            body.t = { mass = 1.0 }
+            spring.n = { between = ["ground", "n"], stiffness = 20.0 }
+            spring.t = { between = ["ground", "t"], stiffness = 130.0 }
+            spring.nt = { between = ["n", "t"], stiffness = 40.0 }
+            contact.pad = { normal = ["ground", "n"], tangent = ["ground", "t"], gap = 0.0, stiffness = 100.0, tangential_stiffness = 80.0, friction = 0.6 }
+        "#;
+        let assembly = Assembly::new(parse(text, "squeal.toml", &no_records).unwrap()).unwrap();
+        let lines = growth(&assembly);
+        let exact = "contact.pad: slip up grows by 1.07982 1/s at 2.05159 Hz while the other contacts stick";
+        assert_eq!(lines, [exact]);
+    }
+}
