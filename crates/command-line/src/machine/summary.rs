@@ -362,8 +362,16 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
         short(energy.impacts.value()),
         end - record.energy - energy.balance()
     ));
-    if !energy.branches.is_empty() {
-        lines.push(format!("lost in dashpots and sliders in series {} J", sum(&energy.branches)));
+    let branches = &record.motion.assembly().system().branches;
+    let contacts = branches.iter().map(|own| own.stop().is_some());
+    let (rubbing, series): (Vec<_>, Vec<_>) =
+        energy.branches.iter().copied().zip(contacts).partition(|own| own.1);
+    let [rubbing, series] = [rubbing, series].map(|all| all.into_iter().map(|own| own.0).collect::<Vec<_>>());
+    if !series.is_empty() {
+        lines.push(format!("lost in dashpots and sliders in series {} J", sum(&series)));
+    }
+    if !rubbing.is_empty() {
+        lines.push(format!("lost in friction of contacts {} J", sum(&rubbing)));
     }
     if record.motion.assembly().description.steps_stiffness() {
         lines.push(format!("work of stiffness steps {} J", short(energy.switched.value())));
