@@ -272,9 +272,10 @@ fn watched(d: &Description) -> Vec<Quantity> {
     bodies(What::S).chain(forces).chain(bodies(What::V)).collect()
 }
 
-/// Whether an element is a contact, that is, a stop, a friction element or a freewheel.
+/// Whether an element is a contact, that is, a stop, a friction element, a contact with friction or a
+/// freewheel.
 pub(crate) fn is_contact(element: Element) -> bool {
-    matches!(element, Element::Stop(_) | Element::Friction(_) | Element::Freewheel(_))
+    matches!(element, Element::Stop(_) | Element::Friction(_) | Element::Contact(_) | Element::Freewheel(_))
 }
 
 /// Kind, element and value of an event, and the number of stops that took part: the columns of

@@ -189,19 +189,30 @@ impl<'a> Structure<'a> {
     /// Adds the knowns of an element's elongation (`order` 0) or its rate (1).
     fn elongation(&self, element: Element, order: usize, knowns: &mut Knowns) {
         let Some(arms) = element.arms() else { return };
+        self.along(element, arms, order, knowns);
+    }
+
+    /// Adds the knowns of a contact's elongation along its tangent, or of its rate.
+    fn tangent(&self, element: Element, order: usize, knowns: &mut Knowns) {
+        if let Some(arms) = element.all_arms().nth(1) {
+            self.along(element, arms, order, knowns);
+        }
+    }
+
+    fn along(&self, element: Element, arms: &Arms, order: usize, knowns: &mut Knowns) {
         for &(body, _) in &arms.terms {
             let times = if arms.levers { Fixed } else { Constant };
             join(knowns, &self.coordinate(body, order), times);
         }
         let parameters = self.parameters.get(element.dotted().as_str()).into_iter().flatten();
-        let levers = parameters.filter(|(_, rest)| rest.starts_with(".arms."));
+        let levers = parameters.filter(|(_, rest)| rest.contains(".arms."));
         levers.for_each(|(reference, _)| put(knowns, *reference, Dependent));
     }
 
     /// Returns the knowns of an element's force.
     fn force(&self, element: Element) -> Knowns {
         match element.action() {
-            Action::Linear if slides(&element.series().copied()) => self.elastic(element, Discrete),
+            Action::Linear if slides(element) => self.elastic(element, Discrete),
             Action::Linear if element.is_curved() => self.elastic(element, Dependent),
             Action::Linear => self.elastic(element, Tunable),
             Action::Switching => {
@@ -210,6 +221,7 @@ impl<'a> Structure<'a> {
                 self.steps(element, &mut knowns);
                 knowns
             }
+            Action::Pressing => self.elastic(element, Discrete),
             Action::Hitting => self.holding(element),
             Action::Rubbing => {
                 let mut knowns = self.holding(element);
@@ -227,7 +239,10 @@ impl<'a> Structure<'a> {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         // The force of a damper does not depend on its elongation.
         let first = usize::from(matches!(element, Element::Damper(_)));
-        (first..2).for_each(|order| self.elongation(element, order, &mut own));
+        for order in first..2 {
+            self.elongation(element, order, &mut own);
+            self.tangent(element, order, &mut own);
+        }
         self.slider(element, &mut own);
         join(&mut knowns, &own, times);
         self.of_section(&element.dotted(), &mut knowns);
@@ -243,10 +258,10 @@ impl<'a> Structure<'a> {
         }
     }
 
-    /// Adds the inner place of a spring in series.
+    /// Adds the inner place of a spring in series or of a contact.
     fn slider(&self, element: Element, knowns: &mut Knowns) {
         let place = self.elements.iter().position(|own| *own == element);
-        if let (Some(i), true) = (place, element.series().is_some()) {
+        if let (Some(i), true) = (place, element.is_branch()) {
             put(knowns, self.references[&slider_of(i)], Constant);
         }
     }
@@ -255,8 +270,9 @@ impl<'a> Structure<'a> {
     /// force; with a slider, the knowns of e', which the place follows while the slider slips.
     fn slider_rate(&self, element: Element) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
-        if slides(&element.series().copied()) {
+        if slides(element) {
             self.elongation(element, 1, &mut own);
+            self.tangent(element, 1, &mut own);
             join(&mut knowns, &own, Discrete);
             // These parameters determine whether the slider slips.
             self.of_section(&element.dotted(), &mut knowns);
@@ -318,7 +334,7 @@ impl<'a> Structure<'a> {
                 self.of_section(&self.elements[i].dotted(), &mut knowns);
             }
             Quantity::SliderState(i) => {
-                let spring = self.nth(|element| element.series().is_some(), i);
+                let spring = self.nth(|element| element.is_branch(), i);
                 let all = spring.into_iter().flat_map(|own| (0..3).map(move |k| self.of_element(own, k)));
                 all.for_each(|of| join(&mut knowns, &of, Dependent));
             }
@@ -354,6 +370,11 @@ impl<'a> Structure<'a> {
             (Owner::Body(body), what) => self.coordinate(body, usize::from(what == What::V)),
             (Owner::Element(i), What::E) => self.of_element(self.elements[i], 0),
             (Owner::Element(i), What::Rate) => self.of_element(self.elements[i], 1),
+            (Owner::Element(i), What::TangentE) => {
+                let mut knowns = Knowns::new();
+                self.tangent(self.elements[i], 0, &mut knowns);
+                knowns
+            }
             (Owner::Element(i), What::Slider) => {
                 let mut knowns = Knowns::new();
                 self.slider(self.elements[i], &mut knowns);

@@ -26,7 +26,7 @@ mod quantity;
 pub use quantity::{Energy, Quantity};
 
 use fmi_doors::{Base, Bases, Problem};
-use vibro_machine::description::{Block, Dimension, Series, SeriesLaw, Stop, StopLaw};
+use vibro_machine::description::{Block, Dimension, SeriesLaw, Stop, StopLaw};
 use vibro_machine::following::Following;
 use vibro_machine::quantity::NamedQuantity;
 use vibro_machine::{Description, Element, Owner, Parameter, What};
@@ -183,7 +183,7 @@ impl VariableTable {
                 self.column(machine, own);
             }
         }
-        let (mut stops, mut frictions, mut sliders) = (0, 0, 0);
+        let (mut stops, mut contacts, mut frictions, mut sliders) = (0, 0, 0, 0);
         let (mut wheels, mut blocks) = (machine.first_freewheel(), 0);
         for (i, element) in machine.elements().enumerate() {
             push_those_of(self, Owner::Element(i));
@@ -213,11 +213,21 @@ impl VariableTable {
                     let quantity = vibro_machine::Quantity::of_element(i, what);
                     let meaning = vibro_machine::quantity::meaning(what, Some(element));
                     self.push(name, meaning, unit, Role::Output, Quantity::Column(quantity));
-                    if slides(&spring.series) {
+                    if slides(element) {
                         let (name, state) = (&spring.name, Quantity::SliderState(sliders));
                         self.push(format!("{name}.state"), "State of the slider", "1", Role::Discrete, state);
                     }
                     sliders += 1;
+                }
+                Element::Contact(contact) => {
+                    if contact.tangent.is_some() {
+                        self.slider_of_contact((i, element), sliders);
+                        sliders += 1;
+                    }
+                    let state = Quantity::StopState(machine.stops.len() + contacts);
+                    let name = format!("{}.state", contact.name);
+                    self.push(name, "State of the contact", "1", Role::Discrete, state);
+                    contacts += 1;
                 }
                 Element::Block(_) => {
                     let rates = machine.blocks[blocks].sampling.is_none();
@@ -229,6 +239,17 @@ impl VariableTable {
                 _ => {}
             }
         }
+    }
+
+    /// Adds the rate of a contact's slider, which follows its place, and the slider's state.
+    fn slider_of_contact(&mut self, (i, element): (usize, Element), slider: usize) {
+        let what = What::SliderRate;
+        let name = format!("{}.{}", element.name(), what.word());
+        let quantity = Quantity::Column(vibro_machine::Quantity::of_element(i, what));
+        let meaning = vibro_machine::quantity::meaning(what, Some(element));
+        self.push(name, meaning, what.unit(Dimension::Translation), Role::Output, quantity);
+        let (name, state) = (format!("{}.slider.state", element.name()), Quantity::SliderState(slider));
+        self.push(name, "State of the slider", "1", Role::Discrete, state);
     }
 
     /// Adds a quantity; a quantity of a sampled block is discrete.
@@ -364,14 +385,18 @@ fn when_sampled(block: &Block) -> String {
     text
 }
 
-/// Whether a spring's partner is a slider.
-pub(crate) fn slides(series: &Option<Series>) -> bool {
-    series.is_some_and(|series| matches!(series.law, SeriesLaw::Slider { .. }))
+/// Whether a spring's partner is a slider: in series, or along a contact's tangent.
+pub(crate) fn slides(element: Element) -> bool {
+    match element {
+        Element::Contact(contact) => contact.tangent.is_some(),
+        _ => element.series().is_some_and(|series| matches!(series.law, SeriesLaw::Slider { .. })),
+    }
 }
 
-/// Whether a number is a start value of a body, of a block or of a spring in series.
+/// Whether a number is a start value of a body, of a block, of a spring in series or of a contact.
 pub(crate) fn is_start(name: &str) -> bool {
-    let is_slider = name.starts_with("spring.") && name.ends_with(".slider");
+    let is_branch = name.starts_with("spring.") || name.starts_with("contact.");
+    let is_slider = is_branch && name.ends_with(".slider");
     let is_block = name.starts_with("block.") && name.contains(".start[");
     name.contains(".start.") || is_block || (is_slider && !name.contains(".arms."))
 }

@@ -168,6 +168,7 @@ pub(crate) fn friction_state(state: FrictionState) -> f64 {
 /// Returns the enumeration value of a slider's state, among the states of friction elements.
 pub(crate) fn slider_state(state: SliderState) -> f64 {
     match state {
+        SliderState::Off => 1.0,
         SliderState::Up => 2.0,
         SliderState::Down => 3.0,
         SliderState::Held => 4.0,

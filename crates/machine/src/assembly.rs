@@ -51,7 +51,7 @@ impl Assembly {
         rates::check(&description, &system)?;
         let start = |b: &Body| if let BodyKind::Free(free) = &b.kind { (free.s, free.v) } else { (0.0, 0.0) };
         let mut starts: Vec<(f64, f64)> = description.bodies.iter().map(start).collect();
-        let mut inner: Vec<f64> = in_series(&description).map(|(_, series)| series.slider).collect();
+        let mut inner: Vec<f64> = in_series(&description).map(|own| own.slider).collect();
         let blocks: Vec<f64> = starts_of_blocks(&description).collect();
         if description.starts_at_rest {
             let rest = equilibrium(&description, &system)?;
@@ -173,7 +173,7 @@ impl Assembly {
     }
 
     /// Name of the state with index `place` in the augmented state: `body.NAME.s`, `body.NAME.v`,
-    /// `spring.NAME.slider`, `block.NAME.x[0]`.
+    /// `spring.NAME.slider`, `contact.NAME.slider`, `block.NAME.x[0]`.
     pub(crate) fn name_of_state(&self, place: usize) -> String {
         let (n, own) = (self.system.coordinates, |k: usize| self.system.bodies_of[k]);
         let body = |k: usize| &self.description.bodies[own(k)].name;

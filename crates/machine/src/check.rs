@@ -78,7 +78,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
         }
     }
     for element in machine.elements() {
-        if let Some(arms) = element.arms() {
+        for arms in element.all_arms() {
             check_arms(machine, &element.dotted(), arms, &mut problems);
         }
     }
@@ -387,7 +387,7 @@ fn bodies(machine: &Description, problems: &mut Vec<Problem>) {
     let mut touched = vec![false; machine.bodies.len()];
     machine
         .elements()
-        .filter_map(Element::arms)
+        .flat_map(Element::all_arms)
         .flat_map(|arms| &arms.terms)
         .for_each(|t| touched[t.0] = true);
     machine.loads.iter().for_each(|load| touched[load.body] = true);

@@ -6,6 +6,7 @@
 //! [`Description::bodies`].
 
 mod block;
+mod contact;
 mod flexible;
 mod matrix;
 mod series;
@@ -14,6 +15,7 @@ mod starts;
 use crate::formula::Formula;
 use crate::named::NamedParameters;
 pub use block::{Block, BlockInput, Feed, OutputPlace, Sampling, Source};
+pub use contact::{Closing, Contact, Tangent};
 pub(crate) use flexible::Inner;
 pub use flexible::Modal;
 pub use matrix::{Given, GivenNode, Matrix, MatrixDamping};
@@ -45,6 +47,8 @@ pub struct Description {
     pub stops: Vec<Stop>,
     /// Coulomb friction.
     pub frictions: Vec<Friction>,
+    /// Contacts with a normal stiffness, and friction in one tangent.
+    pub contacts: Vec<Contact>,
     /// Freewheels.
     pub freewheels: Vec<Freewheel>,
     /// Rigid links.

@@ -7,8 +7,8 @@
 mod inputs;
 
 use crate::description::{
-    Arms, Block, Body, BodyKind, Damper, Description, Dimension, Freewheel, Friction, Integrated, Link, Load,
-    Matrix, Modal, Series, Signal, Source, Spring, Stop, StopLaw,
+    Arms, Block, Body, BodyKind, Contact, Damper, Description, Dimension, Freewheel, Friction, Integrated,
+    Link, Load, Matrix, Modal, Series, Signal, Source, Spring, Stop, StopLaw,
 };
 use crate::formula::Formula;
 use crate::what::What;
@@ -48,6 +48,8 @@ pub enum Element<'a> {
     Stop(&'a Stop),
     /// Coulomb friction.
     Friction(&'a Friction),
+    /// A contact with a normal stiffness, and friction in one tangent.
+    Contact(&'a Contact),
     /// A freewheel.
     Freewheel(&'a Freewheel),
     /// A rigid link.
@@ -72,6 +74,8 @@ pub enum Action {
     Hitting,
     /// A given friction level while slipping, a constraint force while sticking.
     Rubbing,
+    /// A normal force while a contact is closed; along its tangent a spring with a slider.
+    Pressing,
     /// Forces among the coordinates of one body.
     Flexing,
     /// A constraint force at all times.
@@ -86,13 +90,14 @@ pub enum Action {
 
 /// Sections of a file that hold elements, each with its plural, in the order of every list of
 /// elements.
-pub const SECTIONS: [(&str, &str); 11] = [
+pub const SECTIONS: [(&str, &str); 12] = [
     ("spring", "springs"),
     ("damper", "dampers"),
     ("modal", "modal bodies"),
     ("matrix", "bodies with matrices"),
     ("stop", "stops"),
     ("friction", "frictions"),
+    ("contact", "contacts"),
     ("freewheel", "freewheels"),
     ("link", "links"),
     ("load", "loads"),
@@ -110,6 +115,7 @@ impl<'a> Element<'a> {
             Self::Matrix(matrix) => &matrix.name,
             Self::Stop(stop) => &stop.name,
             Self::Friction(friction) => &friction.name,
+            Self::Contact(contact) => &contact.name,
             Self::Freewheel(wheel) => &wheel.name,
             Self::Link(link) => &link.name,
             Self::Load(load) => &load.name,
@@ -127,6 +133,7 @@ impl<'a> Element<'a> {
             Self::Matrix(_) => "matrix",
             Self::Stop(_) => "stop",
             Self::Friction(_) => "friction",
+            Self::Contact(_) => "contact",
             Self::Freewheel(_) => "freewheel",
             Self::Link(_) => "link",
             Self::Load(_) => "load",
@@ -140,19 +147,29 @@ impl<'a> Element<'a> {
         format!("{}.{}", self.section(), self.name())
     }
 
-    /// Arms of the elongation; `None` for a load (which acts on one coordinate), a body with many
-    /// coordinates, a signal or a block.
+    /// Arms of the elongation, for a contact along its normal; `None` for a load (which acts on one
+    /// coordinate), a body with many coordinates, a signal or a block.
     pub fn arms(self) -> Option<&'a Arms> {
         match self {
             Self::Spring(spring) => Some(&spring.arms),
             Self::Damper(damper) => Some(&damper.arms),
             Self::Stop(stop) => Some(&stop.arms),
             Self::Friction(friction) => Some(&friction.arms),
+            Self::Contact(contact) => Some(&contact.normal),
             Self::Freewheel(wheel) => Some(&wheel.arms),
             Self::Link(link) => Some(&link.arms),
             Self::Load(_) | Self::Modal(_) | Self::Matrix(_) => None,
             Self::Source(_) | Self::Block(_) => None,
         }
+    }
+
+    /// All arms: of the elongation, and of a contact's tangent.
+    pub fn all_arms(self) -> impl Iterator<Item = &'a Arms> {
+        let tangent = match self {
+            Self::Contact(contact) => contact.tangent.as_ref().map(|tangent| &tangent.arms),
+            _ => None,
+        };
+        self.arms().into_iter().chain(tangent)
     }
 
     /// Dimension of force and elongation.
@@ -173,6 +190,7 @@ impl<'a> Element<'a> {
             Self::Stop(Stop { law: StopLaw::Compliant { .. }, .. }) => Action::Switching,
             Self::Modal(_) | Self::Matrix(_) => Action::Flexing,
             Self::Friction(_) => Action::Rubbing,
+            Self::Contact(_) => Action::Pressing,
             Self::Link(_) => Action::Tying,
             Self::Load(_) => Action::Driving,
             Self::Source(_) => Action::Giving,
@@ -214,6 +232,15 @@ impl<'a> Element<'a> {
         if let Self::Spring(spring) = self { spring.series.as_ref() } else { None }
     }
 
+    /// Whether the element has a spring with an inner place: in series with a dashpot or slider, or
+    /// along a contact's tangent.
+    pub fn is_branch(self) -> bool {
+        match self {
+            Self::Contact(contact) => contact.tangent.is_some(),
+            _ => self.series().is_some(),
+        }
+    }
+
     /// Signals, each with the key after the element's dotted name; this key is empty for loads and
     /// sources.
     pub fn signals(self) -> Vec<(&'static str, &'a Signal)> {
@@ -229,9 +256,12 @@ impl<'a> Element<'a> {
             Self::Spring(Spring { stepped, .. }) | Self::Stop(Stop { stepped, .. }) => {
                 stepped.iter().map(|signal| (".stiffness", signal)).collect()
             }
-            Self::Damper(_) | Self::Modal(_) | Self::Matrix(_) | Self::Freewheel(_) | Self::Link(_) => {
-                Vec::new()
-            }
+            Self::Damper(_)
+            | Self::Modal(_)
+            | Self::Matrix(_)
+            | Self::Contact(_)
+            | Self::Freewheel(_)
+            | Self::Link(_) => Vec::new(),
         }
     }
 }
@@ -258,11 +288,11 @@ impl NamedSignal<'_> {
 }
 
 impl Description {
-    /// Index of the first freewheel among the stops of the law. Stops, levels of stiffnesses,
-    /// corners and limits precede it.
+    /// Index of the first freewheel among the stops of the law. Stops, contacts, levels of
+    /// stiffnesses, corners and limits precede it.
     pub fn first_freewheel(&self) -> usize {
         let levels = crate::stepped::further(self);
-        self.stops.len() + levels + self.corners() + self.limits_of_outputs().len()
+        self.stops.len() + self.contacts.len() + levels + self.corners() + self.limits_of_outputs().len()
     }
 
     /// Number of corners of springs with points.
@@ -275,6 +305,7 @@ impl Description {
         let springs = self.springs.iter().map(Element::Spring);
         let stops = self.stops.iter().map(Element::Stop);
         let frictions = self.frictions.iter().map(Element::Friction);
+        let contacts = self.contacts.iter().map(Element::Contact);
         let wheels = self.freewheels.iter().map(Element::Freewheel);
         let links = self.links.iter().map(Element::Link);
         let springs = springs.chain(self.dampers.iter().map(Element::Damper));
@@ -283,7 +314,7 @@ impl Description {
         let rigid = wheels.chain(links);
         let loads = self.loads.iter().map(Element::Load);
         let computed = self.sources.iter().map(Element::Source).chain(self.blocks.iter().map(Element::Block));
-        springs.chain(stops).chain(frictions).chain(rigid).chain(loads).chain(computed)
+        springs.chain(stops).chain(frictions).chain(contacts).chain(rigid).chain(loads).chain(computed)
     }
 
     /// Whether the stiffness of any element steps in time.

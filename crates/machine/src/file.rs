@@ -30,6 +30,7 @@ mod any_unit;
 mod blocks;
 mod bodies;
 mod completion;
+mod contacts;
 mod curve;
 mod edit;
 mod elements;
@@ -241,6 +242,7 @@ fn machine(reading: &mut Reading, root: &FileTable) -> Description {
         bodies::without_gravity(reading, &machine);
     }
     elements::read(reading, root, &names, &mut machine);
+    contacts::read(reading, root, &names, &mut machine);
     blocks::read(reading, root, &names, &mut machine);
     elements::follow(reading, root, &mut machine);
     named::put(reading, &mut machine);

@@ -132,6 +132,14 @@ pub const PRELOAD: NumberKind = kind("Force at e = 0", "N", "N.m", Range::FINITE
 pub const POINT: NumberKind = kind("Elongation of a point of the force", "m", "rad", Range::FINITE);
 pub const POINT_FORCE: NumberKind = kind("Force at a point", "N", "N.m", Range::FINITE);
 pub const GAP: NumberKind = kind("Elongation at which the stop closes", "m", "rad", Range::FINITE);
+pub const NORMAL_STIFFNESS: NumberKind =
+    at_least(LEAST, kind("Normal stiffness", "N/m", "N/m", Range::POSITIVE));
+pub const TANGENTIAL_STIFFNESS: NumberKind =
+    at_least(LEAST, kind("Tangential stiffness", "N/m", "N/m", Range::POSITIVE));
+pub const CONTACT_PRELOAD: NumberKind = advised(
+    kind("Normal force at e = 0", "N", "N", Range::FINITE),
+    "a force that varies in time is a [load.NAME]",
+);
 pub const RESTITUTION: NumberKind =
     kind("Restitution coefficient", "1", "1", between(0.0, 1.0, "a number from 0 to 1"));
 pub const FORCE: NumberKind = kind("Force or torque", "N", "N.m", Range::FINITE);

@@ -162,6 +162,11 @@ impl Element<'_> {
             Action::Driving => vec![What::F],
             Action::Giving => vec![What::Value],
             Action::Computing => self.outputs().map(What::Output).collect(),
+            Action::Pressing => {
+                let tangent = [What::TangentE, What::TangentF, What::Slider];
+                let count = if self.is_branch() { tangent.len() } else { 0 };
+                [What::E, What::Rate, What::F].into_iter().chain(tangent.into_iter().take(count)).collect()
+            }
             _ if self.series().is_some() => vec![What::E, What::Rate, What::F, What::Slider],
             _ => vec![What::E, What::Rate, What::F],
         }
@@ -183,6 +188,8 @@ pub fn meaning(what: What, element: Option<Element>) -> &'static str {
         What::Rate => "Rate of the elongation",
         What::F if element.is_some_and(|e| e.action() == Action::Driving) => "Force or torque",
         What::F => "Force against the elongation",
+        What::TangentE => "Elongation along the tangent",
+        What::TangentF => "Force against the elongation along the tangent",
         What::Slider => "Inner place between spring and partner",
         What::SliderRate => "Rate of the inner place",
         What::Value => "Value of the signal",

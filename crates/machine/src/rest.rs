@@ -7,12 +7,12 @@ mod lines;
 mod path;
 mod weighted;
 
-use crate::description::{Description, Friction, SeriesLaw, StopLaw};
+use crate::description::{Contact, Description, Friction, StopLaw};
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};
 use crate::law::Sizes;
 use crate::law::box_qp::BoxProblem;
-use crate::system::{BranchRows, FrictionRows, RowMatrix, SpringRows, System};
+use crate::system::{BranchLaw, BranchRows, FrictionRows, RowMatrix, SpringRows, System};
 use curves::Curves;
 use lines::Lined;
 use nalgebra::DVector;
@@ -99,8 +99,18 @@ struct RestState {
 /// that no force determines stay as close to zero as possible.
 ///
 /// # Errors
-/// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`].
+/// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`];
+/// [`Error::OutOfRange`] for a contact with friction, whose force depends on how the loads grow.
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
+    let rubs = |own: &Contact| Some((own.name.clone(), own.tangent.as_ref()?.friction));
+    if let Some((name, value)) = d.contacts.iter().find_map(rubs) {
+        let allowed = "a contact without friction: its force at rest depends on how the loads have grown";
+        return Err(Error::OutOfRange {
+            name: format!("contact.{name}.friction"),
+            value,
+            allowed: allowed.into(),
+        });
+    }
     let (n, mut z) = (system.coordinates, system.at_rest(None));
     system.put_out_at_rest(d, &mut z);
     system.fill_curved(z.as_mut_slice());
@@ -190,12 +200,12 @@ impl System {
         let inner = |branch: &BranchRows| {
             let e = branch.elongation.e.dot(&z);
             match branch.law {
-                SeriesLaw::Dashpot { .. } => e,
+                BranchLaw::Dashpot(_) => e,
                 // Starts at x = 0 and slips until its force is at most the slip level.
-                SeriesLaw::Slider { slip } => {
-                    let most = slip / branch.stiffness;
-                    if e.abs() > most { e - most.copysign(e) } else { 0.0 }
-                }
+                _ => match branch.most(z.as_slice()) {
+                    Some(most) if e.abs() > most => e - most.copysign(e),
+                    _ => 0.0,
+                },
             }
         };
         self.branches.iter().map(inner).collect()
@@ -260,7 +270,7 @@ impl Holding {
         }
         let known = signal_sizes(system, z);
         for branch in &system.branches {
-            let SeriesLaw::Slider { slip } = branch.law else { continue };
+            let BranchLaw::Slider(slip) = branch.law else { continue };
             let (w, excess) = (direction(&branch.elongation.w), branch.elongation.e.dot(z));
             let compliance = 1.0 / branch.stiffness;
             contacts.push(RestContact { w, excess, force: (-slip, slip), compliance });

@@ -1,8 +1,8 @@
 //! Slots: mutable references to the numbers of a description, with dotted names.
 
 use crate::description::{
-    Arms, Block, Body, BodyKind, ContactLaw, Description, Dimension, Free, Integrated, Level, Modal,
-    OddPower, SeriesLaw, Signal, Spring, StopLaw,
+    Arms, Block, Body, BodyKind, Closing, Contact, ContactLaw, Description, Dimension, Free, Integrated,
+    Level, Modal, OddPower, SeriesLaw, Signal, Spring, StopLaw,
 };
 use crate::formula::Formula;
 use crate::kinds::{self, NumberKind};
@@ -179,6 +179,29 @@ impl<'a> Slots<'a> {
         }
     }
 
+    /// Collects the numbers of a contact with a normal stiffness.
+    fn pressing(&mut self, contact: &'a mut Contact, bodies: &[(String, Dimension)], at_rest: bool) {
+        let of = format!("contact.{}", contact.name);
+        self.element(&of, "normal", &mut contact.normal, bodies);
+        match &mut contact.closing {
+            Closing::Gap(gap) => self.push(format!("{of}.gap"), kinds::GAP, gap),
+            Closing::Preload(preload) => {
+                self.push(format!("{of}.preload"), kinds::CONTACT_PRELOAD, preload);
+            }
+        }
+        self.push(format!("{of}.stiffness"), kinds::NORMAL_STIFFNESS, &mut contact.stiffness);
+        let Some(tangent) = &mut contact.tangent else {
+            return self.push(format!("{of}.damping"), kinds::DAMPING, &mut contact.damping);
+        };
+        self.element(&of, "tangent", &mut tangent.arms, bodies);
+        let stiffness = &mut tangent.stiffness;
+        self.push(format!("{of}.tangential_stiffness"), kinds::TANGENTIAL_STIFFNESS, stiffness);
+        self.push(format!("{of}.friction"), kinds::COEFFICIENT, &mut tangent.friction);
+        if !at_rest {
+            self.push(format!("{of}.slider"), kinds::SLIDER, &mut tangent.slider);
+        }
+    }
+
     fn law(&mut self, of: &str, law: &'a mut StopLaw, stepped: &'a mut Option<Signal>) {
         match law {
             StopLaw::Rigid { restitution } => {
@@ -330,6 +353,9 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
         if let Some(speed) = &mut friction.stribeck {
             slots.push(format!("{of}.stribeck"), kinds::STRIBECK, speed);
         }
+    }
+    for contact in &mut machine.contacts {
+        slots.pressing(contact, &bodies, machine.starts_at_rest);
     }
     for wheel in &mut machine.freewheels {
         slots.element("freewheel", &wheel.name, &mut wheel.arms, &bodies);

@@ -11,7 +11,7 @@ use crate::kinds::{self, NumberKind};
 use crate::motion::{Event, Motion};
 use crate::parameters::read;
 use crate::refusal::{Problem, Refusal, advice};
-use crate::system::in_series;
+use crate::system::{InSeries, in_series};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
@@ -62,6 +62,8 @@ pub struct Start {
     pub bodies: BTreeMap<String, BodyStart>,
     /// Inner displacements of springs in series that are given, m or rad, by the spring's name.
     pub sliders: BTreeMap<String, f64>,
+    /// Places of the sliders of contacts that are given, m, by the contact's name.
+    pub contacts: BTreeMap<String, f64>,
     /// States of blocks that are given, by names such as `pid.x[0]`.
     pub blocks: BTreeMap<String, f64>,
 }
@@ -83,7 +85,7 @@ enum Place {
     Coordinate(usize),
     /// Rate of the body with this index.
     Rate(usize),
-    /// Inner displacement of the spring with this index.
+    /// Inner displacement of a spring in series or of a contact, by its index among all of them.
     Slider(usize),
     /// State of a block, by its index among all states of blocks.
     Kept(usize),
@@ -95,7 +97,10 @@ impl Place {
             Self::Time => (kinds::TIME, Dimension::Translation),
             Self::Coordinate(body) => (kinds::START, d.bodies[body].dimension),
             Self::Rate(body) => (kinds::START_RATE, d.bodies[body].dimension),
-            Self::Slider(spring) => (kinds::SLIDER, d.springs[spring].arms.dimension),
+            Self::Slider(k) => {
+                let dimension = in_series(d).nth(k).map(|own| own.arms.dimension);
+                (kinds::SLIDER, dimension.unwrap_or(Dimension::Translation))
+            }
             Self::Kept(_) => (kinds::BLOCK_START, Dimension::Translation),
         }
     }
@@ -111,11 +116,15 @@ impl Start {
         };
         let bodies = assembly.system.bodies_of.iter().map(body).collect();
         let places = (0..assembly.system.branches.len()).map(|i| motion.inner_place(i) + 0.0);
-        let sliders = in_series(&assembly.description).map(|(spring, _)| spring.name.clone()).zip(places);
         let system = &assembly.system;
+        let (mut sliders, mut contacts) = (BTreeMap::new(), BTreeMap::new());
+        for (own, place) in in_series(&assembly.description).zip(places) {
+            let all = if own.law.is_of_contact() { &mut contacts } else { &mut sliders };
+            all.insert(own.name.to_owned(), place);
+        }
         let kept = motion.state().as_slice()[2 * system.coordinates + system.branches.len()..].iter();
         let blocks = assembly.names_of_blocks().into_iter().zip(kept.map(|x| x + 0.0)).collect();
-        Self { time: motion.time(), bodies, sliders: sliders.collect(), blocks }
+        Self { time: motion.time(), bodies, sliders, contacts, blocks }
     }
 
     /// Text of a file that reads back as an equal start: SI units, numbers with all digits.
@@ -129,8 +138,10 @@ impl Start {
                 let _ = value.map_or(Ok(()), |x| writeln!(text, "{key} = {x:?}"));
             }
         }
-        for (name, slider) in &self.sliders {
-            let _ = writeln!(text, "\n[spring.{name}]\nslider = {slider:?}");
+        for (section, all) in [("spring", &self.sliders), ("contact", &self.contacts)] {
+            for (name, slider) in all {
+                let _ = writeln!(text, "\n[{section}.{name}]\nslider = {slider:?}");
+            }
         }
         if !self.blocks.is_empty() {
             text.push_str("\n[block]\n");
@@ -178,7 +189,11 @@ impl Start {
             Place::Time => self.time = value,
             Place::Coordinate(i) => self.bodies.entry(name(i)).or_default().s = Some(value),
             Place::Rate(i) => self.bodies.entry(name(i)).or_default().v = Some(value),
-            Place::Slider(i) => _ = self.sliders.insert(d.springs[i].name.clone(), value),
+            Place::Slider(k) => {
+                let Some(own) = in_series(d).nth(k) else { return };
+                let all = if own.law.is_of_contact() { &mut self.contacts } else { &mut self.sliders };
+                all.insert(own.name.to_owned(), value);
+            }
             Place::Kept(k) => {
                 let name = d.names_of_blocks().swap_remove(k);
                 self.blocks.insert(name, value);
@@ -192,7 +207,8 @@ impl Start {
             [("s", body.s), ("v", body.v)].map(|(key, x)| Some((format!("{name}.{key}"), x?)))
         };
         let bodies = self.bodies.iter().flat_map(of).flatten();
-        let sliders = self.sliders.iter().map(|(name, x)| (format!("{name}.slider"), *x));
+        let sliders = self.sliders.iter().chain(&self.contacts);
+        let sliders = sliders.map(|(name, x)| (format!("{name}.slider"), *x));
         std::iter::once(("time".into(), self.time))
             .chain(bodies)
             .chain(sliders)
@@ -209,7 +225,7 @@ impl Start {
     /// `mount.slider`, …, `pid.x[0]`, ….
     pub fn names(assembly: &Assembly) -> Vec<String> {
         let bodies = || assembly.system.bodies_of.iter().map(|&i| &assembly.description.bodies[i].name);
-        let sliders = in_series(&assembly.description).map(|(spring, _)| format!("{}.slider", spring.name));
+        let sliders = in_series(&assembly.description).map(|own| format!("{}.slider", own.name));
         let rates = bodies().map(|name| format!("{name}.v"));
         let own = bodies().map(|name| format!("{name}.s")).chain(rates).chain(sliders);
         own.chain(assembly.names_of_blocks()).collect()
@@ -229,10 +245,8 @@ impl Start {
             let (body, order) = match place(d, &name) {
                 Ok(Place::Coordinate(body)) => (body, 0),
                 Ok(Place::Rate(body)) => (body, 1),
-                Ok(Place::Slider(spring)) => {
-                    let own = &d.springs[spring].name;
-                    let place = in_series(d).position(|(spring, _)| spring.name == *own);
-                    place.iter().for_each(|k| state[2 * of.len() + k] = value);
+                Ok(Place::Slider(k)) => {
+                    state[2 * of.len() + k] = value;
                     continue;
                 }
                 Ok(Place::Kept(k)) => {
@@ -352,9 +366,10 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
         return Ok(Place::Time);
     }
     if let Some(spring) = name.trim().strip_suffix(".slider") {
-        let spring = spring.strip_prefix("spring.").unwrap_or(spring);
-        if let Some(i) = d.springs.iter().position(|own| own.name == spring && own.series.is_some()) {
-            return Ok(Place::Slider(i));
+        let (section, name) = spring.split_once('.').map_or((None, spring), |own| (Some(own.0), own.1));
+        let is_own = |own: InSeries| own.name == name && section.is_none_or(|section| section == own.section);
+        if let Some(k) = in_series(d).position(is_own) {
+            return Ok(Place::Slider(k));
         }
     }
     let kept = name.trim().strip_prefix("block.").unwrap_or(name.trim());
@@ -384,7 +399,7 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
         None => {
             let names =
                 d.bodies.iter().filter(free).flat_map(|b| ["s", "v"].map(|k| format!("{}.{k}", b.name)));
-            let sliders = in_series(d).map(|(spring, _)| format!("{}.slider", spring.name));
+            let sliders = in_series(d).map(|own| format!("{}.slider", own.name));
             let names: Vec<String> = std::iter::once("time".into())
                 .chain(names)
                 .chain(sliders)

@@ -31,8 +31,8 @@ pub use blocks::{
 };
 pub(crate) use curved::compiled;
 pub use curved::first as first_curved;
-pub use first_order::BranchRows;
-pub(crate) use first_order::in_series;
+pub use first_order::{BranchLaw, BranchRows};
+pub(crate) use first_order::{InSeries, in_series};
 pub use gyroscopic::Gyroscopic;
 pub use inertia::Inertia;
 pub use losses::{Account, Losses, Power};
@@ -95,9 +95,11 @@ pub struct System {
     pub springs: Vec<SpringRows>,
     /// Curved forces, which are the last coordinates of the augmented state.
     pub curved: Vec<Curved>,
-    /// Stops, followed by further levels of stepped stiffnesses and corners of springs, by limits
+    /// Stops and contacts, followed by further levels of stepped stiffnesses and corners of springs, by limits
     /// of outputs, and by freewheels.
     pub stops: Vec<StopRows>,
+    /// Index in `stops` of the first contact.
+    pub(crate) first_contact: usize,
     /// Index in `stops` of the first further level or corner.
     pub(crate) first_corner: usize,
     /// Index in `stops` of the first limit of an output.
@@ -206,8 +208,9 @@ impl System {
             springs: Vec::new(),
             curved: Vec::new(),
             stops: Vec::new(),
-            first_corner: d.stops.len(),
-            first_limit: d.stops.len(),
+            first_contact: d.stops.len(),
+            first_corner: d.stops.len() + d.contacts.len(),
+            first_limit: 0,
             first_freewheel: 0,
             stored_at_zero: 0.0,
             frictions: Vec::new(),
@@ -295,10 +298,9 @@ impl System {
         self.parts = vec![Vec::new(); d.elements().count()];
         for (i, element) in d.elements().enumerate() {
             self.parts[i] = match element {
-                Element::Spring(Spring { arms, stiffness, damping, series: Some(series), .. }) => {
-                    let mut parts = self.add_spring(arms, 0.0, *damping, 0.0);
-                    parts.push(self.add_branch(arms, *stiffness, series.law));
-                    parts
+                // Its branch follows below.
+                Element::Spring(Spring { arms, damping, series: Some(_), .. }) => {
+                    self.add_spring(arms, 0.0, *damping, 0.0)
                 }
                 Element::Spring(spring) if spring.points.is_empty() => {
                     let [stiffness, damping] = spring.along();
@@ -335,6 +337,7 @@ impl System {
             };
         }
         self.add_stops(d, counters);
+        self.add_branches(d);
         let mut loads = 0..d.loads.len();
         for (i, element) in d.elements().enumerate() {
             match element {

@@ -17,7 +17,12 @@ pub enum What {
     Rate,
     /// An element's force, which resists its elongation; a load's force on its body.
     F,
-    /// Inner displacement of a spring in series, in the unit of its elongation.
+    /// A contact's elongation along its tangent.
+    TangentE,
+    /// A contact's force along its tangent, which resists this elongation.
+    TangentF,
+    /// Inner displacement of a spring in series, or of a contact's slider, in the unit of its
+    /// elongation.
     Slider,
     /// Rate of the inner displacement: a derivative in FMUs, not a column.
     SliderRate,
@@ -34,7 +39,17 @@ pub enum What {
 
 impl What {
     /// All kinds whose [`word`](Self::word) has one part, unlike `slider.rate`.
-    pub const ALL: [Self; 7] = [Self::S, Self::V, Self::A, Self::E, Self::Rate, Self::F, Self::Slider];
+    pub const ALL: [Self; 9] = [
+        Self::S,
+        Self::V,
+        Self::A,
+        Self::E,
+        Self::Rate,
+        Self::F,
+        Self::TangentE,
+        Self::TangentF,
+        Self::Slider,
+    ];
 
     /// The kinds that bodies have.
     pub const OF_BODIES: [Self; 3] = [Self::S, Self::V, Self::A];
@@ -49,6 +64,8 @@ impl What {
             Self::E => "e",
             Self::Rate => "rate",
             Self::F => "f",
+            Self::TangentE => "et",
+            Self::TangentF => "ft",
             Self::Slider => "slider",
             Self::SliderRate => "slider.rate",
             Self::Value | Self::Output(_) | Self::State(_) | Self::StateRate(_) => "",
@@ -58,10 +75,10 @@ impl What {
     /// SI unit.
     pub fn unit(self, dimension: Dimension) -> &'static str {
         let units = match self {
-            Self::S | Self::E | Self::Slider => ["m", "rad"],
+            Self::S | Self::E | Self::TangentE | Self::Slider => ["m", "rad"],
             Self::V | Self::Rate | Self::SliderRate => ["m/s", "rad/s"],
             Self::A => ["m/s2", "rad/s2"],
-            Self::F => ["N", "N.m"],
+            Self::F | Self::TangentF => ["N", "N.m"],
             Self::Value | Self::Output(_) | Self::State(_) => ["1"; 2],
             Self::StateRate(_) => ["1/s"; 2],
         };

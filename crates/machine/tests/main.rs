@@ -25,6 +25,7 @@ mod derivatives_under_way;
 mod follows;
 mod formulas;
 mod freewheel;
+mod frictional;
 mod gallery;
 mod held_exactly;
 mod held_force;

@@ -9,6 +9,7 @@ use vibro_machine::description::{Series, SeriesLaw};
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::mode::SliderState;
 use vibro_machine::motion::{Event, EventKind, Reached};
+use vibro_machine::system::BranchLaw;
 use vibro_machine::{Assembly, Differentiated, Motion, Quantity, Start, What};
 
 /// A hundred roundings of numbers of order one.
@@ -405,7 +406,7 @@ fn invariant_random_machines_with_partners() {
         count += 1;
         let size = m.state().iter().fold(1.0, |most: f64, x| most.max(x.abs()));
         for (i, branch) in assembly.system().branches.iter().enumerate() {
-            if let SeriesLaw::Slider { slip } = branch.law {
+            if let BranchLaw::Slider(slip) = branch.law {
                 let force = branch.force.at(m.state().as_slice());
                 assert!(force.abs() <= slip * (1.0 + 1e-9), "{name} {i}: {force} {slip}");
             }

@@ -81,10 +81,16 @@ pub(crate) fn connections(machine: &Description) -> Vec<Connection> {
             Symbol::Stop { compliant, curved: element.is_curved() }
         }
         Element::Friction(_) => Symbol::Friction,
+        Element::Contact(_) => Symbol::Stop { compliant: true, curved: false },
         Element::Freewheel(_) => Symbol::Freewheel,
         Element::Modal(_) | Element::Matrix(_) | Element::Link(_) | Element::Load(_) => Symbol::Link,
         Element::Source(_) | Element::Block(_) => Symbol::Link,
     };
-    let connection = |e: Element| Some(Connection::new(e.name(), symbol(e), e.arms()?));
-    machine.elements().filter_map(connection).collect()
+    // A contact with friction has a second connection along its tangent, without a name.
+    let along = |i: usize| if i == 0 { None } else { Some(Symbol::Series { slides: true, dashpot: false }) };
+    let connection = |(i, (e, arms)): (usize, (Element, &Arms))| {
+        Connection::new(if i == 0 { e.name() } else { "" }, along(i).unwrap_or_else(|| symbol(e)), arms)
+    };
+    let all = machine.elements().map(|e| e.all_arms().map(move |arms| (e, arms)).enumerate());
+    all.flatten().map(connection).collect()
 }

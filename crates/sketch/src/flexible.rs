@@ -40,6 +40,7 @@ pub(crate) fn drawn(machine: &Description) -> Description {
         dampers,
         stops,
         frictions,
+        contacts,
         freewheels,
         links,
         loads,
@@ -58,6 +59,11 @@ pub(crate) fn drawn(machine: &Description) -> Description {
     dampers.retain_mut(|own| moved(&mut own.arms));
     stops.retain_mut(|own| moved(&mut own.arms));
     frictions.retain_mut(|own| moved(&mut own.arms));
+    contacts.retain_mut(|own| {
+        let tangent = own.tangent.take();
+        own.tangent = tangent.and_then(|mut tangent| moved(&mut tangent.arms).then_some(tangent));
+        moved(&mut own.normal)
+    });
     freewheels.retain_mut(|own| moved(&mut own.arms));
     links.retain_mut(|own| moved(&mut own.arms));
     loads.iter_mut().for_each(|load| load.body = place_of[load.body]);

@@ -46,7 +46,7 @@ pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
         Some(sizes[first + rotates]).filter(|size| *size > 0.0).unwrap_or(1.0)
     };
     let of = |first: usize| system.bodies_of.iter().map(move |body| unit(*body, first));
-    let inner = d.elements().filter(|element| element.series().is_some()).map(|element| {
+    let inner = d.elements().filter(|element| element.is_branch()).map(|element| {
         let rotates = usize::from(element.dimension(d) == Dimension::Rotation);
         Some(sizes[rotates]).filter(|size| *size > 0.0).unwrap_or(1.0)
     });

@@ -136,12 +136,12 @@ impl Flow {
             (Owner::Body(i), _) => return system.bodies[i].v.as_slice().to_vec(),
             (Owner::Element(i), _) => i,
         };
-        let parts = &system.parts[i];
+        let parts = system.parts_of(i, quantity.what);
         let elongation = || parts.first().and_then(|part| system.elongation_of_part(*part));
         let mut sum = vec![0.0; system.signals.size];
         let mut add = |row: &[f64]| sum.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
         match quantity.what {
-            What::F => parts
+            What::F | What::TangentF => parts
                 .iter()
                 .for_each(|part| add(system.force_row(*part, &self.mode, &self.lambda).as_slice())),
             What::Slider | What::SliderRate => {
@@ -157,7 +157,7 @@ impl Flow {
                 unit[system.block_place(i, quantity.what)] = 1.0;
                 return if matches!(quantity.what, What::State(_)) { unit } else { self.rate_of(&unit) };
             }
-            What::E => elongation().into_iter().for_each(|own| add(own.e.as_slice())),
+            What::E | What::TangentE => elongation().into_iter().for_each(|own| add(own.e.as_slice())),
             _ => elongation().into_iter().for_each(|own| add(own.rate.as_slice())),
         }
         sum

@@ -1,6 +1,7 @@
 //! Summaries of a machine and of a motion, in words.
 
 mod drifts;
+mod growth;
 mod spans;
 
 use super::{MotionRecord, event_in_words};
@@ -105,6 +106,7 @@ pub fn summary(machine: Description) -> Result<String> {
     };
     lines.push(format!("natural frequencies in the start's mode{}{small}", of_blocks(d)));
     lines.extend(frequencies(&assembly, &motion));
+    lines.extend(growth::growth(&assembly));
     Ok(lines.join("\n"))
 }
 
@@ -217,6 +219,13 @@ fn equilibrium(assembly: &Assembly) -> String {
             "equilibrium: not computed, because block.{} feeds back {read}; use `vibro run` to \
              find where it settles",
             block.name
+        );
+    }
+    if let Some(own) = assembly.description.contacts.iter().find(|own| own.tangent.is_some()) {
+        return format!(
+            "equilibrium: not computed, because the force of friction of contact.{} depends on how the \
+             loads have grown",
+            own.name
         );
     }
     match assembly.equilibrium() {
@@ -353,8 +362,16 @@ pub(super) fn account(record: &MotionRecord, knots: bool) -> Vec<String> {
         short(energy.impacts.value()),
         end - record.energy - energy.balance()
     ));
-    if !energy.branches.is_empty() {
-        lines.push(format!("lost in dashpots and sliders in series {} J", sum(&energy.branches)));
+    let branches = &record.motion.assembly().system().branches;
+    let contacts = branches.iter().map(|own| own.stop().is_some());
+    let (rubbing, series): (Vec<_>, Vec<_>) =
+        energy.branches.iter().copied().zip(contacts).partition(|own| own.1);
+    let [rubbing, series] = [rubbing, series].map(|all| all.into_iter().map(|own| own.0).collect::<Vec<_>>());
+    if !series.is_empty() {
+        lines.push(format!("lost in dashpots and sliders in series {} J", sum(&series)));
+    }
+    if !rubbing.is_empty() {
+        lines.push(format!("lost in friction of contacts {} J", sum(&rubbing)));
     }
     if record.motion.assembly().description.steps_stiffness() {
         lines.push(format!("work of stiffness steps {} J", short(energy.switched.value())));

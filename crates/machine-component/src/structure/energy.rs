@@ -22,11 +22,16 @@ impl Structure<'_> {
                     let stores = |e: &&Element| {
                         matches!(
                             e.action(),
-                            Action::Linear | Action::Flexing | Action::Switching | Action::Hitting
+                            Action::Linear
+                                | Action::Flexing
+                                | Action::Switching
+                                | Action::Pressing
+                                | Action::Hitting
                         )
                     };
                     for &element in self.elements.iter().filter(stores) {
                         let mut own = self.of_element(element, 0);
+                        self.tangent(element, 0, &mut own);
                         self.slider(element, &mut own);
                         self.steps(element, &mut own);
                         join(knowns, &own, Dependent);

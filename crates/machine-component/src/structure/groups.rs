@@ -56,7 +56,7 @@ impl<'a> Structure<'a> {
     pub(super) fn groups_of(&self, element: Element) -> Vec<usize> {
         let load =
             if let Element::Load(load) = element { self.machine.behind(load.body) } else { Vec::new() };
-        let bodies = element.arms().into_iter().flat_map(|arms| bodies_of(self.machine, arms)).chain(load);
+        let bodies = element.all_arms().flat_map(|arms| bodies_of(self.machine, arms)).chain(load);
         let free = bodies.filter(|&body| is_free(self.machine, body));
         let mut groups: Vec<usize> = free.map(|body| self.group_of[body]).collect();
         groups.sort_unstable();
@@ -124,7 +124,7 @@ impl<'a> Structure<'a> {
         let mut forces: Vec<(usize, Knowns)> = Vec::new();
         for &element in &self.elements {
             let knowns = match element.action() {
-                Action::Linear | Action::Switching => self.force(element),
+                Action::Linear | Action::Switching | Action::Pressing => self.force(element),
                 Action::Driving => self.driving(element),
                 Action::Rubbing => self.signals(element),
                 Action::Flexing => {

@@ -16,22 +16,23 @@ impl<'a> Structure<'a> {
             let (count, first) = match element.action() {
                 Action::Switching if matches!(element, Element::Spring(_)) => (0, 0),
                 Action::Hitting => (1, 0),
-                Action::Switching => (2, 0),
+                Action::Switching | Action::Pressing => (2, 0),
                 Action::Rubbing => (3, 1),
-                Action::Linear if slides(&element.series().copied()) => (2, 0),
+                Action::Linear if slides(*element) => (2, 0),
                 Action::Linear | Action::Flexing | Action::Tying | Action::Driving => (0, 0),
                 Action::Giving | Action::Computing => (0, 0),
             };
             vec![(*element, first); count]
         };
-        // Corners come after all stops, then freewheels, then friction.
+        // Corners come after all stops and contacts, then freewheels, then friction.
         let corners = self.elements.iter().flat_map(|element| match element {
             Element::Spring(spring) => vec![(*element, 0); spring.points.len().saturating_sub(2)],
             _ => Vec::new(),
         });
         let blocks = self.elements.len() - self.machine.blocks.len();
         let limits = self.machine.limits_of_outputs();
-        let first = stops_before(self.machine, self.machine.stops.len() + self.machine.corners());
+        let contacts = 2 * self.machine.contacts.len();
+        let first = contacts + stops_before(self.machine, self.machine.stops.len() + self.machine.corners());
         if let Some(((block, output), _)) = place.checked_sub(first).and_then(|own| limits.get(own)) {
             join(knowns, &self.of_block(blocks + block, What::Output(*output)), Dependent);
             return self.anything_set(knowns);
@@ -41,14 +42,17 @@ impl<'a> Structure<'a> {
         let is_spring = |element: &&Element| matches!(element, Element::Spring(_));
         let rubs = |element: &&Element| element.action() == Action::Rubbing;
         let is_stop = |element: &&Element| matches!(element, Element::Stop(_));
+        let is_contact = |element: &&Element| matches!(element, Element::Contact(_));
         let is_wheel = |element: &&Element| matches!(element, Element::Freewheel(_));
         let all = self.elements.iter();
         let stops = all.clone().filter(is_stop).flat_map(of_element);
         let wheels = all.clone().filter(is_wheel).flat_map(of_element);
         let frictions = all.clone().filter(|own| rubs(own) && !is_spring(own)).flat_map(of_element);
-        let sliders = all.filter(is_spring).flat_map(of_element);
+        let contacts = all.clone().filter(is_contact).flat_map(of_element);
+        let rubbing = all.clone().filter(|own| is_contact(own) && own.is_branch()).flat_map(of_element);
+        let sliders = all.filter(is_spring).flat_map(of_element).chain(rubbing);
         if let Some((element, first)) =
-            stops.chain(corners).chain(wheels).chain(frictions).chain(sliders).nth(place)
+            stops.chain(contacts).chain(corners).chain(wheels).chain(frictions).chain(sliders).nth(place)
         {
             let times = if self.inputs.is_empty() { Discrete } else { Dependent };
             (first..3).for_each(|order| join(knowns, &self.of_element(element, order), times));

@@ -43,11 +43,12 @@ impl Structure<'_> {
         let section = self.elements[i].dotted();
         let all = self.parameters.get(section.as_str()).into_iter().flatten();
         all.filter(|(_, rest)| *rest == ".slider").for_each(|(known, _)| put(knowns, *known, Dependent));
-        if slides(&self.elements[i].series().copied()) {
+        if slides(self.elements[i]) {
             // The slider is moved until the force does not exceed its level.
             self.of_section(&section, knowns);
             let mut of_elongation = Knowns::new();
             self.elongation(self.elements[i], 0, &mut of_elongation);
+            self.tangent(self.elements[i], 0, &mut of_elongation);
             for known in of_elongation.into_keys() {
                 match self.plan.table.rows[known as usize - 1].quantity.as_body() {
                     Some((body, order)) => self.start_alone(body, order, knowns),

@@ -1,8 +1,8 @@
 //! The event indicators, as variables.
 
 use super::{Quantity, Role, VariableTable, slides};
-use vibro_machine::Description;
 use vibro_machine::description::StopLaw;
+use vibro_machine::{Description, Element};
 
 impl VariableTable {
     /// Adds the event indicators in the order of `Motion::indicators`.
@@ -25,6 +25,11 @@ impl VariableTable {
                 }
             }
         }
+        for contact in &machine.contacts {
+            let name = format!("{}.indicator", contact.name);
+            push(format!("{name}.edge"), "Negative where the contact closes or opens");
+            push(format!("{name}.force"), "Negative where the force ends or begins");
+        }
         for spring in &machine.springs {
             for corner in 1..spring.points.len().saturating_sub(1) {
                 let name = format!("{}.indicator.points[{corner}]", spring.name);
@@ -46,8 +51,13 @@ impl VariableTable {
             push(format!("{name}.down"), "Negative where slipping begins downwards");
             push(format!("{name}.level"), "Negative where friction begins or ceases to act");
         }
-        for spring in machine.springs.iter().filter(|spring| slides(&spring.series)) {
+        for spring in machine.springs.iter().filter(|spring| slides(Element::Spring(spring))) {
             let name = format!("{}.indicator", spring.name);
+            push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
+            push(format!("{name}.down"), "Negative where slipping begins downwards");
+        }
+        for contact in machine.contacts.iter().filter(|contact| contact.tangent.is_some()) {
+            let name = format!("{}.slider.indicator", contact.name);
             push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
             push(format!("{name}.down"), "Negative where slipping begins downwards");
         }

@@ -28,17 +28,16 @@ impl Log for Told {
 /// The states of stops and frictions, with their names in messages.
 fn states(machine: &mut Machine, plan: &Plan) -> Vec<(String, f64)> {
     let own = |quantity| match quantity {
-        Quantity::StopState(i) if plan.assembly.system().stops[i].is_freewheel => Some("freewheel"),
-        Quantity::StopState(_) => Some("stop"),
-        Quantity::FrictionState(_) => Some("friction"),
-        Quantity::SliderState(_) => Some("spring"),
+        Quantity::StopState(i) => Some(plan.assembly.name_of_stop(i)),
+        Quantity::FrictionState(i) => Some(plan.assembly.name_of_friction(i)),
+        Quantity::SliderState(i) => Some(plan.assembly.name_of_branch(i)),
         _ => None,
     };
     let rows =
         (1..).zip(&plan.table.rows).filter_map(|(reference, row)| Some((reference, row, own(row.quantity)?)));
-    rows.map(|(reference, row, kind)| {
-        let name = row.name.strip_suffix(".state").unwrap();
-        (format!("{kind}.{name} "), get(machine, reference).unwrap())
+    rows.map(|(reference, row, name)| {
+        assert!(row.name.ends_with(".state"));
+        (format!("{name} "), get(machine, reference).unwrap())
     })
     .collect()
 }

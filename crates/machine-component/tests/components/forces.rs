@@ -33,9 +33,11 @@ fn unbalanced(plan: &Plan, solver: &mut Solver, body: usize) -> Option<[f64; 2]>
         match element {
             Element::Load(load) if load.body == body => terms.push(-value(format!("{}.f", load.name))),
             _ => {
-                let arms = element.arms().into_iter().flat_map(|arms| &arms.terms);
-                for (_, arm) in arms.filter(|term| term.0 == body) {
-                    terms.push(arm * value(format!("{}.f", element.name())));
+                // A contact has a second force along its tangent.
+                for (arms, what) in element.all_arms().zip(["f", "ft"]) {
+                    for (_, arm) in arms.terms.iter().filter(|term| term.0 == body) {
+                        terms.push(arm * value(format!("{}.{what}", element.name())));
+                    }
                 }
             }
         }

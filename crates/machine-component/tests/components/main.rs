@@ -27,6 +27,7 @@ fn plans() -> Vec<Arc<Plan>> {
         include_str!("../common/everything.toml"),
         include_str!("../common/flexible.toml"),
         include_str!("../common/joint.toml"),
+        include_str!("../common/contacts.toml"),
         include_str!("../common/freewheels.toml"),
         include_str!("../common/signals.toml"),
         include_str!("../common/stepped.toml"),

@@ -1,9 +1,13 @@
-//! Problems of powers with an exponent: contacts of stops, and powers with two sides.
+//! Problems of powers with an exponent (contacts of stops, powers with two sides) and of contacts
+//! with friction.
 
 use super::refused;
-use crate::description::{ContactLaw, DampingLimit, Description, OddPower, Stop, StopLaw};
+use crate::description::{
+    Arms, BodyKind, Contact, ContactLaw, DampingLimit, Description, OddPower, Stop, StopLaw,
+};
 use crate::kinds::{EXPONENT, NumberKind, ODD_EXPONENT};
 use crate::refusal::Problem;
+use std::collections::BTreeMap;
 
 /// Adds the problems of exponents, and of what cannot be combined with a curved contact.
 pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
@@ -19,6 +23,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             check_contact(stop, contact, problems);
         }
     }
+    machine.contacts.iter().for_each(|contact| check_friction(machine, contact, problems));
     for friction in &machine.frictions {
         let stop = friction.follows.as_ref().and_then(|follows| machine.stops.get(follows.stop));
         if let Some(stop) = stop.filter(|stop| stop.contact.is_some()) {
@@ -27,6 +32,56 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
         }
     }
 }
+
+/// Adds the problems of contacts with friction.
+fn check_friction(machine: &Description, contact: &Contact, problems: &mut Vec<Problem>) {
+    let Some(tangent) = &contact.tangent else { return };
+    let of = format!("contact.{}", contact.name);
+    if contact.damping != 0.0 {
+        let text = "cannot be combined with `friction`: the limit of friction would jump when the contact \
+                    closes; use the damping of the bodies";
+        problems.push(refused(format!("{of}.damping"), contact.damping, text));
+    }
+    let [normal, along] = [&contact.normal, &tangent.arms].map(|arms| on_coordinates(machine, arms));
+    if is_parallel(&normal, &along) {
+        let text = "has the same direction as `normal`; expected another direction of the bodies";
+        problems.push(Problem::new(format!("{of}.tangent"), None, text));
+    }
+    if machine.starts_at_rest {
+        let text = "cannot be combined with `start = \"rest\"`: the force of friction at rest depends on how the \
+                    loads have grown; give the start of each body";
+        problems.push(Problem::new(format!("{of}.friction"), Some(format!("{:?}", tangent.friction)), text));
+    }
+}
+
+/// An elongation as factors of bodies, with nodes replaced by the coordinates behind them.
+fn on_coordinates(machine: &Description, arms: &Arms) -> BTreeMap<usize, f64> {
+    let mut all = BTreeMap::new();
+    for &(body, arm) in &arms.terms {
+        match machine.bodies.get(body).map(|body| &body.kind) {
+            Some(BodyKind::Node(row)) => {
+                row.iter().for_each(|&(k, factor)| *all.entry(k).or_default() += arm * factor);
+            }
+            _ => *all.entry(body).or_default() += arm,
+        }
+    }
+    all
+}
+
+/// Whether two rows are multiples of one another.
+fn is_parallel(a: &BTreeMap<usize, f64>, b: &BTreeMap<usize, f64>) -> bool {
+    let of = |row: &BTreeMap<usize, f64>, k: &usize| row.get(k).copied().unwrap_or_default();
+    let all: Vec<(f64, f64)> = a.keys().chain(b.keys()).map(|k| (of(a, k), of(b, k))).collect();
+    let [aa, bb, ab] = [
+        all.iter().map(|own| own.0 * own.0).sum::<f64>(),
+        all.iter().map(|own| own.1 * own.1).sum::<f64>(),
+        all.iter().map(|own| own.0 * own.1).sum::<f64>(),
+    ];
+    ab * ab >= (1.0 - PARALLEL) * aa * bb
+}
+
+/// Two directions count as parallel up to this square of the sine of their angle: rounding.
+const PARALLEL: f64 = 1e-14;
 
 /// The fault of a friction that follows a curved contact.
 pub(crate) const FOLLOWS: &str = "friction at a stop with `exponent` or `dissipation` is not supported; use a stop \

@@ -62,7 +62,9 @@ fn made_names<'a>(bodies: impl Iterator<Item = &'a Body>, problems: &mut Vec<Pro
     for body in bodies {
         let (of, last) = body.name.split_once('.').unwrap_or((&body.name, ""));
         let last = if body.is_inner() { last.split('[').next().unwrap_or(last) } else { last };
-        if let Some(text) = problem_of(of).or_else(|| problem_of(last)) {
+        // A node with directions has the direction after its name.
+        let mut parts = std::iter::once(of).chain(last.splitn(2, '.'));
+        if let Some(text) = parts.find_map(problem_of) {
             problems.push(Problem::new(format!("body.{}", body.name), None, text));
         } else if !seen.insert(&body.name) {
             problems.push(Problem::new(&body.name, None, "is given twice; keep one of them"));

@@ -175,8 +175,9 @@ impl<'a> Adjoint<'a> {
         let machine = self.machine;
         match quantity.owner {
             Owner::Body(i) => self.add_body(mode, z, (i, quantity.what), factor),
-            Owner::Element(i) if quantity.what == What::F => {
-                machine.system.parts[i].iter().for_each(|&part| self.add_force(mode, z, part, factor));
+            Owner::Element(i) if matches!(quantity.what, What::F | What::TangentF) => {
+                let parts = machine.system.parts_of(i, quantity.what);
+                parts.iter().for_each(|&part| self.add_force(mode, z, part, factor));
             }
             Owner::Element(i) if matches!(quantity.what, What::Slider | What::SliderRate) => {
                 let Some(branch) = machine.system.branch_of(i) else { return };
@@ -197,7 +198,7 @@ impl<'a> Adjoint<'a> {
                 row.iter_mut().zip(z.iter()).for_each(|(sum, x)| *sum -= factor * x);
             }
             Owner::Element(i) => {
-                let Some(&part) = machine.system.parts[i].first() else { return };
+                let Some(&part) = machine.system.parts_of(i, quantity.what).first() else { return };
                 let Some(rows) = machine.system.elongation_of_part(part) else { return };
                 let own = match part {
                     Part::Spring(i) => &mut self.weights.springs[i].0,
@@ -206,7 +207,7 @@ impl<'a> Adjoint<'a> {
                     Part::Branch(i) => &mut self.weights.branches[i].elongation,
                     Part::Load(_) => return,
                 };
-                let is_place = quantity.what == What::E;
+                let is_place = matches!(quantity.what, What::E | What::TangentE);
                 self.state.axpy(factor, if is_place { &rows.e } else { &rows.rate }, 1.0);
                 if is_place { &mut own.e } else { &mut own.rate }.axpy(factor, z, 1.0);
             }

@@ -5,38 +5,62 @@ use super::machine::{Instant, Machine};
 use super::rows::BranchTangent;
 use super::tangent::Tangent;
 use super::weights::Weights;
-use crate::description::{Description, SeriesLaw};
+use crate::description::Description;
 use crate::functional::StateRow;
 use crate::mode::{Mode, SliderState};
-use crate::system::{System, in_series};
+use crate::system::{BranchLaw, System, in_series};
 use nalgebra::{DMatrix, DVector};
 
 impl Tangent {
+    /// Adds the springs in series, and the start values of all inner places.
     pub(super) fn put_branches(&mut self, system: &System, d: &Description, along: &Description) {
+        self.inner.extend(in_series(along).map(|own| own.slider));
         let springs = in_series(d).zip(in_series(along));
-        for (rows, ((spring, series), (by, change))) in system.branches.iter().zip(springs) {
-            let own = self.elongation(system, &spring.arms, &by.arms);
+        for (rows, (spring, by)) in system.branches.iter().zip(springs) {
+            let own = self.elongation(system, spring.arms, by.arms);
             let e = &rows.elongation;
             let force = (by.stiffness / rows.stiffness) * &*rows.force;
-            let mut level = StateRow::zeros(system.signals.size);
-            let rate = match (series.law, change.law) {
-                (SeriesLaw::Dashpot { damping }, SeriesLaw::Dashpot { damping: dc }) => {
+            let [mut level, sliding] = [(); 2].map(|()| StateRow::zeros(system.signals.size));
+            let rate = match (spring.law, by.law) {
+                (BranchLaw::Dashpot(damping), BranchLaw::Dashpot(dc)) => {
                     &own.rate - (1.0 / damping) * &force + (dc / (damping * damping)) * &*rows.force
                 }
-                (_, SeriesLaw::Slider { slip }) => {
+                (_, BranchLaw::Slider(slip)) => {
                     level[system.signals.one] = slip;
                     own.rate.clone()
                 }
-                // Unreachable: both descriptions are of one machine.
-                (SeriesLaw::Slider { .. }, SeriesLaw::Dashpot { .. }) => level.clone(),
+                // Contacts follow their stops.
+                _ => return,
             };
             // The force of a slider depends on the mode.
             if !rows.is_slider() {
                 self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
                 self.forces.ger(-1.0, &e.w, &force, 1.0);
             }
-            self.branches.push(BranchTangent { elongation: own, force, rate, level });
-            self.inner.push(change.slider);
+            self.branches.push(BranchTangent { elongation: own, force, rate, level, sliding });
+        }
+    }
+
+    /// Adds the springs and sliders of contacts, after the stops whose forces limit theirs.
+    pub(super) fn put_contacts(&mut self, system: &System, d: &Description, along: &Description) {
+        let first = self.branches.len();
+        let contacts = in_series(d).zip(in_series(along)).skip(first);
+        for (rows, (own, by)) in system.branches[first..].iter().zip(contacts) {
+            let (BranchLaw::Contact { stop, friction }, BranchLaw::Contact { friction: moved, .. }) =
+                (own.law, by.law)
+            else {
+                continue;
+            };
+            let (stop_rows, stop_by) = (&system.stops[stop], &self.stops[stop]);
+            let (k, dk) = (stop_rows.stiffness(), along.contacts[stop - d.stops.len()].stiffness);
+            let rate = &stop_rows.elongation.rate;
+            let by_number = moved * k + friction * dk - friction * k * by.stiffness / own.stiffness;
+            let sliding = (by_number / own.stiffness) * &**rate
+                + (friction * k / own.stiffness) * &stop_by.elongation.rate;
+            let level = moved * &*stop_rows.force + friction * &stop_by.force;
+            let elongation = self.elongation(system, own.arms, by.arms);
+            let (force, rate) = ((by.stiffness / own.stiffness) * &*rows.force, elongation.rate.clone());
+            self.branches.push(BranchTangent { elongation, force, rate, level, sliding });
         }
     }
 
@@ -45,22 +69,42 @@ impl Tangent {
         let own = &self.branches[i];
         match state {
             SliderState::Held => own.force.clone(),
+            // The direction of an open contact is 0.
             state => state.direction() * &own.level,
         }
     }
 
     /// Returns the derivatives of the rows of states of first order that vary, with their places.
     pub(super) fn first_order(&self, system: &System, mode: &Mode) -> Vec<(usize, StateRow)> {
-        let moves = |i: &usize| is_moving(system, mode, *i);
-        let all = (0..system.branches.len()).filter(moves);
-        let branches = all.map(|i| (system.branches[i].place, self.branches[i].rate.clone()));
+        let branches = (0..system.branches.len()).filter_map(|i| {
+            let (place, own) = (system.branches[i].place, &self.branches[i]);
+            match rate_of(system, mode, i) {
+                Moves::No => None,
+                Moves::WithRate => Some((place, own.rate.clone())),
+                Moves::WithLevel(direction) => Some((place, direction * &own.sliding)),
+            }
+        });
         branches.chain(self.rates_of_blocks(system, mode)).collect()
     }
 }
 
-/// Whether the stretch of a branch varies in a mode.
-fn is_moving(system: &System, mode: &Mode, i: usize) -> bool {
-    !system.branches[i].is_slider() || mode.sliders[i] == SliderState::Held
+/// How the stretch of a branch varies in a mode.
+enum Moves {
+    No,
+    /// With the rate of the elongation.
+    WithRate,
+    /// With the level of the slider of a contact, which slips in this direction.
+    WithLevel(f64),
+}
+
+fn rate_of(system: &System, mode: &Mode, i: usize) -> Moves {
+    let branch = &system.branches[i];
+    match mode.sliders[i] {
+        _ if !branch.is_slider() => Moves::WithRate,
+        SliderState::Held => Moves::WithRate,
+        state if branch.sliding.is_some() && state != SliderState::Off => Moves::WithLevel(state.direction()),
+        _ => Moves::No,
+    }
 }
 
 impl Machine {
@@ -75,9 +119,14 @@ impl Machine {
     ) {
         let slips = |i: usize| Some(at.mode.mode.sliders[i].direction()).filter(|d| *d != 0.0);
         for (i, branch) in self.system.branches.iter().enumerate() {
+            if at.mode.mode.sliders[i] == SliderState::Off {
+                delta[branch.place] = 0.0;
+                continue;
+            }
             if let (Some(direction), true) = (slips(i).or_else(|| moved(i)), branch.is_slider()) {
                 let by = &self.tangents[p].branches[i];
-                let level = direction * by.level.dot(at.z);
+                let rows = branch.stop().and(branch.level.as_ref()).map_or(0.0, |level| level.dot(delta));
+                let level = direction * (rows + by.level.dot(at.z));
                 let off = branch.force.dot(delta) + by.force.dot(at.z) - level;
                 delta[branch.place] -= off / branch.stiffness;
             }
@@ -124,6 +173,7 @@ impl Weights {
         let own = &mut self.branches[i];
         match state {
             SliderState::Held => own.force.axpy(factor, row, 1.0),
+            SliderState::Off => {}
             state => own.level.axpy(state.direction() * factor, row, 1.0),
         }
     }
@@ -142,9 +192,13 @@ impl Weights {
     /// Adds the derivatives by the rows of states of first order. `by_a` is the derivative by the
     /// rows of A, beginning with the accelerations.
     pub(super) fn add_first_order(&mut self, system: &System, mode: &Mode, by_a: &DMatrix<f64>) {
-        let all = system.branches.iter().zip(&mut self.branches).enumerate();
-        for (_, (rows, own)) in all.filter(|(i, _)| is_moving(system, mode, *i)) {
-            own.rate += by_a.row(rows.place - system.coordinates).transpose();
+        for (i, (rows, own)) in system.branches.iter().zip(&mut self.branches).enumerate() {
+            let row = || by_a.row(rows.place - system.coordinates).transpose();
+            match rate_of(system, mode, i) {
+                Moves::No => {}
+                Moves::WithRate => own.rate += row(),
+                Moves::WithLevel(direction) => own.sliding += direction * row(),
+            }
         }
     }
 }

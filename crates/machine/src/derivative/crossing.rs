@@ -179,6 +179,9 @@ impl Crossing<'_> {
             return Err(lost);
         }
         let (machine, after) = (self.machine, &self.after);
+        if let Some(contact) = self.closed_by_jump() {
+            return Err(Lost { time: after.time, element: machine.name_of(contact), cause: Cause::Limit });
+        }
         let fills = machine.tangents[p].signals.varies();
         let holds = after.mode.mode.contacts().next().is_some();
         let slides = !machine.system.branches.is_empty();
@@ -194,6 +197,15 @@ impl Crossing<'_> {
         machine.vary_curved(p, after.z, &mut delta);
         deltas.put(p, &delta);
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
+    }
+
+    /// A contact with friction that a jump has closed without a slip: its slider depends on the part
+    /// of the jump before it closed, which has no derivative here.
+    fn closed_by_jump(&self) -> Option<Contact> {
+        let [before, after] = [&self.before, &self.after].map(|at| &at.mode.mode.sliders);
+        let is_closed = |i: &usize| before[*i] == SliderState::Off && after[*i] == SliderState::Held;
+        let jumps = self.due.is_none() && self.machine.system.has_motions;
+        (0..before.len()).find(|i| jumps && is_closed(i)).map(Contact::Slider)
     }
 
     /// Refuses a column that moves a stop off u⁺ = -ε u if the stop lies exactly on this equality.

@@ -152,7 +152,7 @@ impl VariedMode {
     /// Whether a quantity is a force that the law determines only in sum with others.
     pub fn is_shared(&self, system: &System, quantity: Quantity) -> bool {
         let Quantity { owner: Owner::Element(i), what: What::F } = quantity else { return false };
-        system.parts[i].iter().any(|part| match *part {
+        system.parts_of(i, What::F).iter().any(|part| match *part {
             Part::Stop(i) => self.shared.contains(&Contact::Stop(i)),
             Part::Friction(i) => self.shared.contains(&Contact::Friction(i)),
             Part::Spring(_) | Part::Branch(_) | Part::Load(_) => false,
@@ -247,7 +247,10 @@ impl VariedMode {
                 let by = &tangent.branches[i];
                 if up { &by.force - &by.level } else { -&by.force - &by.level }
             }
-            Watch::Reverses(i) => -self.mode.sliders[i].direction() * &tangent.branches[i].elongation.rate,
+            Watch::Reverses(i) => {
+                let by = &tangent.branches[i];
+                -self.mode.sliders[i].direction() * &by.elongation.rate + &by.sliding
+            }
             Watch::Level(i) => {
                 let off = self.mode.frictions[i] == crate::mode::FrictionState::Off;
                 let place = system.frictions[i].place(&self.mode.stops).unwrap_or_default();

@@ -3,9 +3,8 @@
 
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, Varied};
-use crate::description::SeriesLaw;
 use crate::mode::Contact;
-use crate::system::{BranchRows, System};
+use crate::system::{BranchLaw, BranchRows, System};
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this fraction of the largest entry count as zero: no force in this
@@ -145,13 +144,9 @@ enum Rest {
 
 fn level_at_rest(machine: &Machine, branch: &BranchRows, at: &Instant) -> Rest {
     match branch.law {
-        SeriesLaw::Dashpot { .. } => Rest::Relaxed,
-        SeriesLaw::Slider { .. }
-            if machine.assembly.inner[branch.place - 2 * machine.system.coordinates] == 0.0 =>
-        {
-            Rest::Elastic
-        }
-        SeriesLaw::Slider { .. } => Rest::AtLevel(branch.force.dot(at.z).signum()),
+        BranchLaw::Dashpot(_) => Rest::Relaxed,
+        _ if machine.assembly.inner[branch.place - 2 * machine.system.coordinates] == 0.0 => Rest::Elastic,
+        _ => Rest::AtLevel(branch.force.dot(at.z).signum()),
     }
 }
 

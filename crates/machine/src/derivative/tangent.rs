@@ -60,9 +60,13 @@ fn direction(d: &Description, name: &str) -> Description {
     let dampers = along.dampers.iter_mut().map(|s| &mut s.arms);
     let stops = along.stops.iter_mut().map(|s| &mut s.arms);
     let frictions = along.frictions.iter_mut().map(|s| &mut s.arms);
+    let normals = along.contacts.iter_mut().flat_map(|own| {
+        let tangent = own.tangent.as_mut().map(|tangent| &mut tangent.arms);
+        std::iter::once(&mut own.normal).chain(tangent)
+    });
     let links = along.links.iter_mut().map(|s| &mut s.arms);
     let wheels = along.freewheels.iter_mut().map(|s| &mut s.arms);
-    let all = springs.chain(dampers).chain(wheels).chain(stops).chain(frictions).chain(links);
+    let all = springs.chain(dampers).chain(wheels).chain(stops).chain(frictions).chain(normals).chain(links);
     all.for_each(|arms| arms.terms.iter_mut().for_each(|term| term.1 = 0.0));
     for body in &mut along.bodies {
         let is_inner = body.is_inner();
@@ -132,6 +136,7 @@ impl Tangent {
         tangent.put_blocks(system, d, &along);
         tangent.put_loads(system);
         tangent.put_stops(system, d, &along);
+        tangent.put_contacts(system, d, &along);
         tangent.put_frictions(system, d, &along);
         tangent
     }

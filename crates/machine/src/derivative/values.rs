@@ -40,9 +40,9 @@ impl Point<'_> {
             Owner::Body(i) => return self.body(i, quantity.what),
             Owner::Element(i) => i,
         };
-        let parts = &self.system.parts[i];
+        let parts = self.system.parts_of(i, quantity.what);
         match quantity.what {
-            What::F => parts.iter().map(|&part| self.force(part)).sum(),
+            What::F | What::TangentF => parts.iter().map(|&part| self.force(part)).sum(),
             What::Slider | What::SliderRate => self.system.branch_of(i).map_or(0.0, |i| {
                 let (own, by) = (&self.system.branches[i], &self.tangent.branches[i].elongation);
                 match quantity.what {
@@ -93,7 +93,11 @@ impl Point<'_> {
             Part::Load(_) => return 0.0,
         };
         let Some(own) = self.system.elongation_of_part(part) else { return 0.0 };
-        if what == What::E { self.of(&own.e, &by.e) } else { self.of(&own.rate, &by.rate) }
+        if matches!(what, What::E | What::TangentE) {
+            self.of(&own.e, &by.e)
+        } else {
+            self.of(&own.rate, &by.rate)
+        }
     }
 
     /// The derivative of a contact's force; 0 for a contact that depends on others.

@@ -86,6 +86,7 @@ impl Weights {
             force: row.clone(),
             rate: row.clone(),
             level: row.clone(),
+            sliding: row.clone(),
         };
         let body = BodyTangent { s: row.clone(), v: row.clone(), weights: w, drift: row.clone() };
         Self {
@@ -197,8 +198,9 @@ impl Weights {
                 own.level.axpy(-factor, z, 1.0);
             }
             Watch::Reverses(i) => {
-                let factor = -mode.mode.sliders[i].direction() * factor;
-                self.branches[i].elongation.rate.axpy(factor, z, 1.0);
+                let own = &mut self.branches[i];
+                own.elongation.rate.axpy(-mode.mode.sliders[i].direction() * factor, z, 1.0);
+                own.sliding.axpy(factor, z, 1.0);
             }
             Watch::Level(i) => {
                 let off = mode.mode.frictions[i] == FrictionState::Off;
@@ -310,6 +312,7 @@ impl Weights {
                 + own.force.dot(&by.force)
                 + own.rate.dot(&by.rate)
                 + own.level.dot(&by.level)
+                + own.sliding.dot(&by.sliding)
         });
         let loads = self.loads.iter().zip(&tangent.loads).map(|(own, by)| own.dot(by));
         let one = system.signals.one;

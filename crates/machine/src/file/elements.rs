@@ -22,7 +22,7 @@ use vibro_numerics::quantities::symbols;
 use vibro_numerics::sorting::sort_by_key;
 
 /// Message for a name that no body has.
-const NO_BODY: &str = "no body has this name";
+pub(super) const NO_BODY: &str = "no body has this name";
 
 /// Reads the elements. An element with problems is left out: the file is refused anyway.
 pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machine: &mut Description) {
@@ -316,7 +316,7 @@ fn arms(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Arms>
 /// End of an element: a body with its dimension, or `None` for ground.
 type End = Option<(usize, Option<Dimension>)>;
 
-fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
+pub(super) fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let items = reading.items(entry);
     let Some([a, b]) = items.as_deref() else {
         reading.refuse(entry, "expected two names, such as [\"ground\", \"box\"]");
@@ -355,7 +355,8 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     found.map(Some)
 }
 
-/// Returns all entries of a table of bodies; `tube = { tip = 1.0 }` means `"tube.tip" = 1.0`.
+/// Returns all entries of a table of bodies; `tube = { tip = 1.0 }` means `"tube.tip" = 1.0`, and
+/// `tube = { tip = { x = 1.0 } }` means `"tube.tip.x" = 1.0`.
 fn of_nodes<'t>(reading: &mut Reading, table: &FileTable<'t>, names: &Names) -> Vec<Entry<'t>> {
     let mut all = Vec::new();
     for entry in reading.all(table) {
@@ -364,15 +365,21 @@ fn of_nodes<'t>(reading: &mut Reading, table: &FileTable<'t>, names: &Names) -> 
             continue;
         };
         let inner = FileTable { name: entry.name.clone(), line: entry.line, entries };
-        let nodes = reading.all(&inner).into_iter();
-        all.extend(nodes.map(|node| node.below(&entry.key)));
+        for node in reading.all(&inner).into_iter().map(|node| node.below(&entry.key)) {
+            let Some(entries) = node.value.as_table().filter(|_| names.find(&node.key).is_none()) else {
+                all.push(node);
+                continue;
+            };
+            let inner = FileTable { name: node.name.clone(), line: node.line, entries };
+            all.extend(reading.all(&inner).into_iter().map(|own| own.below(&node.key)));
+        }
     }
     all
 }
 
 /// Reads lever arms. The unit of an arm determines the dimension of its term, and all terms must
 /// have the same dimension.
-fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
+pub(super) fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let table =
         reading.table(entry, "expected a table of bodies and arms, such as { wheel = 1.0, drum = -3.0 }")?;
     let mut terms = Vec::new();

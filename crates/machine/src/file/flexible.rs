@@ -4,7 +4,7 @@ use super::bodies::{DIMENSIONS, Names};
 use super::matrices;
 use super::numbers::finite;
 use super::reading::{Entry, FileTable, Reading};
-use crate::check::MOST_COORDINATES;
+use crate::check::{MOST_COORDINATES, problem_of_name};
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Modal};
 use crate::kernel::sort_by_place;
 use crate::kinds::{self, NumberKind};
@@ -12,7 +12,8 @@ use crate::kinds::{self, NumberKind};
 /// Message that lists the allowed rows of a node.
 const ROW: &str = "expected a row of finite numbers, one for each coordinate and not all 0; \
                    the index of one coordinate, counted from 0, such as 17; \
-                   or a table of indices and factors, such as { \"17\" = 0.5, \"18\" = 0.5 }";
+                   a table of indices and factors, such as { \"17\" = 0.5, \"18\" = 0.5 }; \
+                   or a table of directions, such as { x = [...], y = [...] }";
 
 /// Reads the bodies in modal coordinates. The nodes of a body with problems keep their names, so
 /// that elements that refer to them can be read.
@@ -128,18 +129,36 @@ fn nodes(
         return;
     };
     let first = machine.bodies.len() - count.unwrap_or(0);
-    for entry in reading.all(&table) {
+    for entry in named_nodes(reading, &table) {
         let (dimension, row) = node(reading, &entry, count);
         let name = format!("{name}.{}", entry.key);
-        if let Some(text) = crate::check::problem_of_name(&entry.key) {
-            reading.refuse(&entry, text);
-        }
         names.add(name.clone(), dimension);
         if let (Some(row), Some(dimension)) = (row, dimension) {
             let row = row.into_iter().map(|(k, factor)| (first + k, factor)).collect();
             machine.bodies.push(Body { name, dimension, kind: BodyKind::Node(row) });
         }
     }
+}
+
+/// The nodes of a table, each with its name, such as `tip` or, for a node with directions, `tip.x`.
+pub(super) fn named_nodes<'t>(reading: &mut Reading, table: &FileTable<'t>) -> Vec<Entry<'t>> {
+    let is_name = |key: &str| problem_of_name(key).is_none();
+    let mut all = Vec::new();
+    for entry in reading.all(table) {
+        if !is_name(&entry.key) {
+            reading.refuse(&entry, problem_of_name(&entry.key).unwrap_or_default());
+        }
+        let is_direction = |key: &str| is_name(key) && !["row", "dimension"].contains(&key);
+        let directions =
+            entry.value.as_table().filter(|own| own.keys().all(|key| is_direction(key.get_ref())));
+        let Some(entries) = directions.filter(|own| !own.is_empty()) else {
+            all.push(entry);
+            continue;
+        };
+        let inner = FileTable { name: entry.name.clone(), line: entry.line, entries };
+        all.extend(reading.all(&inner).into_iter().map(|own| own.below(&entry.key)));
+    }
+    all
 }
 
 /// Indices and factors of a node's row.

@@ -1,7 +1,7 @@
 //! Reading of bodies with mass and stiffness matrices.
 
 use super::bodies::Names;
-use super::flexible::{node, of_modes, start};
+use super::flexible::{named_nodes, node, of_modes, start};
 use super::matrices;
 use super::reading::{Entry, FileTable, Reading};
 use crate::description::{Description, Dimension, Given, GivenNode, MatrixDamping};
@@ -105,11 +105,8 @@ fn nodes(reading: &mut Reading, table: &FileTable, count: Option<usize>) -> (Vec
         return (Vec::new(), false);
     };
     let (mut all, mut sound) = (Vec::new(), true);
-    for entry in reading.all(&table) {
+    for entry in named_nodes(reading, &table) {
         let (dimension, row) = node(reading, &entry, count);
-        if let Some(text) = crate::check::problem_of_name(&entry.key) {
-            reading.refuse(&entry, text);
-        }
         sound &= row.is_some() && dimension.is_some();
         let mut dense = DVector::zeros(count.unwrap_or(0));
         row.into_iter().flatten().for_each(|(k, factor)| dense[k] = factor);

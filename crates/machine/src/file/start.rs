@@ -8,7 +8,8 @@ use crate::description::{Description, Dimension};
 use crate::kinds;
 use crate::refusal::Refusal;
 use crate::start::{BodyStart, Start};
-use crate::system::in_series;
+use crate::system::{InSeries, in_series};
+use std::collections::BTreeMap;
 
 impl Start {
     /// Reads the text of a start's file; messages call the file `file`:
@@ -51,12 +52,14 @@ fn start(text: &str, file: &str, d: &Description) -> Result<Start, Refusal> {
 }
 
 fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
-    reading.known(root, &["time", "body", "spring", "block"]);
+    reading.known(root, &["time", "body", "spring", "contact", "block"]);
     let mut start = Start::default();
     if let Some(time) = reading.required_number(root, "time", kinds::TIME, Dimension::Translation) {
         start.time = time;
     }
-    sliders(reading, root, d, &mut start);
+    let (springs, contacts) = ("no spring in series has this name", "no contact with friction has this name");
+    start.sliders = sliders(reading, root, d, ("spring", springs));
+    start.contacts = sliders(reading, root, d, ("contact", contacts));
     blocks(reading, root, d, &mut start);
     let Some(whole) = reading.optional(root, "body") else { return start };
     const TABLES: &str = "expected tables with names, such as [body.NAME]";
@@ -85,25 +88,33 @@ fn of_root(reading: &mut Reading, root: &FileTable, d: &Description) -> Start {
     start
 }
 
-/// Reads the inner places of springs in series.
-fn sliders(reading: &mut Reading, root: &FileTable, d: &Description, start: &mut Start) {
-    let Some(whole) = reading.optional(root, "spring") else { return };
-    let Some(whole) = reading.table(&whole, "expected tables with names, such as [spring.NAME]") else {
-        return;
-    };
+/// Reads the inner places of the springs in series, or of the contacts, of a section.
+fn sliders(
+    reading: &mut Reading,
+    root: &FileTable,
+    d: &Description,
+    (section, unknown): (&str, &str),
+) -> BTreeMap<String, f64> {
+    let mut all = BTreeMap::new();
+    let Some(whole) = reading.optional(root, section) else { return all };
+    let allowed = format!("expected tables with names, such as [{section}.NAME]");
+    let Some(whole) = reading.table(&whole, &allowed) else { return all };
     for entry in reading.all(&whole) {
-        let Some((spring, _)) = in_series(d).find(|(spring, _)| spring.name == entry.key) else {
-            let names = in_series(d).map(|(spring, _)| spring.name.as_str());
-            reading.refuse_name(&entry, &entry.key, "no spring in series has this name", names);
+        // A start in one line does not show whether a name is of a spring or of a contact.
+        let is_own = |own: &InSeries| own.section == section || section == "spring";
+        let known = in_series(d).filter(is_own);
+        let Some(own) = known.clone().find(|own| own.name == entry.key) else {
+            reading.refuse_name(&entry, &entry.key, unknown, known.map(|own| own.name));
             continue;
         };
         let Some(table) = reading.table(&entry, "expected a table such as { slider = 0.0 }") else {
             continue;
         };
         reading.known(&table, &["slider"]);
-        let slider = reading.required_number(&table, "slider", kinds::SLIDER, spring.arms.dimension);
-        start.sliders.extend(slider.map(|slider| (spring.name.clone(), slider)));
+        let slider = reading.required_number(&table, "slider", kinds::SLIDER, own.arms.dimension);
+        all.extend(slider.map(|slider| (own.name.to_owned(), slider)));
     }
+    all
 }
 
 /// Reads the states of blocks, by their names: `"pid.x[0]" = 0.1`.

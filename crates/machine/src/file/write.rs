@@ -1,8 +1,8 @@
 //! Writes a description as the text of a file, in SI with all digits.
 
 use crate::description::{
-    Arms, Block, Body, BodyKind, Description, Dimension, Feed, ForcePoint, Free, Friction, Given, Level,
-    MatrixDamping, Modal, OddPower, SeriesLaw, Signal, Spring, Stop, StopLaw,
+    Arms, Block, Body, BodyKind, Closing, Contact, Description, Dimension, Feed, ForcePoint, Free, Friction,
+    Given, Level, MatrixDamping, Modal, OddPower, SeriesLaw, Signal, Spring, Stop, StopLaw,
 };
 use crate::elements::Element;
 use crate::formula::Formula;
@@ -39,7 +39,8 @@ pub(super) fn machine(machine: &Description) -> String {
     for element in machine.elements() {
         let of = element.dotted();
         line!(text, "\n[{of}]");
-        if let Some(arms) = element.arms() {
+        let is_contact = matches!(element, Element::Contact(_));
+        if let Some(arms) = element.arms().filter(|_| !is_contact) {
             own.arms(&mut text, &of, arms);
         }
         match element {
@@ -58,6 +59,7 @@ pub(super) fn machine(machine: &Description) -> String {
             Element::Matrix(matrix) => given(&mut text, &matrix.given, machine.starts_at_rest),
             Element::Stop(stop) => own.stop(&mut text, &of, stop),
             Element::Friction(friction) => own.friction(&mut text, &of, friction),
+            Element::Contact(contact) => own.contact(&mut text, &of, contact),
             Element::Freewheel(_) | Element::Link(_) => {}
             Element::Load(load) => {
                 line!(text, "on = {:?}", machine.bodies[load.body].name);
@@ -238,6 +240,12 @@ impl Writing<'_> {
     }
 
     fn arms(&self, text: &mut String, element: &str, arms: &Arms) {
+        let key = if arms.levers { "arms" } else { "between" };
+        line!(text, "{key} = {}", self.ends(element, arms));
+    }
+
+    /// Returns the levers of an elongation as an inline table, or its two ends as a list.
+    fn ends(&self, element: &str, arms: &Arms) -> String {
         let machine = self.machine;
         let name = |body: usize| machine.bodies[body].name.as_str();
         if arms.levers {
@@ -252,11 +260,31 @@ impl Writing<'_> {
                 }
             };
             let all: Vec<_> = arms.terms.iter().map(arm).collect();
-            return line!(text, "arms = {{ {} }}", all.join(", "));
+            return format!("{{ {} }}", all.join(", "));
         }
         let end =
             |sign: f64| arms.terms.iter().find(|term| term.1 == sign).map_or("ground", |term| name(term.0));
-        line!(text, "between = [{:?}, {:?}]", end(-1.0), end(1.0));
+        format!("[{:?}, {:?}]", end(-1.0), end(1.0))
+    }
+
+    fn contact(&self, text: &mut String, of: &str, contact: &Contact) {
+        let row = |key: &str, arms: &Arms| {
+            let ends = self.ends(&format!("{of}.{key}"), arms);
+            if arms.levers { format!("{key} = {{ arms = {ends} }}") } else { format!("{key} = {ends}") }
+        };
+        line!(text, "{}", row("normal", &contact.normal));
+        match contact.closing {
+            Closing::Gap(gap) => self.line(text, of, "gap", gap),
+            Closing::Preload(preload) => self.line(text, of, "preload", preload),
+        }
+        self.line(text, of, "stiffness", contact.stiffness);
+        let Some(tangent) = &contact.tangent else { return self.line(text, of, "damping", contact.damping) };
+        line!(text, "{}", row("tangent", &tangent.arms));
+        self.line(text, of, "tangential_stiffness", tangent.stiffness);
+        self.line(text, of, "friction", tangent.friction);
+        if !self.machine.starts_at_rest {
+            self.line(text, of, "slider", tangent.slider);
+        }
     }
 
     fn modal(&self, text: &mut String, of: &str, modal: &Modal) {

@@ -16,12 +16,15 @@
 //! - The basis of dependent contacts follows the order in which their forces came to lie strictly
 //!   inside their bounds: the other contacts keep a share that is a bound or zero.
 //!
+//! The slider of a contact follows its stop (`contacts.rs`).
+//!
 //! A new kind of contact needs its candidates in `Stop` or `Friction`, its first classification in
 //! `classify.rs`, and its bounds and decision in `order.rs`. A change is tested by
 //! `tests/second_method.rs` (all modes tried, in 50 digits), `tests/lone_events.rs` (guess and
 //! choice agree) and unchanged golden files.
 
 mod classify;
+mod contacts;
 mod order;
 
 use super::Sizes;
@@ -73,9 +76,11 @@ enum Friction {
 enum Slider {
     /// Decided.
     Is(SliderState),
-    /// The force is at its level in this direction, and e' and its derivatives are zero up to the
-    /// present order.
+    /// The force is at its level in this direction, or with 0 in both, and the rate of slip and its
+    /// derivatives are zero up to the present order.
     AtLevel(f64),
+    /// The slider of a contact at its edge, whose normal force is not decided.
+    AtEdge,
 }
 
 /// Facts about a slider that its rounded values cannot show.
@@ -194,7 +199,7 @@ impl<'a> Selection<'a> {
             selection.frictions.push(state);
         }
         for (i, flag) in verdict.sliders.iter().enumerate() {
-            let state = selection.classify_slider(i, *flag);
+            let state = selection.classify_slider(i, *flag, verdict);
             selection.sliders.push(state);
         }
         selection.pressing = selection.states().0;
@@ -258,7 +263,7 @@ impl<'a> Selection<'a> {
     /// the derivatives of e up to k + 1 are known.
     fn decide_compliant(&mut self, order: usize) {
         for i in 0..self.sliders.len() {
-            if let Slider::AtLevel(direction) = self.sliders[i] {
+            if let (Slider::AtLevel(direction), None) = (self.sliders[i], self.system.branches[i].stop()) {
                 let sign = self.sign(&self.system.branches[i].elongation.rate, order);
                 if sign != 0.0 {
                     self.sliders[i] = slid(direction, sign);
@@ -314,6 +319,7 @@ impl<'a> Selection<'a> {
                 _ => {}
             }
         }
+        self.decide_contacts(order);
     }
 
     /// Returns the states of all elements, provisional if undecided: touching stops closed,
@@ -404,7 +410,7 @@ impl<'a> Selection<'a> {
         for (i, j) in self.system.places_of_first_order().enumerate() {
             if let Some(row) = self.system.rate_of_first_order(i, &states) {
                 next[j] = row.dot(z);
-                size[j] = sizes.of(row);
+                size[j] = sizes.of(&row);
             }
         }
         if self.system.first_limit < self.system.first_freewheel {
@@ -471,11 +477,13 @@ impl<'a> Selection<'a> {
         Mode { stops, frictions, sliders: self.slider_states(), basis }
     }
 
-    /// Returns the states of all branches; undecided sliders, whose e' is zero, are held.
+    /// Returns the states of all branches; undecided sliders at their levels, whose rate of slip is
+    /// zero, are held.
     fn slider_states(&self) -> Vec<SliderState> {
         let state = |slider: &Slider| match *slider {
             Slider::Is(state) => state,
             Slider::AtLevel(_) => SliderState::Held,
+            Slider::AtEdge => SliderState::Off,
         };
         self.sliders.iter().map(state).collect()
     }

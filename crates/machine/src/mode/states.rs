@@ -108,6 +108,8 @@ pub enum SliderState {
     Up,
     /// The force is at its level, and the slider follows e' < 0.
     Down,
+    /// The slider of an open contact: it follows e without a force.
+    Off,
 }
 
 impl SliderState {
@@ -116,7 +118,7 @@ impl SliderState {
         match self {
             Self::Up => 1.0,
             Self::Down => -1.0,
-            Self::Held => 0.0,
+            Self::Held | Self::Off => 0.0,
         }
     }
 

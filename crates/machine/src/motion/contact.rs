@@ -5,7 +5,6 @@ use super::jump::{BeforeJump, Parted};
 use super::projection::project;
 use super::report::report;
 use super::{Hybrid, Motion, Observer, Scratch};
-use crate::description::SeriesLaw;
 use crate::error::Error;
 use crate::flow::ORDERS;
 use crate::law::Sizes;
@@ -13,7 +12,7 @@ use crate::law::box_qp::Jam;
 use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{EventVerdict, Selection, SliderFlag};
 use crate::mode::{Contact, Mode, StopState, Watch};
-use crate::system::{Elongation, System};
+use crate::system::{BranchLaw, Elongation, System};
 use nalgebra::DVector;
 
 /// Up to this multiple of the zero tolerance, a derivative that is positive where the law requires
@@ -57,9 +56,50 @@ impl Flags {
         let stops = flags.limits.iter_mut().zip(&system.stops);
         stops.for_each(|(limit, stop)| *limit &= !moved(&stop.elongation));
         let sliders = flags.sliders.iter_mut().zip(&system.branches);
-        sliders.for_each(|(flag, branch)| flag.turns &= !moved(&branch.elongation));
+        sliders.for_each(|(flag, branch)| {
+            let presses = branch.stop().is_some_and(|stop| moved(&system.stops[stop].elongation));
+            flag.turns &= !presses && !moved(&branch.elongation);
+        });
         flags
     }
+}
+
+/// The slider of a contact over a jump.
+struct Carried {
+    /// The stretch of the contact's spring after the jump.
+    stretch: f64,
+    /// The direction in which the slider is at its level; 0 if it is not.
+    direction: f64,
+    /// The energy loss over the tangential stiffness.
+    lost: f64,
+}
+
+/// Carries the stretch of a contact's spring over a jump. The elongation grows steadily by `jump`,
+/// and the largest stretch from `from` to `to`; the contact is open where the latter is negative.
+fn carried(stretch: f64, jump: f64, [from, to]: [f64; 2]) -> Carried {
+    let growth = to - from;
+    if from.max(to) <= 0.0 {
+        return Carried { stretch: 0.0, direction: 0.0, lost: 0.0 };
+    }
+    // The parts of the jump at which the contact closes and opens.
+    let closes = if from < 0.0 { -from / growth } else { 0.0 };
+    let opens = if to < 0.0 { -from / growth } else { 1.0 };
+    let begun = if from < 0.0 { 0.0 } else { stretch };
+    let most = |at: f64| (from + growth * at).max(0.0);
+    let slip = |direction: f64| {
+        // The slider slips once the distance to its limit is used up.
+        let (room, closing) = (most(closes) - direction * begun, direction * jump - growth);
+        let at = if closing > 0.0 { closes + room.max(0.0) / closing } else { f64::INFINITY };
+        (at < opens).then_some((direction, at, closing * (opens - at)))
+    };
+    let found = [1.0, -1.0].into_iter().filter_map(slip).min_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((direction, at, way)) = found else {
+        let stretch = if opens < 1.0 { 0.0 } else { begun + jump * (1.0 - closes) };
+        return Carried { stretch, direction: 0.0, lost: 0.0 };
+    };
+    let reached = if opens < 1.0 { 0.0 } else { most(1.0) };
+    let lost = 0.5 * (most(at) + reached) * way;
+    Carried { stretch: direction * reached, direction, lost }
 }
 
 /// Whether a bounce with speed `rebound` against an acceleration is lower than `least`, by (A19).
@@ -181,7 +221,7 @@ impl Motion {
         if let (Some(stood), Some(moved)) = (stood, moved) {
             parted = moved;
             self.check_jump(&stood)?;
-            let lost = self.slide();
+            let lost = self.slide(&stood);
             let work = self.work_of_jump(&stood) - switched + lost;
             self.hybrid.energy.impact(0.0, work);
         }
@@ -189,16 +229,46 @@ impl Motion {
     }
 
     /// Moves sliders after a jump until no force exceeds its level; returns their energy loss, J.
-    fn slide(&mut self) -> f64 {
+    fn slide(&mut self, before: &BeforeJump) -> f64 {
+        let pressed = self.slide_contacts(before);
         let ways = self.clamp();
         let Self { assembly, hybrid, .. } = self;
-        let mut all = 0.0;
+        let mut all: f64 = pressed.iter().map(|own| own.1).sum();
+        for (i, lost) in pressed {
+            hybrid.energy.slide(i, lost);
+        }
         for (i, (branch, way)) in assembly.system.branches.iter().zip(ways).enumerate() {
-            if let (SeriesLaw::Slider { slip }, true) = (branch.law, way != 0.0) {
+            if let (BranchLaw::Slider(slip), true) = (branch.law, way != 0.0) {
                 hybrid.energy.slide(i, slip * way.abs());
                 all += slip * way.abs();
             }
         }
+        all
+    }
+
+    /// Moves the sliders of contacts in a jump, as if both elongations of each contact moved
+    /// steadily from their values before the jump (docs/assembly-law.md (A67)). Returns each contact's
+    /// slider with its energy loss, J.
+    fn slide_contacts(&mut self, before: &BeforeJump) -> Vec<(usize, f64)> {
+        let Self { assembly, hybrid, .. } = self;
+        let (system, z) = (&assembly.system, &mut hybrid.z);
+        let (mut all, mut ways) = (Vec::new(), vec![0.0; system.branches.len()]);
+        for (i, branch) in system.branches.iter().enumerate() {
+            let BranchLaw::Contact { stop, friction } = branch.law else { continue };
+            let rows = &system.stops[stop];
+            let jump = branch.elongation.e.at(z.as_slice()) - before.branches[i];
+            let jump = if jump.abs() > hybrid.sizes.zero_of(&branch.elongation.e) { jump } else { 0.0 };
+            let [was, is] = [before.excess[stop], rows.excess.at(z.as_slice())];
+            let factor = friction * rows.stiffness() / branch.stiffness;
+            let limits = [was, is].map(|x| factor * x);
+            let Carried { stretch, direction, lost } = carried(z[branch.place] - jump, jump, limits);
+            let level = direction * branch.most(z.as_slice()).unwrap_or_default();
+            let stretch = if direction == 0.0 { stretch } else { level };
+            ways[i] = z[branch.place] - stretch;
+            z[branch.place] = stretch;
+            all.push((i, branch.stiffness * lost));
+        }
+        self.forget_moved(&ways);
         all
     }
 

@@ -10,7 +10,6 @@ use super::event::Event;
 use super::jump::Parted;
 use super::{Hybrid, Motion, Observer};
 use crate::assembly::Assembly;
-use crate::description::SeriesLaw;
 use crate::energy::{Accounts, Samples};
 use crate::error::Error;
 use crate::functional::StateRow;
@@ -63,7 +62,7 @@ impl System {
     }
 
     fn first_indicator_of_slider(&self, i: usize) -> usize {
-        let slides = |b: &&BranchRows| matches!(b.law, SeriesLaw::Slider { .. });
+        let slides = |b: &&BranchRows| b.is_slider();
         let before = self.branches[..i].iter().filter(slides).count();
         self.first_indicator_of_stop(self.stops.len()) + 3 * self.frictions.len() + 2 * before
     }

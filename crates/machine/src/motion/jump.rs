@@ -16,7 +16,7 @@ pub(super) struct BeforeJump {
     /// Coordinate and rate of each body.
     bodies: Vec<[f64; 2]>,
     /// Excess e - gap of each stop.
-    excess: Vec<f64>,
+    pub(super) excess: Vec<f64>,
     /// Rate e' of each friction.
     rates: Vec<f64>,
     /// Elongation e of each branch.

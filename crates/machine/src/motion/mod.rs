@@ -35,7 +35,7 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::flow::{Ahead, DepartureRows, FlowTable, Group};
 use crate::law::Sizes;
-use crate::mode::{Contact, FrictionState, Mode, StopState, Watch};
+use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState, Watch};
 use crate::signals::Input;
 use jump::Parted;
 use nalgebra::DVector;
@@ -317,7 +317,8 @@ impl Motion {
         };
         let stops = system.stops.iter().map(state).collect();
         let frictions = vec![FrictionState::Up; system.frictions.len()];
-        let sliders = system.held_sliders();
+        // Closed contacts act through their tangential stiffness.
+        let sliders = vec![SliderState::Held; system.branches.len()];
         let table = FlowTable::of_mode(system, &Mode { stops, frictions, sliders, basis: Vec::new() });
         let (first, length) = (system.coordinates, table.length_for(z.as_slice(), sizes.0.as_slice()));
         let mut added = vec![0.0; system.states() - first];

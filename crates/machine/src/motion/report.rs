@@ -54,12 +54,15 @@ impl Motion {
             (ElementState::Friction(i, was), ElementState::Friction(_, now)) => {
                 self.report_friction(i, was, now, observer);
             }
+            // A contact that closes or opens has an event of its stop.
+            (ElementState::Slider(_, SliderState::Off), _) => {}
             (ElementState::Slider(slider, was), ElementState::Slider(_, now)) if was != now => {
                 // Report the level, since stiffness times stretch has rounding.
                 let slips = if now == SliderState::Held { was } else { now };
                 let z = self.hybrid.z.as_slice();
                 let force = self.assembly.system.branch_force_at(slider, slips, z);
                 let kind = match now {
+                    SliderState::Off => return,
                     SliderState::Held => EventKind::Hold { slider, force },
                     _ => EventKind::Yield { slider, direction: now.direction(), force },
                 };

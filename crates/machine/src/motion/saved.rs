@@ -15,7 +15,10 @@ impl Hybrid {
         let (size, stops, frictions) = (system.signals.size, system.stops.len(), system.frictions.len());
         let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
         let is_slider = |i: usize| system.branches.get(i).is_some_and(BranchRows::is_slider);
-        let slides = |(i, state): (usize, &SliderState)| *state == SliderState::Held || is_slider(i);
+        let slides = |(i, state): (usize, &SliderState)| match system.branches[i].stop() {
+            Some(stop) => (*state == SliderState::Off) == (self.mode.stops[stop] != StopState::Pressed),
+            None => *state == SliderState::Held || (*state != SliderState::Off && is_slider(i)),
+        };
         let known = |watch: &Watch| match *watch {
             Watch::Meets(i)
             | Watch::Opens(i)

@@ -79,7 +79,9 @@ impl Motion {
         // The force of most stops is never a pull, by (A14); if it vanishes, rounding has either
         // sign. A host's solver goes beyond the end of a contact and sees the pull that its
         // accelerations contain.
-        let is_seen = self.overshoot > 0.0 || self.assembly.system.stops[i].may_pull();
+        let system = &self.assembly.system;
+        let is_contact = (system.first_contact..system.first_corner).contains(&i);
+        let is_seen = self.overshoot > 0.0 || (system.stops[i].may_pull() && !is_contact);
         if is_seen { force } else { force.max(0.0) }
     }
 
@@ -144,10 +146,10 @@ impl Motion {
             (Owner::Body(i), _) => return self.body(i)[2],
             (Owner::Element(i), _) => i,
         };
-        let (parts, z) = (&self.assembly.system.parts[i], &self.hybrid.z);
+        let (parts, z) = (self.assembly.system.parts_of(i, quantity.what), &self.hybrid.z);
         let elongation = || parts.first().and_then(|part| self.assembly.system.elongation_of_part(*part));
         match quantity.what {
-            What::F => {
+            What::F | What::TangentF => {
                 let force = |part: &Part| match *part {
                     Part::Spring(i) => self.assembly.system.springs[i].force.dot(z),
                     Part::Stop(i) => stop_force(i),
@@ -169,7 +171,7 @@ impl Motion {
                     _ => z[place],
                 }
             }
-            What::E => elongation().map_or(0.0, |own| own.e.dot(z)),
+            What::E | What::TangentE => elongation().map_or(0.0, |own| own.e.dot(z)),
             _ => elongation().map_or(0.0, |own| own.rate.dot(z)),
         }
     }

@@ -35,8 +35,11 @@ impl Start {
         }
         let name = assembly.description.parameter(name)?.name;
         let of_body = name.strip_prefix("body.").map(|name| name.replace(".start.", "."));
-        let of_spring = name.strip_prefix("spring.").filter(|own| own.ends_with(".slider"));
-        if let Some(place) = of_spring.filter(|_| !self.is_own()).and_then(place) {
+        let of_slider = name
+            .strip_prefix("spring.")
+            .or(name.strip_prefix("contact."))
+            .filter(|own| own.ends_with(".slider"));
+        if let Some(place) = of_slider.filter(|_| !self.is_own()).and_then(place) {
             return Ok(By::Start(place));
         }
         let own = of_body.filter(|_| !self.is_own() && name.contains(".start."));

@@ -7,11 +7,52 @@
 //! have x ([`System::take_given`], [`System::given`]).
 
 use super::{Elongation, FirstOrder, Part, StopRows, System};
-use crate::description::{Arms, Description, Series, SeriesLaw, Spring};
+use crate::description::{Arms, Description, SeriesLaw};
+use crate::elements::Element;
 use crate::functional::Functional;
 use crate::kernel::SparseMatrix;
 use crate::mode::{SliderState, StopState};
+use std::borrow::Cow;
 use std::ops::Range;
+
+/// The law of the dashpot or slider in series with a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BranchLaw {
+    /// A dashpot (Maxwell's element) with this damping, N s/m or N m s/rad.
+    Dashpot(f64),
+    /// A slider with this slip force, N or N m.
+    Slider(f64),
+    /// The slider of a contact: its limit is the coefficient of friction times the force of a stop,
+    /// by the stop's index.
+    Contact {
+        /// Index of the stop.
+        stop: usize,
+        /// Coefficient of friction.
+        friction: f64,
+    },
+}
+
+impl BranchLaw {
+    /// Whether this is the slider of a contact.
+    pub(crate) fn is_of_contact(self) -> bool {
+        matches!(self, Self::Contact { .. })
+    }
+}
+
+/// A spring in series with a dashpot or slider, as an element gives it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InSeries<'a> {
+    /// Section and name of the element.
+    pub section: &'static str,
+    pub name: &'a str,
+    /// The elongation of both together.
+    pub arms: &'a Arms,
+    /// Stiffness, N/m or N m/rad.
+    pub stiffness: f64,
+    pub law: BranchLaw,
+    /// The inner place at time 0, m or rad.
+    pub slider: f64,
+}
 
 /// Rows of a spring in series with a dashpot or slider.
 #[derive(Clone, Debug)]
@@ -21,30 +62,71 @@ pub struct BranchRows {
     /// Stiffness, N/m or N m/rad; positive.
     pub stiffness: f64,
     /// The dashpot or slider.
-    pub law: SeriesLaw,
+    pub law: BranchLaw,
     /// Index of the stretch y = e - x in the augmented state.
     pub place: usize,
     /// Spring force b = stiffness · y, which a slipping slider limits ([`System::branch_force`]).
     pub force: Functional,
     /// The inner place x = e - y.
     pub inner: Functional,
+    /// The slider's limit of the force; `None` for a dashpot.
+    pub level: Option<Functional>,
+    /// Rate of the stretch while the slider of a contact slips upwards: friction N' / stiffness.
+    pub sliding: Option<Functional>,
 }
 
 impl BranchRows {
     /// Whether a slider is in series with the spring.
     pub(crate) fn is_slider(&self) -> bool {
-        matches!(self.law, SeriesLaw::Slider { .. })
+        !matches!(self.law, BranchLaw::Dashpot(_))
     }
 
-    /// The stretch at which the force is at the slider's level `slip`.
-    fn stretch_at(&self, slip: f64) -> f64 {
-        slip / self.stiffness
+    /// The stop whose force limits the slider of a contact; `None` for another branch.
+    pub fn stop(&self) -> Option<usize> {
+        if let BranchLaw::Contact { stop, .. } = self.law { Some(stop) } else { None }
+    }
+
+    /// The largest stretch in an augmented state; `None` for a dashpot.
+    pub(crate) fn most(&self, z: &[f64]) -> Option<f64> {
+        match self.law {
+            BranchLaw::Dashpot(_) => None,
+            BranchLaw::Slider(slip) => Some(slip / self.stiffness),
+            BranchLaw::Contact { .. } => {
+                let level = self.level.as_ref().map_or(0.0, |level| level.at(z));
+                Some(level.max(0.0) / self.stiffness)
+            }
+        }
+    }
+
+    /// The rate of the slider in a direction in which it slips: σ e' - friction N' / stiffness, and
+    /// σ e' if the limit is constant.
+    pub(crate) fn slip_rate(&self, direction: f64) -> Functional {
+        let rate = direction * &self.elongation.rate;
+        match &self.sliding {
+            Some(sliding) => &rate - sliding,
+            None => rate,
+        }
     }
 }
 
 /// The springs in series with a dashpot or slider, in the order of their states.
-pub(crate) fn in_series(d: &Description) -> impl Iterator<Item = (&Spring, Series)> + Clone {
-    d.springs.iter().filter_map(|spring| Some((spring, spring.series?)))
+pub(crate) fn in_series(d: &Description) -> impl Iterator<Item = InSeries<'_>> + Clone {
+    let springs = d.springs.iter().filter_map(|spring| {
+        let series = spring.series?;
+        let law = match series.law {
+            SeriesLaw::Dashpot { damping } => BranchLaw::Dashpot(damping),
+            SeriesLaw::Slider { slip } => BranchLaw::Slider(slip),
+        };
+        let (section, name, arms) = ("spring", spring.name.as_str(), &spring.arms);
+        Some(InSeries { section, name, arms, stiffness: spring.stiffness, law, slider: series.slider })
+    });
+    let contacts = d.contacts.iter().enumerate().filter_map(|(i, contact)| {
+        let own = contact.tangent.as_ref()?;
+        let law = BranchLaw::Contact { stop: d.stops.len() + i, friction: own.friction };
+        let (section, name, arms) = ("contact", contact.name.as_str(), &own.arms);
+        Some(InSeries { section, name, arms, stiffness: own.stiffness, law, slider: own.slider })
+    });
+    springs.chain(contacts)
 }
 
 /// The number of states of first order of a machine.
@@ -89,27 +171,58 @@ impl System {
         states
     }
 
+    /// Adds the springs in series with dashpots and sliders, after the stops that limits follow.
+    pub(super) fn add_branches(&mut self, d: &Description) {
+        let elements: Vec<_> = d.elements().collect();
+        for own in in_series(d) {
+            let part = self.add_branch(own.arms, own.stiffness, own.law);
+            let is_own = |element: &Element| (element.section(), element.name()) == (own.section, own.name);
+            if let Some(element) = elements.iter().position(is_own) {
+                self.parts[element].push(part);
+            }
+        }
+    }
+
     /// Adds a spring in series with a dashpot or slider.
-    pub(super) fn add_branch(&mut self, arms: &Arms, stiffness: f64, law: SeriesLaw) -> Part {
+    fn add_branch(&mut self, arms: &Arms, stiffness: f64, law: BranchLaw) -> Part {
         let (elongation, place) = (self.elongation(arms), 2 * self.coordinates + self.first_order.len());
         let stretch = |factor: f64| Functional::unit(elongation.e.len(), place, factor);
         let (force, inner) = (stretch(stiffness), &elongation.e - &stretch(1.0));
         let (rate, slider) = match law {
-            SeriesLaw::Dashpot { damping } => (&elongation.rate - &stretch(stiffness / damping), None),
-            SeriesLaw::Slider { .. } => (elongation.rate.clone(), Some(self.branches.len())),
+            BranchLaw::Dashpot(damping) => (&elongation.rate - &stretch(stiffness / damping), None),
+            _ => (elongation.rate.clone(), Some(self.branches.len())),
+        };
+        let (level, sliding) = match law {
+            BranchLaw::Dashpot(_) => (None, None),
+            BranchLaw::Slider(slip) => (Some(self.constant(slip)), None),
+            BranchLaw::Contact { stop, friction } => {
+                self.stops[stop].is_followed = true;
+                let rows = &self.stops[stop];
+                let factor = friction * rows.stiffness() / stiffness;
+                (Some(friction * &rows.force), Some(factor * &rows.elongation.rate))
+            }
         };
         self.first_order.push(FirstOrder { rate, slider });
-        self.branches.push(BranchRows { elongation, stiffness, law, place, force, inner });
+        self.branches.push(BranchRows { elongation, stiffness, law, place, force, inner, level, sliding });
         Part::Branch(self.branches.len() - 1)
     }
 
     /// The row of the rate of state of first order `k` while the branches are in given states;
     /// `None` if the state does not change.
-    pub(crate) fn rate_of_first_order(&self, k: usize, sliders: &[SliderState]) -> Option<&Functional> {
+    pub(crate) fn rate_of_first_order(
+        &self,
+        k: usize,
+        sliders: &[SliderState],
+    ) -> Option<Cow<'_, Functional>> {
         let own = &self.first_order[k];
-        let moves =
-            own.slider.is_none_or(|i| sliders.get(i).is_some_and(|state| *state == SliderState::Held));
-        moves.then_some(&own.rate)
+        let Some(i) = own.slider else { return Some(Cow::Borrowed(&own.rate)) };
+        match *sliders.get(i)? {
+            SliderState::Held => Some(Cow::Borrowed(&own.rate)),
+            state => {
+                let sliding = self.branches[i].sliding.as_ref().filter(|_| state != SliderState::Off);
+                sliding.map(|row| Cow::Owned(state.direction() * row))
+            }
+        }
     }
 
     /// Adds the rows of the states of first order to A.
@@ -125,21 +238,22 @@ impl System {
             let place = 2 * self.coordinates + k;
             let taken = limits.iter().flat_map(|stop| stop.further.iter().map(move |own| (stop, own)));
             let taken: Vec<_> = taken.filter(|(_, own)| own.0 == place).collect();
-            if let (Some(rate), false) = (rate, taken.is_empty()) {
-                let mut row = (**rate).clone();
+            if let (Some(rate), false) = (&rate, taken.is_empty()) {
+                let mut row = (***rate).clone();
                 taken.iter().for_each(|(stop, own)| row.axpy(-own.1, &stop.excess, 1.0));
                 a.push_row(row.iter().copied().enumerate());
                 continue;
             }
-            a.push_row(rate.map_or(&[][..], Functional::terms).iter().copied());
+            a.push_row(rate.as_deref().map_or(&[][..], Functional::terms).iter().copied());
         }
     }
 
     /// The force of a branch in a state of its slider. While the slider slips it is the level,
     /// whatever the stretch.
     pub fn branch_force(&self, i: usize, state: SliderState) -> Functional {
-        match self.slip_level(i) {
-            Some(level) if state != SliderState::Held => state.direction() * &level,
+        match &self.branches[i].level {
+            Some(_) if state == SliderState::Off => Functional::zeros(self.signals.size),
+            Some(level) if state != SliderState::Held => state.direction() * level,
             _ => self.branches[i].force.clone(),
         }
     }
@@ -148,24 +262,27 @@ impl System {
     pub fn branch_force_at(&self, i: usize, state: SliderState, z: &[f64]) -> f64 {
         let branch = &self.branches[i];
         match branch.law {
-            SeriesLaw::Slider { slip } if state != SliderState::Held => {
-                state.direction() * slip * z[self.signals.one]
+            _ if state == SliderState::Held => branch.force.at(z),
+            BranchLaw::Slider(slip) => state.direction() * slip * z[self.signals.one],
+            BranchLaw::Contact { .. } => {
+                state.direction() * branch.level.as_ref().map_or(0.0, |level| level.at(z))
             }
-            _ => branch.force.at(z),
+            BranchLaw::Dashpot(_) => branch.force.at(z),
         }
     }
 
-    /// All branches with their sliders held.
+    /// The states of all branches with sliders held and contacts open.
     pub fn held_sliders(&self) -> Vec<SliderState> {
-        vec![SliderState::Held; self.branches.len()]
+        let state = |own: &BranchRows| match own.stop() {
+            Some(_) => SliderState::Off,
+            None => SliderState::Held,
+        };
+        self.branches.iter().map(state).collect()
     }
 
     /// The level of a branch with a slider, as a row.
-    pub(crate) fn slip_level(&self, i: usize) -> Option<Functional> {
-        match self.branches[i].law {
-            SeriesLaw::Slider { slip } => Some(self.constant(slip)),
-            SeriesLaw::Dashpot { .. } => None,
-        }
+    pub(crate) fn slip_level(&self, i: usize) -> Option<&Functional> {
+        self.branches[i].level.as_ref()
     }
 
     /// The branches with sliders, by index.
@@ -173,7 +290,8 @@ impl System {
         (0..self.branches.len()).filter(|&i| self.branches[i].is_slider())
     }
 
-    /// Sets the stretch of each branch whose slider slips so that its force is at its level.
+    /// Sets the stretch of each branch whose slider slips so that its force is at its level. The
+    /// stretch of an open contact is zero.
     pub(crate) fn keep_levels(&self, sliders: &[SliderState], z: &mut [f64]) {
         for (i, state) in sliders.iter().enumerate().filter(|(_, state)| **state != SliderState::Held) {
             self.keep_level(i, state.direction(), z);
@@ -193,24 +311,29 @@ impl System {
     /// is at its level.
     pub(crate) fn was_moved(&self, i: usize, before: &[f64], after: &[f64]) -> Option<f64> {
         let branch = &self.branches[i];
-        let SeriesLaw::Slider { slip } = branch.law else { return None };
         let [was, is] = [before[branch.place], after[branch.place]];
-        (was != is && is.abs() == branch.stretch_at(slip)).then(|| is.signum())
+        let most = branch.most(after).filter(|most| *most > 0.0)?;
+        (was != is && is.abs() == most).then(|| is.signum())
     }
 
     fn keep_level(&self, i: usize, direction: f64, z: &mut [f64]) {
         let branch = &self.branches[i];
-        if let SeriesLaw::Slider { slip } = branch.law {
-            z[branch.place] = direction * branch.stretch_at(slip) * z[self.signals.one];
-        }
+        z[branch.place] = match branch.law {
+            BranchLaw::Dashpot(_) => return,
+            BranchLaw::Slider(slip) => direction * (slip / branch.stiffness) * z[self.signals.one],
+            BranchLaw::Contact { .. } => {
+                let level = branch.level.as_ref().map_or(0.0, |level| level.at(z));
+                direction * level / branch.stiffness
+            }
+        };
     }
 
     /// Reduces the stretch of each branch whose force exceeds its level until the force is at its
     /// level. Returns the distances that inner places move.
     pub(crate) fn clamp_sliders(&self, z: &mut [f64]) -> Vec<f64> {
         let way = |branch: &BranchRows, z: &mut [f64]| {
-            let SeriesLaw::Slider { slip } = branch.law else { return 0.0 };
-            let (stretch, most) = (z[branch.place], branch.stretch_at(slip));
+            let Some(most) = branch.most(z) else { return 0.0 };
+            let stretch = z[branch.place];
             if stretch.abs() <= most {
                 return 0.0;
             }

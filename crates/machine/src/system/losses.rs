@@ -1,9 +1,9 @@
 //! The powers of a machine's loads and losses, as products of two linear functions of the state,
 //! with the contact states that each requires (docs/assembly-law.md, section 9).
 
-use super::{ContactRows, System};
+use super::{BranchLaw, ContactRows, System};
 use crate::curved::HUNT_CROSSLEY;
-use crate::description::{SeriesLaw, StopLaw};
+use crate::description::StopLaw;
 use crate::functional::Functional;
 use crate::kernel::Sparse;
 use crate::mode::{FrictionState, Mode, SliderState, StopState};
@@ -124,13 +124,25 @@ impl Losses {
         for (i, branch) in system.branches.iter().enumerate() {
             let account = Account::Branch(i);
             match branch.law {
-                SeriesLaw::Dashpot { damping } => {
+                BranchLaw::Dashpot(damping) => {
                     put(When::Always, account, 1.0 / damping, &branch.force, &branch.force);
                 }
-                SeriesLaw::Slider { .. } => {
+                BranchLaw::Slider(_) => {
                     for state in [SliderState::Up, SliderState::Down] {
                         let level = system.branch_force(i, state);
                         put(When::Slider(i, state), account, 1.0, &level, &branch.elongation.rate);
+                    }
+                }
+                BranchLaw::Contact { .. } => {
+                    for state in [SliderState::Up, SliderState::Down] {
+                        let Some(level) = &branch.level else { continue };
+                        put(
+                            When::Slider(i, state),
+                            account,
+                            1.0,
+                            level,
+                            &branch.slip_rate(state.direction()),
+                        );
                     }
                 }
             }

@@ -7,11 +7,23 @@ use crate::functional::Functional;
 use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode, StopState};
 pub use crate::part::Part;
+use crate::quantity::What;
 
 impl System {
     /// The index of the element that has a part, among all elements.
     pub fn element_of(&self, part: Part) -> usize {
         self.parts.iter().position(|parts| parts.contains(&part)).unwrap_or_default()
+    }
+
+    /// The parts of an element to which a quantity belongs: of a contact the stop, or along the
+    /// tangent the branch.
+    pub fn parts_of(&self, element: usize, what: What) -> &[Part] {
+        let parts = &self.parts[element][..];
+        match (parts, what) {
+            ([Part::Stop(_), tangent @ ..], What::TangentE | What::TangentF) => tangent,
+            ([Part::Stop(_), Part::Branch(_)], What::E | What::Rate | What::F) => &parts[..1],
+            _ => parts,
+        }
     }
 
     /// The elongation of a part; `None` for a load.

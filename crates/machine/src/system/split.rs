@@ -38,11 +38,11 @@ pub struct Split {
     /// Event functions of each friction and each of its levels if it is off, slips upwards or
     /// downwards, or sticks.
     watched_frictions: Vec<Vec<[Vec<Known>; 4]>>,
-    /// Terms of each branch with a slider, in the states of [`SLIDERS`]: the force and, while the
-    /// slider is held, the rate of the stretch.
-    sliders: Vec<(usize, [Vec<Term>; 3])>,
-    /// Event functions of each branch whose slider is held, slips upwards or slips downwards.
-    watched_sliders: Vec<[Vec<Known>; 3]>,
+    /// Terms of each branch with a slider, in the states of [`SLIDERS`]: the force and the rate of
+    /// the stretch, if it varies.
+    sliders: Vec<(usize, [Vec<Term>; SLIDERS.len()])>,
+    /// Event functions of each branch, in the states of [`SLIDERS`].
+    watched_sliders: Vec<[Vec<Known>; SLIDERS.len()]>,
     /// For each stop that is a limit of an output: the term of A while it is passed.
     limits: Vec<Option<Term>>,
     norm: Norm,
@@ -70,7 +70,7 @@ const LEVELS: [FrictionState; 4] =
     [FrictionState::Up, FrictionState::Down, FrictionState::HeldUp, FrictionState::HeldDown];
 
 /// The order of the states in [`Split::sliders`] and [`Split::watched_sliders`].
-const SLIDERS: [SliderState; 3] = [SliderState::Held, SliderState::Up, SliderState::Down];
+const SLIDERS: [SliderState; 4] = [SliderState::Held, SliderState::Up, SliderState::Down, SliderState::Off];
 
 fn place_of_slider(state: SliderState) -> usize {
     SLIDERS.iter().position(|own| *own == state).unwrap_or_default()
@@ -157,14 +157,21 @@ impl Split {
         let of_slider = |i: usize| {
             let branch = &system.branches[i];
             let stretches = Sparse::from_terms(std::iter::once((branch.place, -1.0)));
-            let rate = Term { force: Arc::new(branch.elongation.rate.clone()), by: Arc::new(stretches) };
+            let by = Arc::new(stretches);
             let of_state = |state: SliderState| {
-                let rate = (state == SliderState::Held).then(|| rate.clone());
-                std::iter::once(term(system.branch_force(i, state), &branch.elongation)).chain(rate).collect()
+                let rate = match (state, &branch.sliding) {
+                    (SliderState::Held, _) => Some(branch.elongation.rate.clone()),
+                    (SliderState::Up | SliderState::Down, Some(row)) => Some(state.direction() * row),
+                    _ => None,
+                };
+                let rate = rate.map(|force| Term { force: Arc::new(force), by: by.clone() });
+                let force = term(system.branch_force(i, state), &branch.elongation);
+                let acts = state != SliderState::Off;
+                acts.then_some(force).into_iter().chain(rate).collect()
             };
             (i, SLIDERS.map(of_state))
         };
-        let sliders: Vec<(usize, [Vec<Term>; 3])> = system.sliders().map(of_slider).collect();
+        let sliders: Vec<(usize, [Vec<Term>; SLIDERS.len()])> = system.sliders().map(of_slider).collect();
         let levels = frictions.iter().flatten().flatten();
         let levels = levels.chain(sliders.iter().flat_map(|own| own.1.iter().flatten()));
         let levels: Vec<Term> = levels.cloned().collect();

@@ -15,6 +15,8 @@ use std::ops::{Add, Mul, Sub};
 pub(crate) enum StopMaker {
     /// A stop of the description: its contact, or a level of its stiffness.
     Stop(usize),
+    /// A contact.
+    Contact(usize),
     /// A spring: a corner of its force, or a level of its stiffness.
     Spring(usize),
 }
@@ -24,12 +26,13 @@ impl StopMaker {
     pub fn arms(self, d: &Description) -> &Arms {
         match self {
             Self::Stop(i) => &d.stops[i].arms,
+            Self::Contact(i) => &d.contacts[i].normal,
             Self::Spring(i) => &d.springs[i].arms,
         }
     }
 }
 
-/// A stop of the law that a stop or a spring makes.
+/// A stop of the law that a stop, a contact or a spring makes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MadeStop {
     /// The element.
@@ -42,7 +45,7 @@ pub(crate) struct MadeStop {
     pub law: StopLaw,
 }
 
-/// Returns the stops that stops and springs make, in the order of [`System::stops`]: stops,
+/// Returns the stops that elements make, in the order of [`System::stops`]: stops, contacts,
 /// further levels of their stiffnesses, levels of springs, corners of springs. With `along`, whose
 /// numbers are derivatives of the numbers of `d`, they have the derivatives of their numbers.
 pub(crate) fn made_stops(d: &Description, along: Option<&Description>) -> Vec<MadeStop> {
@@ -61,6 +64,13 @@ pub(crate) fn made_stops(d: &Description, along: Option<&Description>) -> Vec<Ma
         });
         all.extend(by_level.next());
         levels.extend(by_level);
+    }
+    for (i, contact) in d.contacts.iter().enumerate() {
+        let (gap, law) = match along.map(|along| &along.contacts[i]) {
+            None => (contact.gap(), contact.law()),
+            Some(by) => (contact.gap_along(by), by.law()),
+        };
+        all.push(MadeStop { by: StopMaker::Contact(i), level: None, gap, law });
     }
     let pull = |by, level, gap, stiffness| {
         let law = StopLaw::Compliant { stiffness, damping: 0.0, limit: DampingLimit::Pull };
@@ -189,15 +199,18 @@ impl System {
         StopRows { spring, force, contact: Some(contact), ..rows }
     }
 
-    /// Adds the stops that stops and springs make, with the rows of the counters of levels.
+    /// Adds the stops that elements make, with the rows of the counters of levels.
     pub(super) fn add_stops(&mut self, d: &Description, counters: &[Functional]) {
-        let first = d.elements().take_while(|own| !matches!(own, Element::Stop(_))).count();
+        let first = |is_own: fn(&Element) -> bool| d.elements().take_while(|own| !is_own(own)).count();
+        let first_contact = first(|own| matches!(own, Element::Contact(_)));
+        let first = first(|own| matches!(own, Element::Stop(_)));
         let one = self.constant(1.0);
         for MadeStop { by, level, gap, law } in made_stops(d, None) {
             let elongation = self.elongation(by.arms(d));
             let excess = excess(&elongation.e, gap, &one);
             let (element, stop) = match by {
                 StopMaker::Stop(i) => (first + i, Some(i)),
+                StopMaker::Contact(i) => (first_contact + i, None),
                 StopMaker::Spring(i) => (i, None),
             };
             let level = level.map(|(counter, level)| StopLevel {

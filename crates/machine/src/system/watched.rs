@@ -62,11 +62,12 @@ impl System {
     pub(crate) fn watched_of_slider(&self, i: usize, state: SliderState) -> Vec<(Watch, Functional)> {
         let (branch, Some(level)) = (&self.branches[i], self.slip_level(i)) else { return Vec::new() };
         match state {
+            SliderState::Off => Vec::new(),
             SliderState::Held => vec![
-                (Watch::Yields(i, true), &branch.force - &level),
-                (Watch::Yields(i, false), -&(&branch.force + &level)),
+                (Watch::Yields(i, true), &branch.force - level),
+                (Watch::Yields(i, false), -&(&branch.force + level)),
             ],
-            state => vec![(Watch::Reverses(i), -state.direction() * &branch.elongation.rate)],
+            state => vec![(Watch::Reverses(i), -&branch.slip_rate(state.direction()))],
         }
     }
 

@@ -2,6 +2,7 @@
 //! examples.
 
 mod completion;
+mod contacts;
 mod damaged;
 mod examples;
 mod extremes;

@@ -104,3 +104,29 @@ fn second_method_an_orbit_whose_sliders_slip_forgets_their_places() {
         check_column(&machine, &orbit, parameter);
     }
 }
+
+/// A body of two coordinates on a contact with friction; LOAD is the amplitude along the normal.
+const TIP: &str = r#"
+name = "Tip"
+body.n = { mass = 1.0 }
+body.t = { mass = 1.2 }
+spring.n = { between = ["ground", "n"], stiffness = 60.0, damping = 1.5 }
+spring.t = { between = ["ground", "t"], stiffness = 80.0, damping = 0.8 }
+spring.nt = { between = ["n", "t"], stiffness = 12.0 }
+contact.c = { normal = ["ground", "n"], tangent = ["ground", "t"], gap = 0.01, stiffness = 400.0, tangential_stiffness = 250.0, friction = 0.35 }
+load.fn = { on = "n", constant = 12.0, amplitude = LOAD, frequency = 1.4, phase = 0.6 }
+load.ft = { on = "t", amplitude = 9.0, frequency = 1.4 }
+"#;
+
+#[test]
+fn second_method_orbits_on_a_contact_with_friction_and_with_lift_off() {
+    for (load, words) in [("4.0", ["slip", "stick"]), ("19.0", ["press", "free"])] {
+        let machine = machine(&TIP.replace("LOAD", load));
+        let orbit = examined(&machine, 5);
+        let word = orbit.word().in_words(&orbit.place().assembly);
+        assert!(words.iter().all(|own| word.contains(own)), "{word}");
+        for key in ["friction", "tangential_stiffness", "stiffness", "gap"] {
+            check_column(&machine, &orbit, &format!("contact.c.{key}"));
+        }
+    }
+}

@@ -89,10 +89,13 @@ impl Selection<'_> {
     }
 
     /// Classifies a branch by its force, e' and the event. A branch with a dashpot has no slider.
-    pub(super) fn classify_slider(&self, i: usize, flag: SliderFlag) -> Slider {
+    pub(super) fn classify_slider(&self, i: usize, flag: SliderFlag, verdict: &EventVerdict) -> Slider {
         let branch = &self.system.branches[i];
         let Some(level) = self.system.slip_level(i) else { return Slider::Is(SliderState::Held) };
-        let is_at = |direction: f64| self.sign(&(&(direction * &branch.force) - &level), 0) >= 0.0;
+        if let Some(stop) = branch.stop() {
+            return self.classify_contact(i, flag, (stop, verdict.edges[stop]));
+        }
+        let is_at = |direction: f64| self.sign(&(&(direction * &branch.force) - level), 0) >= 0.0;
         let by_value = [1.0, -1.0].into_iter().find(|direction| is_at(*direction));
         let direction = if flag.level == 0.0 { by_value.unwrap_or(0.0) } else { flag.level };
         if direction == 0.0 {

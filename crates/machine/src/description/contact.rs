@@ -1,0 +1,71 @@
+//! Contacts with a normal stiffness, and friction in one tangent.
+
+use super::{Arms, DampingLimit, StopLaw};
+
+/// A contact with a finite normal stiffness. With x = e - gap, its normal force is N =
+/// max(0, stiffness x + damping e') where x >= 0 and 0 elsewhere. With a [`Tangent`], a spring and
+/// a slider act along the tangent, whose limit is the coefficient of friction times N
+/// (docs/assembly-law.md, section 24).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Its name, unique among the elements.
+    pub name: String,
+    /// Its normal elongation e.
+    pub normal: Arms,
+    /// Where the contact closes.
+    pub closing: Closing,
+    /// Normal stiffness, N/m; positive.
+    pub stiffness: f64,
+    /// Damping along the normal, N s/m; not negative, and 0 with friction.
+    pub damping: f64,
+    /// Friction along a tangent; `None` for a contact without friction.
+    pub tangent: Option<Tangent>,
+}
+
+/// Where a contact closes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Closing {
+    /// The value of e at which the contact closes, m.
+    Gap(f64),
+    /// The normal force at e = 0, N. The gap is -preload / stiffness.
+    Preload(f64),
+}
+
+/// Friction of a contact along a tangent: |T| <= friction N, with T = stiffness (e - w) and the
+/// place w of the slider.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tangent {
+    /// The tangential elongation e.
+    pub arms: Arms,
+    /// Tangential stiffness, N/m; positive.
+    pub stiffness: f64,
+    /// Coefficient of friction, not negative.
+    pub friction: f64,
+    /// w at time 0, m.
+    pub slider: f64,
+}
+
+impl Contact {
+    /// The value of e at which the contact closes.
+    pub fn gap(&self) -> f64 {
+        match self.closing {
+            Closing::Gap(gap) => gap,
+            Closing::Preload(preload) => -preload / self.stiffness,
+        }
+    }
+
+    /// The derivative of the gap; `along` has the derivatives of this contact's numbers.
+    pub(crate) fn gap_along(&self, along: &Self) -> f64 {
+        match along.closing {
+            Closing::Gap(gap) => gap,
+            Closing::Preload(preload) => -(preload + self.gap() * along.stiffness) / self.stiffness,
+        }
+    }
+
+    /// The law along the normal. With friction it has no dashpot, so that its force ends at the gap.
+    pub(crate) fn law(&self) -> StopLaw {
+        let Self { stiffness, damping, .. } = *self;
+        let limit = if self.tangent.is_some() { DampingLimit::Pull } else { DampingLimit::NoPull };
+        StopLaw::Compliant { stiffness, damping, limit }
+    }
+}

@@ -1,0 +1,223 @@
+//! Reading of contacts with a normal stiffness.
+
+use super::bodies::Names;
+use super::elements::{NO_BODY, between, levers};
+use super::reading::{Entry, FileTable, Reading};
+use crate::description::{Arms, Closing, Contact, Description, Dimension, Tangent};
+use crate::kinds;
+use crate::refusal::Problem;
+
+/// Keys of a contact.
+const KEYS: [&str; 10] = [
+    "between",
+    "normal",
+    "tangent",
+    "gap",
+    "preload",
+    "stiffness",
+    "damping",
+    "tangential_stiffness",
+    "friction",
+    "slider",
+];
+
+/// Keys that a contact does not have, with the reason.
+const OTHERS: [(&str, &str); 4] = [
+    (
+        "restitution",
+        "is not supported in a contact: laws of rigid contact with friction disagree (Newton, Poisson, Routh); \
+         use `stiffness`, or [stop.NAME] for a rigid stop without friction",
+    ),
+    ("static_friction", "is not supported: the tangential force would jump; use `friction` alone"),
+    ("tangential_damping", "is not supported in a contact; use a [damper.NAME] along the tangent"),
+    ("cone", "is not supported: a contact has friction along one `tangent`"),
+];
+
+/// The forms of a normal or tangent.
+const ROW: &str = "expected a direction of the nodes in `between`, such as \"y\" or \"-y\"; two names, such as \
+                   [\"ground\", \"box\"]; or { arms = { A = 1.0, B = -1.0 } }";
+
+/// Reads the contacts.
+pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machine: &mut Description) {
+    for (name, table) in reading.section(root, "contact") {
+        machine.contacts.extend(contact(reading, name, &table, names));
+    }
+}
+
+/// Reads a contact.
+fn contact(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Contact> {
+    let others = OTHERS.iter().map(|own| own.0).filter(|key| table.has(key));
+    reading.known(table, &KEYS.into_iter().chain(others).collect::<Vec<_>>());
+    OTHERS.iter().for_each(|(key, text)| reading.excluded(table, key, text));
+    let before = reading.problems.len();
+    let normal = row(reading, table, "normal", names);
+    let closing = closing(reading, table);
+    let stiffness = stiffness(reading, table);
+    let damping = reading.number_or(table, "damping", kinds::DAMPING, Dimension::Translation, 0.0);
+    let tangent = tangent(reading, table, names);
+    let is_direction = |key: &str| table.entries.get(key).is_some_and(|own| own.get_ref().is_str());
+    if !is_direction("normal") && !is_direction("tangent") && table.has("normal") {
+        let text =
+            "requires a direction in `normal`, such as \"y\"; remove it if `normal` names its own ends";
+        reading.excluded(table, "between", text);
+    }
+    // The normal and the tangent have the same ends.
+    for problem in reading.problems.split_off(before) {
+        let is_same = |own: &Problem| (&own.name, &own.text) == (&problem.name, &problem.text);
+        if !reading.problems[before..].iter().any(is_same) {
+            reading.problems.push(problem);
+        }
+    }
+    Some(Contact {
+        name,
+        normal: normal?,
+        closing: closing?,
+        stiffness: stiffness?,
+        damping: damping?,
+        tangent: tangent?,
+    })
+}
+
+fn stiffness(reading: &mut Reading, table: &FileTable) -> Option<f64> {
+    if !table.has("stiffness") {
+        let text = "requires `stiffness`, the normal stiffness: a rigid contact requires the residual \
+                    flexibility of its nodes, which is not supported; use [stop.NAME] for a rigid stop";
+        reading.refuse_table(table, text);
+        return None;
+    }
+    reading.required_number(table, "stiffness", kinds::NORMAL_STIFFNESS, Dimension::Translation)
+}
+
+fn closing(reading: &mut Reading, table: &FileTable) -> Option<Closing> {
+    let mut number = |key, kind| reading.required_number(table, key, kind, Dimension::Translation);
+    match (table.has("gap"), table.has("preload")) {
+        (true, false) => number("gap", kinds::GAP).map(Closing::Gap),
+        (false, true) => number("preload", kinds::CONTACT_PRELOAD).map(Closing::Preload),
+        (true, true) => {
+            let text = "cannot be combined with `gap`: use `gap` for the elongation at which the contact \
+                        closes, or `preload` for the normal force at e = 0";
+            reading.excluded(table, "preload", text);
+            None
+        }
+        (false, false) => {
+            let text = "requires `gap`, the elongation at which the contact closes, or `preload`, the normal \
+                        force at e = 0";
+            reading.refuse_table(table, text);
+            None
+        }
+    }
+}
+
+/// Reads the friction along the tangent; the outer `None` if it is refused.
+fn tangent(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Option<Tangent>> {
+    let own = ["friction", "tangential_stiffness", "tangent"];
+    if !own.iter().chain(&["slider"]).any(|key| table.has(key)) {
+        return Some(None);
+    }
+    let missing: Vec<String> =
+        own.into_iter().filter(|key| !table.has(key)).map(|key| format!("`{key}`")).collect();
+    if !missing.is_empty() {
+        let given = own.into_iter().chain(["slider"]).filter(|key| table.has(key));
+        for entry in given.filter_map(|key| reading.optional(table, key)).collect::<Vec<_>>() {
+            let text = format!(
+                "requires {}: friction acts along a tangent through a stiffness",
+                missing.join(" and ")
+            );
+            reading.refuse(&entry, text);
+        }
+        return None;
+    }
+    let line = Dimension::Translation;
+    let arms = row(reading, table, "tangent", names);
+    let stiffness = reading.required_number(table, "tangential_stiffness", kinds::TANGENTIAL_STIFFNESS, line);
+    let friction = reading.required_number(table, "friction", kinds::COEFFICIENT, line);
+    let slider = reading.number_or(table, "slider", kinds::SLIDER, line, 0.0);
+    let (arms, stiffness, friction, slider) = (arms?, stiffness?, friction?, slider?);
+    Some(Some(Tangent { arms, stiffness, friction, slider }))
+}
+
+/// Reads the elongation along the normal or the tangent, which is a length.
+fn row(reading: &mut Reading, table: &FileTable, key: &str, names: &Names) -> Option<Arms> {
+    let entry = reading.required(table, key, ROW)?;
+    let arms = if entry.value.is_str() {
+        direction(reading, table, &entry, names)
+    } else if entry.value.is_array() {
+        between(reading, &entry, names)
+    } else {
+        let inner = reading.table(&entry, ROW)?;
+        reading.known(&inner, &["arms"]);
+        let arms = reading.required(&inner, "arms", "expected a table such as { A = 1.0, B = -1.0 }")?;
+        levers(reading, &arms, names)
+    }?;
+    if arms.dimension == Dimension::Rotation {
+        let text = "is an angle; the normal and the tangent of a contact are lengths: use `arms` with a lever \
+                    such as \"50 mm\"";
+        reading.refuse(&entry, text);
+        return None;
+    }
+    Some(arms)
+}
+
+/// Reads the elongation between two nodes in a direction, such as "y", or "-y" the other way.
+fn direction(reading: &mut Reading, table: &FileTable, entry: &Entry, names: &Names) -> Option<Arms> {
+    let said = entry.value.as_str().unwrap_or_default();
+    let direction = said.strip_prefix('-').unwrap_or(said);
+    let Some(ends) = reading.optional(table, "between") else {
+        let text = "a direction requires `between = [A, B]` with names of nodes that have directions";
+        reading.refuse(entry, text);
+        return None;
+    };
+    let items = reading.items(&ends);
+    let Some(items) = items.filter(|items| items.len() == 2) else {
+        reading.refuse(&ends, "expected two names, such as [\"ground\", \"blade.tip\"]");
+        return None;
+    };
+    let mut found = Vec::new();
+    for item in &items {
+        let node = reading.string(item, "expected \"ground\" or the name of a node")?;
+        if node == "ground" {
+            found.push(None);
+            continue;
+        }
+        let before = format!("{node}.");
+        let directions: Vec<&str> =
+            names.all().filter_map(|name| name.strip_prefix(before.as_str())).collect();
+        if directions.is_empty() {
+            let bodies = names.all().filter_map(|name| Some(name.rsplit_once('.')?.0));
+            let said = match names.find(&node) {
+                Some(_) => {
+                    let text = "it has no directions; use `normal = [A, B]`, or give the node directions, such as \
+                                nodes.tip = { x = [...], y = [...] }";
+                    reading.refuse(item, text);
+                    return None;
+                }
+                None => NO_BODY,
+            };
+            reading.refuse_name(item, &node, said, bodies.chain(["ground"]));
+            return None;
+        }
+        let Some(own) = names.find(&format!("{before}{direction}")) else {
+            let text = format!("`{node}` has no such direction");
+            reading.refuse_name(entry, direction, &text, directions.into_iter());
+            return None;
+        };
+        found.push(Some(own));
+    }
+    let [a, b] = [found[0], found[1]];
+    let (from, to) = (a.map(|own: (usize, _)| own.0), b.map(|own| own.0));
+    if from == to {
+        reading.refuse(&ends, "both ends are the same; expected two nodes, or ground and a node");
+        return None;
+    }
+    let dimensions: Vec<Option<Dimension>> = [a, b].into_iter().flatten().map(|own| own.1).collect();
+    let dimension = dimensions[0]?;
+    if dimensions.iter().any(|own| *own != Some(dimension)) {
+        reading.refuse(entry, "cannot connect a translating and a rotating node directly");
+        return None;
+    }
+    Some(if said.starts_with('-') {
+        Arms::between(to, from, dimension)
+    } else {
+        Arms::between(from, to, dimension)
+    })
+}
