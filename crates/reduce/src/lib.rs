@@ -5,20 +5,20 @@
 //! writes the section `[modal.NAME]`, the basis and a report. The factorisations are in
 //! [`factor`], the eigenvalues in [`eigen`].
 
-//pub mod clamp;
-//pub mod damping;
+pub mod clamp;
+pub mod damping;
 pub mod dofs;
 pub mod eigen;
 pub mod factor;
 //pub mod import;
-//pub mod interface;
-//pub mod model;
+pub mod interface;
+pub mod model;
 //pub mod output;
 pub mod problem;
-//pub mod reduction;
+pub mod reduction;
 pub mod sparse;
 //pub mod statement;
-//pub mod units;
+pub mod units;
 
 /// Refused input, or a computation that did not succeed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -128,7 +128,7 @@ fn first_elastic(problem: &Problem) -> Result<(usize, Option<f64>)> {
 }
 
 /// Whether a mode has no strain energy beyond rounding.
-fn is_rigid(stiffness: &Symmetric, modes: &Modes, i: usize) -> bool {
+pub fn is_rigid(stiffness: &Symmetric, modes: &Modes, i: usize) -> bool {
     let x = modes.vectors.column(i);
     let (mut energy, mut terms) = (0.0, 0.0);
     for j in 0..stiffness.count() {
