@@ -10,7 +10,7 @@ pub mod damping;
 pub mod dofs;
 pub mod eigen;
 pub mod factor;
-//pub mod import;
+pub mod import;
 pub mod interface;
 pub mod model;
 //pub mod output;
