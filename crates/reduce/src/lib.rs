@@ -12,12 +12,13 @@ pub mod eigen;
 pub mod factor;
 pub mod import;
 pub mod interface;
+pub mod job;
 pub mod model;
-//pub mod output;
+pub mod output;
 pub mod problem;
 pub mod reduction;
 pub mod sparse;
-//pub mod statement;
+pub mod statement;
 pub mod units;
 
 /// Refused input, or a computation that did not succeed.

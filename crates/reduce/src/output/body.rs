@@ -1,0 +1,113 @@
+//! The section `[modal.NAME]` of a machine's file.
+
+use crate::dofs::Direction;
+use crate::interface::Interface;
+use crate::reduction::Reduced;
+use crate::statement::labels;
+use crate::{Error, Result};
+use nalgebra::DMatrix;
+use std::fmt::Write;
+
+/// What the section says beside the reduced body.
+#[derive(Clone, Debug)]
+pub struct Section<'r> {
+    /// Name of the body.
+    pub name: &'r str,
+    /// Lines of the comment at the top.
+    pub heading: Vec<String>,
+    /// Damping ratio of each coordinate.
+    pub damping_ratios: Vec<f64>,
+    /// Weight of each coordinate by the machine's gravity, if it acts.
+    pub gravity: Option<Vec<f64>>,
+}
+
+/// Refuses a name that a machine's file does not take.
+///
+/// # Errors
+/// An error with the allowed characters.
+pub fn check_name(name: &str) -> Result<()> {
+    let is_first = name.starts_with(|c: char| c.is_ascii_alphabetic());
+    if is_first && name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) {
+        return Ok(());
+    }
+    let problem = "expected a name of letters, digits, _ and -, that begins with a letter";
+    Err(Error::new(format!("--name {name}"), problem))
+}
+
+/// The text of the file.
+pub fn text(reduced: &Reduced, interfaces: &[Interface], section: &Section) -> String {
+    let mut out = String::new();
+    for line in &section.heading {
+        let _ = writeln!(out, "# {line}");
+    }
+    let _ = writeln!(out, "name = \"{0}\"\n\n[modal.{0}]", section.name);
+    let _ = writeln!(out, "frequencies = {}", list(&reduced.frequencies()));
+    let ratios = &section.damping_ratios;
+    match ratios.first().filter(|first| reduced.rigid == 0 && ratios.iter().all(|own| own == *first)) {
+        Some(one) => {
+            let _ = writeln!(out, "damping_ratio = {one:?}");
+        }
+        None => {
+            let _ = writeln!(out, "damping_ratio = {}", list(ratios));
+        }
+    }
+    if let Some(gravity) = &section.gravity {
+        let _ = writeln!(out, "gravity = {}", list(gravity));
+    }
+    if !interfaces.is_empty() {
+        out.push_str(&residual(reduced, interfaces));
+        let _ = writeln!(out, "\n[modal.{}.nodes]", section.name);
+        let mut first = 0;
+        for own in interfaces {
+            let rows = reduced.rows.rows(first, own.dofs.len()).into_owned();
+            out.push_str(&node(own, &rows));
+            first += own.dofs.len();
+        }
+    }
+    out
+}
+
+/// The residual flexibility as a comment.
+fn residual(reduced: &Reduced, interfaces: &[Interface]) -> String {
+    if reduced.residual.amax() <= 1e-9 * reduced.flexibility.amax() {
+        return String::new();
+    }
+    let names: Vec<String> = labels(interfaces).iter().map(|name| format!("\"{name}\"")).collect();
+    let rows: Vec<String> = reduced.residual.row_iter().map(|row| list(row.transpose().as_slice())).collect();
+    format!(
+        "# Flexibility at the nodes that the modes lack, m/N. Not read yet: motions do not have it.\n\
+         # residual = {{ nodes = [{}], flexibility = [{}] }}\n",
+        names.join(", "),
+        rows.join(", ")
+    )
+}
+
+/// A node: one row, or a table of directions. Rotations of a node with displacements are nodes of
+/// their own.
+fn node(own: &Interface, rows: &DMatrix<f64>) -> String {
+    let row = |k: usize| list(rows.row(k).transpose().as_slice());
+    let turned = |name: &str, k: usize| format!("{name} = {{ row = {}, dimension = \"rotation\" }}\n", row(k));
+    if let [(direction, _)] = own.dofs[..] {
+        return if direction.is_rotation() { turned(&own.name, 0) } else { format!("{} = {}\n", own.name, row(0)) };
+    }
+    let of = |k: usize, direction: Direction| match direction {
+        Direction::None => format!("s = {}", row(k)),
+        _ => format!("{} = {}", direction.name(), row(k)),
+    };
+    let (turns, lengths): (Vec<_>, Vec<_>) =
+        own.dofs.iter().map(|(d, _)| *d).enumerate().partition(|(_, d)| d.is_rotation());
+    let mut out = String::new();
+    if !lengths.is_empty() {
+        let parts: Vec<String> = lengths.into_iter().map(|(k, d)| of(k, d)).collect();
+        let _ = writeln!(out, "{} = {{ {} }}", own.name, parts.join(", "));
+    }
+    for (k, direction) in turns {
+        out.push_str(&turned(&format!("{}_{}", own.name, direction.name()), k));
+    }
+    out
+}
+
+fn list(numbers: &[f64]) -> String {
+    let words: Vec<String> = numbers.iter().map(|x| format!("{:?}", if *x == 0.0 { 0.0 } else { *x })).collect();
+    format!("[{}]", words.join(", "))
+}
