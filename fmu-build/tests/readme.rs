@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 
 /// Pages of docs/ whose blocks and commands of an installed `vibro` another test runs, and that
 /// test.
-const RUN_ELSEWHERE: [(&str, &str); 8] = [
+const RUN_ELSEWHERE: [(&str, &str); 9] = [
     ("paper-machine.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
     ("python.md", "tests/python/test_guide.py"),
     ("derivatives.md", "tests/python/test_guide.py"),
     ("machine-studies.md", "crates/command-line/tests/assembly_orbits.rs"),
     ("fit.md", "crates/command-line/tests/fit.rs"),
+    ("reduce.md", "crates/command-line/tests/reduce.rs"),
     ("assemblies.md", "crates/machine/tests/file/examples.rs"),
     ("machine-file.md", "crates/machine/tests/file/examples.rs"),
 ];

@@ -82,29 +82,21 @@ fn residual(reduced: &Reduced, interfaces: &[Interface]) -> String {
     )
 }
 
-/// A node: one row, or a table of directions. Rotations of a node with displacements are nodes of
-/// their own.
+/// A node: one row, or a table of directions with a row each.
 fn node(own: &Interface, rows: &DMatrix<f64>) -> String {
-    let row = |k: usize| list(rows.row(k).transpose().as_slice());
-    let turned = |name: &str, k: usize| format!("{name} = {{ row = {}, dimension = \"rotation\" }}\n", row(k));
-    if let [(direction, _)] = own.dofs[..] {
-        return if direction.is_rotation() { turned(&own.name, 0) } else { format!("{} = {}\n", own.name, row(0)) };
-    }
-    let of = |k: usize, direction: Direction| match direction {
-        Direction::None => format!("s = {}", row(k)),
-        _ => format!("{} = {}", direction.name(), row(k)),
+    let row = |k: usize, direction: Direction| {
+        let numbers = list(rows.row(k).transpose().as_slice());
+        if direction.is_rotation() { format!("{{ row = {numbers}, dimension = \"rotation\" }}") } else { numbers }
     };
-    let (turns, lengths): (Vec<_>, Vec<_>) =
-        own.dofs.iter().map(|(d, _)| *d).enumerate().partition(|(_, d)| d.is_rotation());
-    let mut out = String::new();
-    if !lengths.is_empty() {
-        let parts: Vec<String> = lengths.into_iter().map(|(k, d)| of(k, d)).collect();
-        let _ = writeln!(out, "{} = {{ {} }}", own.name, parts.join(", "));
+    if let [(direction, _)] = own.dofs[..] {
+        return format!("{} = {}\n", own.name, row(0, direction));
     }
-    for (k, direction) in turns {
-        out.push_str(&turned(&format!("{}_{}", own.name, direction.name()), k));
-    }
-    out
+    let of = |(k, (direction, _)): (usize, &(Direction, usize))| {
+        let name = if *direction == Direction::None { "s" } else { direction.name() };
+        format!("{name} = {}", row(k, *direction))
+    };
+    let parts: Vec<String> = own.dofs.iter().enumerate().map(of).collect();
+    format!("{} = {{ {} }}\n", own.name, parts.join(", "))
 }
 
 fn list(numbers: &[f64]) -> String {
