@@ -52,7 +52,11 @@ fn closed_form_a_chain_is_reduced_checked_and_run() {
     assert!(output.status.success(), "{}", said(&output));
     let text = said(&output);
     // 2 sin(pi/14) sqrt(k/m)/(2 pi)
-    for expected in ["mass that moves: 3.00000 kg along x", "first frequency: 2.23989 Hz", "wrote chain.toml, chain.npz, chain.txt"] {
+    for expected in [
+        "mass that moves: 3.00000 kg along x",
+        "first frequency: 2.23986 Hz",
+        "wrote chain.toml, chain.npz, chain.txt",
+    ] {
         assert!(text.contains(expected), "{expected}\n{text}");
     }
     let machine = std::fs::read_to_string(folder.path().join("chain.toml")).unwrap();
@@ -99,5 +103,53 @@ fn invariant_what_does_not_fit_is_refused_by_words() {
     ] {
         let output = vibro(folder.path(), &format!("{FILES} {line}"));
         assert!(!output.status.success() && said(&output).contains(expected), "{line}: {}", said(&output));
+    }
+}
+
+/// The blocks of a page with the words after their fence.
+#[cfg(feature = "reduce")]
+fn blocks(page: &str) -> Vec<(&str, &str)> {
+    let blocks = page.split("\n```").skip(1).step_by(2);
+    blocks.filter_map(|block| block.split_once('\n')).collect()
+}
+
+#[test]
+#[cfg(feature = "reduce")]
+fn golden_the_page_runs_and_shows_what_it_says() {
+    let page = include_str!("../../../docs/reduce.md");
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    for (info, block) in blocks(page) {
+        if let Some((_, name)) = info.split_once(' ') {
+            write(name, block);
+        }
+    }
+    let python = Command::new("python3").arg("matrices.py").current_dir(folder.path()).output();
+    let Ok(python) = python else {
+        eprintln!("NOT RUN: python3 is missing");
+        return;
+    };
+    assert!(python.status.success(), "{}", said(&python));
+    let joined = page.replace("\\\n", " ");
+    let mut shown = String::new();
+    for line in joined.lines().filter(|line| line.starts_with("vibro ") && !line.starts_with("vibro fmu")) {
+        if line.starts_with("vibro check") {
+            let [one, other] = ["beam.toml", "surroundings.toml"]
+                .map(|name| std::fs::read_to_string(folder.path().join(name)).unwrap());
+            write("machine.toml", &(one + &other));
+        }
+        let output = vibro(folder.path(), &line["vibro ".len()..]);
+        assert!(output.status.success(), "{line}: {}", said(&output));
+        shown += &said(&output);
+    }
+    shown += &std::fs::read_to_string(folder.path().join("beam.txt")).unwrap();
+    let outputs: Vec<&str> =
+        blocks(page).into_iter().filter(|(info, _)| *info == "text").map(|own| own.1).collect();
+    assert_eq!(outputs.len(), 3);
+    for line in outputs.iter().flat_map(|block| block.lines()) {
+        assert!(
+            shown.lines().any(|own| own.trim_end() == line.trim_end()),
+            "the page shows\n{line}\nbut there is\n{shown}"
+        );
     }
 }

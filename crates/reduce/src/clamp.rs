@@ -20,7 +20,8 @@ pub fn of_list(text: &str, dofs: &Dofs) -> Result<Vec<usize>> {
 /// # Errors
 /// An error with the line for an unknown node or direction, or if the file has no node.
 pub fn of_file(text: &str, file: &str, dofs: &Dofs) -> Result<Vec<usize>> {
-    let lines = text.lines().enumerate().filter(|(i, line)| *i > 0 || line.chars().any(|c| c.is_ascii_digit()));
+    let lines =
+        text.lines().enumerate().filter(|(i, line)| *i > 0 || line.chars().any(|c| c.is_ascii_digit()));
     let words = lines.flat_map(|(i, line)| {
         let line = line.split('#').next().unwrap_or("");
         let words = line.split([',', ' ', '\t', ';']).map(str::trim).filter(|word| !word.is_empty());

@@ -22,7 +22,8 @@ impl Damping {
     pub fn of_table(text: &str, file: &str) -> Result<Self> {
         let mut table: Vec<[f64; 2]> = Vec::new();
         for (i, line) in text.lines().enumerate() {
-            let words: Vec<&str> = line.split([',', ';', '\t', ' ']).filter(|word| !word.is_empty()).collect();
+            let words: Vec<&str> =
+                line.split([',', ';', '\t', ' ']).filter(|word| !word.is_empty()).collect();
             let numbers: Vec<f64> =
                 words.iter().filter_map(|word| word.parse().ok().filter(|x: &f64| *x >= 0.0)).collect();
             let is_good = numbers.len() == 2 && words.len() == 2 && numbers.iter().all(|x| x.is_finite());
@@ -30,7 +31,8 @@ impl Damping {
                 continue;
             }
             if !is_good || table.last().is_some_and(|last| last[0] >= numbers[0]) {
-                let problem = "expected a frequency in Hz, greater than the one before, and a damping ratio >= 0";
+                let problem =
+                    "expected a frequency in Hz, greater than the one before, and a damping ratio >= 0";
                 return Err(Error::new(format!("{file}:{}", i + 1), problem));
             }
             table.push([numbers[0], numbers[1]]);
@@ -50,7 +52,8 @@ impl Damping {
             Self::Rayleigh(alpha, beta) => alpha / (4.0 * PI * f) + beta * PI * f,
         };
         if matches!(self, Self::Rayleigh(alpha, _) if *alpha > 0.0) && frequencies.contains(&0.0) {
-            let problem = "the body has rigid-body modes, and a rigid mode has no damping ratio; expected alpha 0";
+            let problem =
+                "the body has rigid-body modes, and a rigid mode has no damping ratio; expected alpha 0";
             return Err(Error::new("--rayleigh", problem));
         }
         Ok(frequencies.iter().map(one).collect())
@@ -92,7 +95,13 @@ mod tests {
 
     #[test]
     fn invariant_tables_that_are_none_are_refused_with_their_line() {
-        for (text, line) in [("1 0.1\n1 0.2", ":2"), ("1 0.1\n2", ":2"), ("1 0.1\nx y", ":2"), ("1 -1", ":1"), ("", "no numbers")] {
+        for (text, line) in [
+            ("1 0.1\n1 0.2", ":2"),
+            ("1 0.1\n2", ":2"),
+            ("1 0.1\nx y", ":2"),
+            ("1 -1", ":1"),
+            ("", "no numbers"),
+        ] {
             let error = Damping::of_table(text, "d.csv").unwrap_err().to_string();
             assert!(error.contains(line), "{text}: {error}");
         }

@@ -114,7 +114,8 @@ impl Dofs {
         let mut places = HashMap::with_capacity(list.len());
         for (i, dof) in list.iter().enumerate() {
             if let Some(first) = places.insert(dof.clone(), i) {
-                let problem = format!("rows {} and {} have this name; expected one row a dof", first + 1, i + 1);
+                let problem =
+                    format!("rows {} and {} have this name; expected one row a dof", first + 1, i + 1);
                 return Err(Error::new(format!("dof {dof}"), problem));
             }
         }

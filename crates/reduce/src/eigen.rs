@@ -54,10 +54,11 @@ struct Space<'p, 'm> {
     basis: DMatrix<f64>,
     mass_basis: DMatrix<f64>,
     projected: DMatrix<f64>,
-    /// Number of vectors, and of those whose image is known.
+    /// Number of vectors.
     count: usize,
+    /// Number of vectors whose image is known.
     applied: usize,
-    /// Largest norm of an image's part outside of the space.
+    /// Number of the last random block.
     seed: u64,
 }
 
@@ -107,8 +108,7 @@ impl Space<'_, '_> {
     }
 
     fn remove_known(&self, block: &mut DMatrix<f64>) {
-        let (basis, mass_basis) =
-            (self.basis.columns(0, self.count), self.mass_basis.columns(0, self.count));
+        let (basis, mass_basis) = (self.basis.columns(0, self.count), self.mass_basis.columns(0, self.count));
         *block -= basis * mass_basis.tr_mul(block);
     }
 
@@ -172,7 +172,8 @@ pub fn lowest(problem: &Problem, wanted: usize, check: Check) -> Result<Modes> {
     let start = problem.solve(problem.mass.times(&random(rows, width, 1)))?;
     space.add(start);
     let most = (10 * wanted + 400).min(rows);
-    let (mut more, mut rounds, mut next_look) = (0, 0, wanted.min(rows));
+    // Fewer vectors than this do not settle.
+    let (mut more, mut rounds, mut next_look) = (0, 0, (wanted + wanted / 2).min(rows));
     loop {
         let mut added = space.grow(std::mem::take(&mut more))?;
         if added == 0 {
@@ -208,8 +209,11 @@ pub fn lowest(problem: &Problem, wanted: usize, check: Check) -> Result<Modes> {
             }
             more = (count - separated).min(2 * BLOCK);
         }
-        if space.count > most && rounds == 0 {
-            let text = format!("{settled} of {wanted} modes converged in {} steps; reduce to fewer modes", space.count);
+        if space.count > most * (1 + rounds) {
+            let text = format!(
+                "{settled} of {wanted} modes converged in {} steps; reduce to fewer modes",
+                space.count
+            );
             return Err(Error::new("modes", text));
         }
     }

@@ -181,7 +181,8 @@ impl Analysis {
         let (mut forward, mut inverse) = (vec![0; count], vec![0; count]);
         let parameters = Spec::default();
         let request = self.symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(cores(), parameters);
-        let mut buffer = memory(StackReq::any_of(&[request, self.symbolic.solve_in_place_scratch::<f64>(1, cores())]))?;
+        let mut buffer =
+            memory(StackReq::any_of(&[request, self.symbolic.solve_in_place_scratch::<f64>(1, cores())]))?;
         let factor = self.symbolic.factorize_numeric_intranode_lblt(
             &mut values,
             &mut below,
@@ -316,9 +317,8 @@ mod tests {
         let analysis = Analysis::new(&a).unwrap();
         let unit: Vec<Entry> = (0..count).map(|i| Entry { row: i, column: i, value: 1.0 }).collect();
         let unit = Symmetric::assemble(count, &unit, Listed::Once, &|i| i.to_string()).unwrap();
-        let own = |k: usize| {
-            2.0 - 2.0 * (std::f64::consts::PI * (2 * k - 1) as f64 / (2 * count + 1) as f64).cos()
-        };
+        let own =
+            |k: usize| 2.0 - 2.0 * (std::f64::consts::PI * (2 * k - 1) as f64 / (2 * count + 1) as f64).cos();
         for k in 1..count {
             let between = 0.5 * (own(k) + own(k + 1));
             assert_eq!(analysis.negative_eigenvalues(&a.plus(-between, &unit)).unwrap(), k);

@@ -146,7 +146,9 @@ fn rows_reach(matrix: &Matrix, file: &str, count: usize) -> Result<()> {
     if most >= count {
         return Ok(());
     }
-    let problem = format!("its last row is {most}, but {file} names {count} dofs; expected stiffness of each, unless it is cut off");
+    let problem = format!(
+        "its last row is {most}, but {file} names {count} dofs; expected stiffness of each, unless it is cut off"
+    );
     Err(Error::new(&matrix.file, problem))
 }
 

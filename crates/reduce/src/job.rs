@@ -75,7 +75,8 @@ impl Job {
         let section = body::Section { name: &self.name, heading: heading.clone(), damping_ratios, gravity };
         let toml = body::text(&reduced, &interfaces, &section);
         let said = statement::sizes(&model, &reduced);
-        let report = heading.join("\n") + "\n\n" + &statement::text(&model, &reduced, &interfaces, &self.given);
+        let report =
+            heading.join("\n") + "\n\n" + &statement::text(&model, &reduced, &interfaces, &self.given);
         let npz = archive(&model, &reduced, &interfaces)?;
         Ok(Made { toml, npz, report, said, reduced })
     }
@@ -122,7 +123,8 @@ fn weight_of(text: &str, model: &Model) -> Result<(Direction, f64)> {
     };
     let found = Direction::of_name(axis).filter(|direction| model.directions().contains(direction));
     found.map(|direction| (direction, sign)).ok_or_else(|| {
-        let names: Vec<&str> = model.directions().iter().map(|d| d.name()).filter(|d| !d.is_empty()).collect();
+        let names: Vec<&str> =
+            model.directions().iter().map(|d| d.name()).filter(|d| !d.is_empty()).collect();
         let problem = match names.is_empty() {
             true => "the model has no directions; give the names of its dofs by --dofs".into(),
             false => format!("expected one of {}, or with -", names.join(", ")),

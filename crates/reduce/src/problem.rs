@@ -14,7 +14,12 @@ const NEGATIVE: f64 = -1e-9;
 const MORE: f64 = 1e-11;
 /// Strain energy of a rigid-body mode over the sum of its absolute terms: rounding of the entries
 /// of K, which programs print with 13 digits or more.
-pub const RIGID: f64 = 1e-12;
+const RIGID: f64 = 1e-12;
+/// Largest eigenvalue of a rigid-body mode over the first elastic one: modes of long beams with
+/// many elements have little strain energy among their terms, too.
+const RIGID_GAP: f64 = 1e-4;
+/// Part of the first elastic eigenvalue below which there are rigid-body modes alone.
+const BELOW_ELASTIC: f64 = 1e-2;
 /// First shift of a body that may be free, as a part of the median of K's over M's diagonal.
 const FIRST_SHIFT: f64 = 1e-7;
 /// Shift of a free body over its first elastic eigenvalue: a third of its frequency.
@@ -78,19 +83,22 @@ impl<'m> Problem<'m> {
             Ok(Self { stiffness, mass, analysis: analysis.clone(), factor, shift, rigid })
         };
         let mut shift = -FIRST_SHIFT * scale(stiffness, mass);
-        // The first shift is a guess; a second one is a tenth of the first elastic eigenvalue.
+        // The first shift is a guess; a better one is a tenth of the first elastic eigenvalue.
         for _ in 0..4 {
             let problem = made(shift, 0)?;
             let (rigid, elastic) = first_elastic(&problem)?;
-            let better = -SHIFT * elastic.unwrap_or(-shift / SHIFT);
+            let Some(elastic) = elastic else { return Ok(Self { rigid, ..problem }) };
+            let better = -SHIFT * elastic;
             if (better / shift).ln().abs() < 0.5 {
+                let rigid = if rigid > 0 { problem.below(BELOW_ELASTIC * elastic)? } else { 0 };
                 return Ok(Self { rigid, ..problem });
             }
             shift = better;
         }
-        let problem = made(shift, 0)?;
-        let (rigid, _) = first_elastic(&problem)?;
-        Ok(Self { rigid, ..problem })
+        Err(Error::new(
+            "stiffness",
+            "the first elastic eigenvalue is not found: K or M is singular beyond rigid-body modes",
+        ))
     }
 
     /// (K - σ M)⁻¹ b.
@@ -116,8 +124,12 @@ fn first_elastic(problem: &Problem) -> Result<(usize, Option<f64>)> {
     let mut wanted = 8.min(problem.stiffness.count());
     loop {
         let found = eigen::lowest(problem, wanted, eigen::Check::None)?;
-        let rigid = (0..found.values.len()).take_while(|&i| is_rigid(problem.stiffness, &found, i)).count();
-        if rigid < found.values.len() {
+        let count = found.values.len();
+        let most = (0..count).take_while(|&i| is_rigid(problem.stiffness, &found, i)).count();
+        let is_apart =
+            |r: &usize| *r == 0 || *r == count || found.values[*r - 1].abs() <= RIGID_GAP * found.values[*r];
+        let rigid = (0..=most).rev().find(is_apart).unwrap_or(0);
+        if rigid < count {
             return Ok((rigid, Some(found.values[rigid])));
         }
         if found.exhausted || wanted > 100 {
@@ -128,7 +140,7 @@ fn first_elastic(problem: &Problem) -> Result<(usize, Option<f64>)> {
 }
 
 /// Whether a mode has no strain energy beyond rounding.
-pub fn is_rigid(stiffness: &Symmetric, modes: &Modes, i: usize) -> bool {
+fn is_rigid(stiffness: &Symmetric, modes: &Modes, i: usize) -> bool {
     let x = modes.vectors.column(i);
     let (mut energy, mut terms) = (0.0, 0.0);
     for j in 0..stiffness.count() {

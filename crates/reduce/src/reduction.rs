@@ -3,7 +3,7 @@
 use crate::eigen::{self, Check, Modes};
 use crate::interface::Interface;
 use crate::model::Model;
-use crate::problem::{self, Problem};
+use crate::problem::Problem;
 use crate::sparse::Symmetric;
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
@@ -93,7 +93,8 @@ pub fn reduce(model: &Model, interfaces: &[Interface], method: Method, wanted: u
     let free = if method == Method::CraigBampton { wanted.min(problem.rigid + COMPARED) } else { wanted };
     let (modes, rigid) = modes(&problem, free.max(problem.rigid))?;
     if rigid > wanted {
-        let text = format!("the body has {rigid} rigid-body modes; expected at least as many modes, or --clamp");
+        let text =
+            format!("the body has {rigid} rigid-body modes; expected at least as many modes, or --clamp");
         return Err(Error::new(format!("--modes {wanted}"), text));
     }
     let loads = loads(&at, model.dofs.len());
@@ -119,8 +120,7 @@ pub fn reduce(model: &Model, interfaces: &[Interface], method: Method, wanted: u
 fn modes(problem: &Problem, wanted: usize) -> Result<(Modes, usize)> {
     let mut modes = eigen::lowest(problem, wanted, Check::Inertia)?;
     let count = modes.values.len();
-    let is_rigid = |i: &usize| problem.shift < 0.0 && problem::is_rigid(problem.stiffness, &modes, *i);
-    let rigid = (0..count).take_while(is_rigid).count();
+    let rigid = problem.rigid.min(count);
     modes.values[..rigid].fill(0.0);
     if let Some(value) = modes.values.iter().find(|value| **value < 0.0) {
         let text = format!("the stiffness matrix has a negative eigenvalue, {value:.3e}; expected none");
@@ -226,10 +226,8 @@ impl Made<'_, '_> {
         let (k, m) = projected(&self.model.stiffness, &self.model.mass, &shapes);
         let (values, own) = diagonal(&k, &m, -self.problem.shift)?;
         let (mut values, basis) = in_order(values, &(shapes * own));
-        if self.problem.shift < 0.0 {
-            let rigid = self.problem.rigid.min(values.len());
-            values[..rigid].fill(0.0);
-        }
+        let rigid = self.problem.rigid.min(values.len());
+        values[..rigid].fill(0.0);
         Ok((values, basis, fixed))
     }
 
@@ -242,7 +240,8 @@ impl Made<'_, '_> {
             return Err(Error::new("--method craig-bampton", text));
         }
         let forces = self.model.stiffness.times(whole);
-        let solved = held.solve(DMatrix::from_fn(inner.len(), self.at.len(), |i, j| -forces[(inner[i], j)]))?;
+        let solved =
+            held.solve(DMatrix::from_fn(inner.len(), self.at.len(), |i, j| -forces[(inner[i], j)]))?;
         inner.iter().enumerate().for_each(|(i, &row)| whole.set_row(row, &solved.row(i)));
         Ok(())
     }
@@ -271,9 +270,8 @@ fn diagonal(k: &DMatrix<f64>, m: &DMatrix<f64>, s: f64) -> Result<(Vec<f64>, DMa
     // Each shape in units of its own stiffness.
     let units: Vec<f64> = shifted.diagonal().iter().map(|own| own.max(0.0).sqrt().recip()).collect();
     let units: Vec<f64> = units.into_iter().map(|unit| if unit.is_finite() { unit } else { 0.0 }).collect();
-    let scaled = |a: &DMatrix<f64>| {
-        DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * units[i] * units[j])
-    };
+    let scaled =
+        |a: &DMatrix<f64>| DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * units[i] * units[j]);
     shifted = scaled(&shifted);
     // Shapes that depend on others: directions without stiffness.
     let own = shifted.symmetric_eigen();

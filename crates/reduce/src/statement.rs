@@ -64,21 +64,28 @@ pub fn labels(interfaces: &[Interface]) -> Vec<String> {
 pub fn sizes(model: &Model, reduced: &Reduced) -> Vec<String> {
     let mut said = Vec::new();
     let masses = model.directions().into_iter().map(|direction| {
-        let along = if direction == Direction::None { String::new() } else { format!(" along {}", direction.name()) };
+        let along =
+            if direction == Direction::None { String::new() } else { format!(" along {}", direction.name()) };
         format!("{:.6} kg{along}", Short(model.total_mass(direction)))
     });
     said.push(format!("mass that moves: {}", masses.collect::<Vec<_>>().join(", ")));
     if let Some((row, share)) = model.largest_mass() {
-        said.push(format!("largest share of a single dof: {:.3} % at {}", Short(100.0 * share), model.name(row)));
+        said.push(format!(
+            "largest share of a single dof: {:.3} % at {}",
+            Short(100.0 * share),
+            model.name(row)
+        ));
     }
-    let first = reduced.modes.values.iter().find(|value| **value > 0.0).map(|value| value.sqrt() / (2.0 * PI));
+    let first =
+        reduced.modes.values.iter().find(|value| **value > 0.0).map(|value| value.sqrt() / (2.0 * PI));
     if let Some(first) = first {
         let elastic = if reduced.rigid > 0 { "first elastic frequency" } else { "first frequency" };
         said.push(format!("{elastic}: {:.6} Hz", Short(first)));
     }
     match reduced.rigid {
         0 => said.extend(sag(model, reduced)),
-        count => said.push(format!("rigid-body modes: {count}; the body is not held, so there is no sag under 1 g")),
+        count => said
+            .push(format!("rigid-body modes: {count}; the body is not held, so there is no sag under 1 g")),
     }
     said
 }
@@ -86,9 +93,11 @@ pub fn sizes(model: &Model, reduced: &Reduced) -> Vec<String> {
 fn sag(model: &Model, reduced: &Reduced) -> Vec<String> {
     let line = |(direction, shape): (Direction, &nalgebra::DVector<f64>)| {
         let is_length = |row: &usize| !model.dofs.list()[*row].direction.is_rotation();
-        let largest = (0..shape.len()).filter(is_length).max_by(|a, b| shape[*a].abs().total_cmp(&shape[*b].abs()));
+        let largest =
+            (0..shape.len()).filter(is_length).max_by(|a, b| shape[*a].abs().total_cmp(&shape[*b].abs()));
         let row = largest.unwrap_or(0);
-        let along = if direction == Direction::None { String::new() } else { format!(" along {}", direction.name()) };
+        let along =
+            if direction == Direction::None { String::new() } else { format!(" along {}", direction.name()) };
         format!(
             "sag under 1 g ({STANDARD_GRAVITY} m/s²){along}: {:.4} m at {}",
             Short(shape[row].abs()),
@@ -119,8 +128,10 @@ impl std::fmt::Display for Short {
 pub fn text(model: &Model, reduced: &Reduced, interfaces: &[Interface], given: &Given) -> String {
     let count = reduced.values.len();
     let (dofs, clamped) = (model.dofs.len(), model.clamped.len());
-    let mut lines =
-        vec![format!("{dofs} dofs, {clamped} clamped, reduced to {count} coordinates by {}", reduced.method.name())];
+    let mut lines = vec![format!(
+        "{dofs} dofs, {clamped} clamped, reduced to {count} coordinates by {}",
+        reduced.method.name()
+    )];
     lines.extend(model.remarks.iter().cloned());
     lines.extend(sizes(model, reduced));
     lines.push(String::new());
@@ -151,9 +162,9 @@ fn checks(reduced: &Reduced) -> Vec<String> {
     if let Some(fixed) = &reduced.fixed {
         said.extend(counted("fixed-interface modes", fixed));
     }
-    said.push("  mode  frequency/Hz".into());
+    said.push("  coordinate  frequency/Hz".into());
     let frequencies = reduced.frequencies();
-    said.extend(frequencies.iter().enumerate().map(|(k, f)| format!("  {k:4}  {f:.6}")));
+    said.extend(frequencies.iter().enumerate().map(|(k, f)| format!("  {k:10}  {f:.6}")));
     said
 }
 
@@ -187,7 +198,10 @@ fn table(reduced: &Reduced, interfaces: &[Interface], given: &Given) -> String {
     match given.load_frequency {
         Some(f) => {
             let ratio = Short(highest / f);
-            let _ = writeln!(out, "highest frequency over that of the loads, {f} Hz: {ratio:.4}; expected 2 or more");
+            let _ = writeln!(
+                out,
+                "highest frequency over that of the loads, {f} Hz: {ratio:.4}; expected 2 or more"
+            );
         }
         None => out.push_str("highest frequency over that of the loads: not known; give --load-frequency\n"),
     }

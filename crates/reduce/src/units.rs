@@ -43,7 +43,8 @@ impl Units {
             [force, length, mass, time] => (force, length, mass, Some(time)),
             _ => return Err(refused(EXPECTED.into())),
         };
-        let found = Self { force: of(&FORCES, force)?, length: of(&LENGTHS, length)?, mass: of(&MASSES, mass)? };
+        let found =
+            Self { force: of(&FORCES, force)?, length: of(&LENGTHS, length)?, mass: of(&MASSES, mass)? };
         if let Some(time) = time {
             let own = found.mass * found.length / of(&TIMES, time)?.powi(2);
             if (own / found.force - 1.0).abs() > 1e-9 {

@@ -90,7 +90,10 @@ fn second_method_a_body_with_all_its_modes_moves_as_its_masses() {
         let mut text = String::from("name = \"Rod\"\n");
         for i in 1..=MASSES {
             let before = if i == 1 { "ground".into() } else { format!("m{}", i - 1) };
-            let _ = writeln!(text, "[body.m{i}]\nmass = 0.2\n[spring.k{i}]\nbetween = [\"{before}\", \"m{i}\"]\nstiffness = 1e5");
+            let _ = writeln!(
+                text,
+                "[body.m{i}]\nmass = 0.2\n[spring.k{i}]\nbetween = [\"{before}\", \"m{i}\"]\nstiffness = 1e5"
+            );
         }
         let mut full = motion(&(text + &elements("m30", "m15")));
         let mut times = [Vec::new(), Vec::new()];
@@ -104,7 +107,10 @@ fn second_method_a_body_with_all_its_modes_moves_as_its_masses() {
         }
         for (own, other) in [("rod.end", "m30"), ("rod.middle", "m15")] {
             let (one, other) = (reduced.body(place(&reduced, own)), full.body(place(&full, other)));
-            assert!((one[0] - other[0]).abs() < SAME && (one[1] - other[1]).abs() < 100.0 * SAME, "{one:?} {other:?}");
+            assert!(
+                (one[0] - other[0]).abs() < SAME && (one[1] - other[1]).abs() < 100.0 * SAME,
+                "{one:?} {other:?}"
+            );
         }
     }
 }
@@ -116,8 +122,10 @@ fn cantilever(folder: &Path) -> (Solid, Job) {
     let scaled = |list: common::Triplets| list.into_iter().map(|(i, j, x)| (i, j, x * 1e-3)).collect();
     let dofs: Vec<String> = solid.dofs().list().iter().map(ToString::to_string).collect();
     let sources = calculix(folder, &scaled(k), &scaled(m), &dofs);
-    let root: Vec<String> =
-        (0..3).flat_map(|z| (0..3).map(move |y| (y, z))).map(|(y, z)| (solid.node([0, y, z]) + 1).to_string()).collect();
+    let root: Vec<String> = (0..3)
+        .flat_map(|z| (0..3).map(move |y| (y, z)))
+        .map(|(y, z)| (solid.node([0, y, z]) + 1).to_string())
+        .collect();
     std::fs::write(folder.join("root.csv"), format!("node\n{}\n", root.join("\n"))).unwrap();
     let tip = solid.node([10, 1, 1]) + 1;
     let mut own = job(sources, &[], Method::MacNeal, 8);
@@ -127,7 +135,8 @@ fn cantilever(folder: &Path) -> (Solid, Job) {
 }
 
 fn number(lines: &[String], start: &str) -> f64 {
-    let line = lines.iter().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}: {lines:?}"));
+    let line =
+        lines.iter().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}: {lines:?}"));
     let rest = line.split_once(": ").unwrap().1;
     rest.split_whitespace().next().unwrap().parse().unwrap()
 }
@@ -163,8 +172,16 @@ fn golden_the_written_file_has_nodes_residual_and_heading() {
     let (_, job) = cantilever(folder.path());
     let made = job.run().unwrap();
     let lines: Vec<&str> = made.toml.lines().collect();
-    assert!(lines[0].starts_with("# Made by vibro reduce") && lines[0].ends_with("from b.sti, b.mas, b.dof"), "{}", lines[0]);
-    assert!(lines[1].contains("N,mm,t,s; here SI. 297 dofs, 27 of them clamped; macneal, 8 coordinates"), "{}", lines[1]);
+    assert!(
+        lines[0].starts_with("# Made by vibro reduce") && lines[0].ends_with("from b.sti, b.mas, b.dof"),
+        "{}",
+        lines[0]
+    );
+    assert!(
+        lines[1].contains("N,mm,t,s; here SI. 297 dofs, 27 of them clamped; macneal, 8 coordinates"),
+        "{}",
+        lines[1]
+    );
     let found = |start: &str| lines.iter().any(|line| line.starts_with(start));
     for start in [
         "name = \"rod\"",
@@ -199,7 +216,10 @@ fn invariant_options_that_do_not_fit_are_refused_by_words() {
         (&|job| job.interfaces = vec!["tip=11.rx".into()], "has no dof in rx; expected some of x, y, z"),
         (&|job| job.interfaces = vec!["tip=1".into()], "all dofs of node 1 are clamped"),
         (&|job| job.interfaces = vec!["2nd=11".into()], "begins with a letter"),
-        (&|job| job.interfaces = vec!["a=11".into(), "b=11.x".into()], "dof 11.x is in another interface node"),
+        (
+            &|job| job.interfaces = vec!["a=11".into(), "b=11.x".into()],
+            "dof 11.x is in another interface node",
+        ),
         (&|job| job.clamp = vec!["1,2000".into()], "2000: no such node"),
         (&|job| job.clamp = vec!["none.csv".into()], "none.csv: No such file"),
         (&|job| job.gravity = Some("q".into()), "expected one of x, y, z"),

@@ -41,10 +41,11 @@ fn near(one: &DMatrix<f64>, other: &DMatrix<f64>, tolerance: f64) {
 
 /// Φ Ω⁻² Φᵀ at the rows.
 fn kept(reduced: &Reduced) -> DMatrix<f64> {
-    let terms = DMatrix::from_fn(reduced.rows.nrows(), reduced.values.len(), |i, j| match reduced.values[j] {
-        0.0 => 0.0,
-        value => reduced.rows[(i, j)] / value,
-    });
+    let terms =
+        DMatrix::from_fn(reduced.rows.nrows(), reduced.values.len(), |i, j| match reduced.values[j] {
+            0.0 => 0.0,
+            value => reduced.rows[(i, j)] / value,
+        });
     terms * reduced.rows.transpose()
 }
 

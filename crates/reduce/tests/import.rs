@@ -146,8 +146,17 @@ fn invariant_hostile_files_are_refused_with_their_line() {
         (err(calculix::dofs("11.1\n12.0\n", "f")), "f:2: 12.0"),
         (err(calculix::dofs("11.1\n12.8\n", "f")), "pressures are not reduced"),
         (err(market::matrix("%%MatrixMarket matrix coordinate complex symmetric\n1 1 1\n", "f")), "f:1"),
-        (err(market::matrix("%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 3.0\n", "f")), "f:3"),
-        (err(market::matrix(&format!("%%MatrixMarket matrix array real general\n{huge} {huge}\n1\n"), "f")), "too few"),
+        (
+            err(market::matrix("%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 3.0\n", "f")),
+            "f:3",
+        ),
+        (
+            err(market::matrix(
+                &format!("%%MatrixMarket matrix array real general\n{huge} {huge}\n1\n"),
+                "f",
+            )),
+            "too few",
+        ),
         (err(market::matrix("%%MatrixMarket matrix coordinate real symmetric\n2 3 1\n", "f")), "square"),
         (err(abaqus::matrix("1,1,1,1,2.0\n-3,1,1,1,2.0\n", "f")), "Lagrange"),
         (err(abaqus::matrix("1,8,1,8,2.0\n", "f")), "pressures"),
@@ -163,8 +172,14 @@ fn invariant_hostile_files_are_refused_with_their_line() {
         (err(harwell::matrix(&HARWELL[0].replace("RSA", "CSA"), "f")), "f:3"),
         (err(harwell::matrix(&HARWELL[0].replace("        5  ", "999999999  "), "f")), "f:3"),
         (err(harwell::matrix(&HARWELL[0].replace("(4I4)", "(4Q4)"), "f")), "formats"),
-        (err(harwell::matrix(&HARWELL[0].replace("   1   3   5   6", "   1   5   3   6"), "f")), "rise from 1 to 6"),
-        (err(harwell::matrix(&HARWELL[0].replace("   1   2   2   3   3", "   1   2   2   3   4"), "f")), "f:6"),
+        (
+            err(harwell::matrix(&HARWELL[0].replace("   1   3   5   6", "   1   5   3   6"), "f")),
+            "rise from 1 to 6",
+        ),
+        (
+            err(harwell::matrix(&HARWELL[0].replace("   1   2   2   3   3", "   1   2   2   3   4"), "f")),
+            "f:6",
+        ),
         (err(harwell::mapping("1 11 UX\n2 11 TEMP\n", "f")), "f:2"),
         (err(harwell::mapping("1 11 UX\n3 11 UY\n", "f")), "equation 2"),
         (err(harwell::mapping("Heading\n", "f")), "no equation"),
@@ -215,7 +230,8 @@ fn invariant_files_are_found_by_their_names_and_large_ones_are_not_read() {
         path
     };
     let sources = |files: Vec<PathBuf>| Sources { files, ..Sources::default() };
-    let calculix = vec![write("b.sti", CALCULIX[0]), write("b.mas", CALCULIX[1]), write("b.dof", CALCULIX[2])];
+    let calculix =
+        vec![write("b.sti", CALCULIX[0]), write("b.mas", CALCULIX[1]), write("b.dof", CALCULIX[2])];
     is_expected(&files::read(&sources(calculix)).unwrap(), true);
     is_expected(&files::read(&sources(vec![write("p.pch", PUNCH)])).unwrap(), true);
     let abaqus = vec![write("Job_STIF1.mtx", ABAQUS[0]), write("Job_MASS1.mtx", ABAQUS[1])];

@@ -10,6 +10,9 @@ use vibro_reduce::reduction::{Method, reduce};
 
 /// Eigenvalues of solids: rounding of K by its condition, some 1e5.
 const EXACT: f64 = 1e-10;
+/// Eigenvalues of a beam of 40 elements or more: its discretisation, and for 600 elements rounding
+/// by the condition of K, some 1e11.
+const BEAM: f64 = 2e-5;
 
 #[test]
 fn closed_form_all_modes_of_a_chain() {
@@ -74,4 +77,49 @@ fn invariant_a_free_solid_has_six_rigid_modes() {
     // Of mass 1, and orthogonal.
     let unit = reduced.basis.tr_mul(&model.mass.times(&reduced.basis));
     assert!((unit - nalgebra::DMatrix::identity(14, 14)).amax() < EXACT);
+}
+
+/// Beam elements of unit length, stiffness and mass per length; `clamped` holds the first node.
+fn beam(elements: usize, clamped: bool) -> vibro_reduce::model::Model {
+    let k =
+        [[12.0, 6.0, -12.0, 6.0], [6.0, 4.0, -6.0, 2.0], [-12.0, -6.0, 12.0, -6.0], [6.0, 2.0, -6.0, 4.0]];
+    let m = [
+        [156.0, 22.0, 54.0, -13.0],
+        [22.0, 4.0, 13.0, -3.0],
+        [54.0, 13.0, 156.0, -22.0],
+        [-13.0, -3.0, -22.0, 4.0],
+    ];
+    let matrix = |block: &[[f64; 4]; 4], factor: f64| -> common::Triplets {
+        let mut sums = std::collections::BTreeMap::new();
+        for e in 0..elements {
+            for i in 0..4 {
+                for j in 0..=i {
+                    *sums.entry((2 * e + i, 2 * e + j)).or_insert(0.0) += factor * block[i][j];
+                }
+            }
+        }
+        sums.into_iter().map(|((i, j), x)| (i, j, x)).collect()
+    };
+    let count = 2 * elements + 2;
+    let dofs = vibro_reduce::dofs::Dofs::numbered(count);
+    let model = common::model(count, &matrix(&k, 1.0), &matrix(&m, 1.0 / 420.0), dofs);
+    model.clamp(if clamped { &[0, 1] } else { &[] }).unwrap()
+}
+
+#[test]
+fn closed_form_long_beams_are_held_or_free() {
+    // Roots of cos x cosh x = -1 and 1.
+    for (clamped, roots, rigid) in
+        [(true, [1.875_104_068_7, 4.694_091_133], 0), (false, [4.730_040_744_9, 7.853_204_624_1], 2)]
+    {
+        for elements in [40, 200, 600] {
+            let reduced = reduce(&beam(elements, clamped), &[], Method::MacNeal, 4).unwrap();
+            assert_eq!(reduced.rigid, rigid, "{elements}");
+            let length = elements as f64;
+            for (value, root) in reduced.values[rigid..].iter().zip(roots) {
+                let exact = (root / length).powi(4);
+                assert!((value / exact - 1.0).abs() < BEAM, "{elements} {clamped} {value} {exact}");
+            }
+        }
+    }
 }

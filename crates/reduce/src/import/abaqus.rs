@@ -28,7 +28,9 @@ pub fn matrix(text: &str, file: &str) -> Result<Matrix> {
         let entry = match words[..] {
             [n1, d1, n2, d2, x] if is_named => {
                 let (one, other) = (dof(n1, d1), dof(n2, d2));
-                let of = |dof: std::result::Result<Dof, &str>| dof.map_err(|text_| refused(file, line, text, text_));
+                let of = |dof: std::result::Result<Dof, &str>| {
+                    dof.map_err(|text_| refused(file, line, text, text_))
+                };
                 let (one, other) = (of(one)?, of(other)?);
                 number(x).map(|value| Entry { row: met.row(one), column: met.row(other), value })
             }
@@ -54,8 +56,10 @@ fn words(line: &str) -> Vec<&str> {
 fn dof<'t>(node: &str, direction: &str) -> std::result::Result<Dof, &'t str> {
     let number: i64 = node.parse().map_err(|_| NAMED)?;
     if number <= 0 {
-        return Err("the node is not positive: a Lagrange multiplier of a connector or a tie. Such models have \
-                    no definite stiffness; replace the constraint by elimination (*MPC, *KINEMATIC COUPLING)");
+        return Err(
+            "the node is not positive: a Lagrange multiplier of a connector or a tie. Such models have \
+                    no definite stiffness; replace the constraint by elimination (*MPC, *KINEMATIC COUPLING)",
+        );
     }
     let direction: u32 = direction.parse().map_err(|_| NAMED)?;
     match Direction::of_number(direction) {

@@ -42,12 +42,16 @@ pub fn text(path: &Path) -> Result<String> {
     let unread = |e: std::io::Error| Error::new(&name, e.to_string());
     let size = std::fs::metadata(path).map_err(unread)?.len();
     if size > MOST_BYTES {
-        let problem = format!("it has {:.1} GB; expected at most {} GB", size as f64 / 1e9, MOST_BYTES / 1_000_000_000);
+        let problem =
+            format!("it has {:.1} GB; expected at most {} GB", size as f64 / 1e9, MOST_BYTES / 1_000_000_000);
         return Err(Error::new(&name, problem));
     }
     let bytes = std::fs::read(path).map_err(unread)?;
     String::from_utf8(bytes).map_err(|_| {
-        Error::new(&name, format!("it is not a text; binary files (.op2, .op4, .full, .npz) are not read. {EXPECTED}"))
+        Error::new(
+            &name,
+            format!("it is not a text; binary files (.op2, .op4, .full, .npz) are not read. {EXPECTED}"),
+        )
     })
 }
 
@@ -93,7 +97,9 @@ pub fn read(sources: &Sources) -> Result<Model> {
 
 /// A path's ending in small letters, and its name in capitals.
 fn ending(path: &Path) -> (String, String) {
-    let of = |part: Option<&std::ffi::OsStr>| part.map(|own| own.to_string_lossy().into_owned()).unwrap_or_default();
+    let of = |part: Option<&std::ffi::OsStr>| {
+        part.map(|own| own.to_string_lossy().into_owned()).unwrap_or_default()
+    };
     (of(path.extension()).to_ascii_lowercase(), of(path.file_stem()).to_ascii_uppercase())
 }
 
@@ -111,7 +117,8 @@ fn parts(path: &Path) -> Result<Vec<Part>> {
         let names: Vec<String> = found.iter().map(|own| own.0.clone()).collect();
         let parts: Vec<Part> = found.into_iter().map(|(name, matrix)| by_letter(&name, matrix)).collect();
         if parts.iter().all(|part| matches!(part, Part::Nothing)) {
-            let problem = format!("its matrices are {}; expected names that begin with K or M", names.join(", "));
+            let problem =
+                format!("its matrices are {}; expected names that begin with K or M", names.join(", "));
             return Err(Error::new(file, problem));
         }
         return Ok(parts);
@@ -134,7 +141,9 @@ fn by_letter(name: &str, matrix: Matrix) -> Part {
 /// Whether a file has the stiffness; else it has the mass.
 fn role(path: &Path) -> Result<bool> {
     let (ending, name) = ending(path);
-    let is = |long: &str, short: &str| name.contains(long) || name == short || name.ends_with(&format!("_{short}"));
+    let is = |long: &str, short: &str| {
+        name.contains(long) || name == short || name.ends_with(&format!("_{short}"))
+    };
     match (ending.as_str(), is("STIF", "K"), is("MASS", "M")) {
         ("sti", ..) | (_, true, false) => Ok(true),
         ("mas", ..) | (_, false, true) => Ok(false),

@@ -53,7 +53,12 @@ impl<'t, L: Iterator<Item = (usize, &'t str)>> Fields<'t, L> {
                 // A shorter field would be a number that is cut off.
                 let field = text.get(k * width..(k + 1) * width);
                 let value = field.and_then(&read).ok_or_else(|| {
-                    refused(self.file, self.last, text, &format!("expected {what} in full fields of {width} characters"))
+                    refused(
+                        self.file,
+                        self.last,
+                        text,
+                        &format!("expected {what} in full fields of {width} characters"),
+                    )
                 })?;
                 found.push(value);
             }
@@ -80,11 +85,12 @@ pub fn matrix(text: &str, file: &str) -> Result<Matrix> {
             return Err(refused(file, fields.last, kinds, expected));
         }
     };
-    let sizes: Vec<usize> =
-        kinds[3..].split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let sizes: Vec<usize> = kinds[3..].split_whitespace().filter_map(|word| word.parse().ok()).collect();
     // Each row and each entry takes a character and more.
     let (count, total) = match sizes[..] {
-        [rows, columns, total, ..] if rows == columns && rows > 0 && rows.max(total) <= text.len() => (rows, total),
+        [rows, columns, total, ..] if rows == columns && rows > 0 && rows.max(total) <= text.len() => {
+            (rows, total)
+        }
         _ => {
             let expected = "expected the same numbers of rows and columns, and a number of entries that the file can hold";
             return Err(refused(file, fields.last, kinds, expected));
@@ -93,7 +99,12 @@ pub fn matrix(text: &str, file: &str) -> Result<Matrix> {
     let formats = fields.line("three formats")?;
     let part = |from: usize, to: usize| {
         formats.get(from..to.min(formats.len())).and_then(format).ok_or_else(|| {
-            refused(file, 4, formats, "expected formats such as (10I8), (10I8) and (4E20.12) in columns 1, 17 and 33")
+            refused(
+                file,
+                4,
+                formats,
+                "expected formats such as (10I8), (10I8) and (4E20.12) in columns 1, 17 and 33",
+            )
         })
     };
     let (pointers, indices, values) = (part(0, 16)?, part(16, 32)?, part(32, 52)?);
@@ -105,10 +116,12 @@ pub fn matrix(text: &str, file: &str) -> Result<Matrix> {
     let starts = fields.numbers(count + 1, pointers, "starts of columns", whole)?;
     let rises = starts.windows(2).all(|two| two[0] <= two[1]);
     if starts[0] != 1 || starts[count] != total + 1 || !rises {
-        let problem = format!("starts of columns must rise from 1 to {}, one more than the entries", total + 1);
+        let problem =
+            format!("starts of columns must rise from 1 to {}, one more than the entries", total + 1);
         return Err(Error::new(file, problem));
     }
-    let places = fields.numbers(total, indices, "rows", |text| whole(text).filter(|k| (1..=count).contains(k)))?;
+    let places =
+        fields.numbers(total, indices, "rows", |text| whole(text).filter(|k| (1..=count).contains(k)))?;
     let numbers = fields.numbers(total, values, "finite numbers", number)?;
     let mut entries = Vec::with_capacity(total);
     for column in 0..count {

@@ -59,8 +59,7 @@ fn coordinates<'t>(
             [i, j, x] => row(i).zip(row(j)).zip(number(x)),
             _ => None,
         };
-        let is_inside =
-            |i: usize, j: usize| i.max(j) < count && (listed == Listed::Both || j <= i);
+        let is_inside = |i: usize, j: usize| i.max(j) < count && (listed == Listed::Both || j <= i);
         match entry.filter(|((i, j), _)| is_inside(*i, *j)) {
             Some(((row, column), value)) => entries.push(Entry { row, column, value }),
             None => return Err(refused(file, line, text, ENTRY)),
@@ -68,7 +67,10 @@ fn coordinates<'t>(
     }
     if entries.len() != expected {
         let found = entries.len();
-        return Err(Error::new(file, format!("it has {found} entries; expected {expected}, as given with its sizes")));
+        return Err(Error::new(
+            file,
+            format!("it has {found} entries; expected {expected}, as given with its sizes"),
+        ));
     }
     Ok(entries)
 }

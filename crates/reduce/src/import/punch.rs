@@ -84,7 +84,8 @@ pub fn matrices(text: &str, file: &str) -> Result<Vec<(String, Matrix)>> {
                 return Err(refused(file, card.line, card.text, "this matrix is begun twice"));
             }
             let (entries, names) = (Vec::new(), Names::Rows(0));
-            let matrix = Matrix { file: format!("{file} {name}"), entries, listed, names, penalty: f64::INFINITY };
+            let matrix =
+                Matrix { file: format!("{file} {name}"), entries, listed, names, penalty: f64::INFINITY };
             found.push(Named { name, matrix, met: Met::default() });
             continue;
         }
@@ -97,9 +98,7 @@ pub fn matrices(text: &str, file: &str) -> Result<Vec<(String, Matrix)>> {
     if found.is_empty() {
         return Err(Error::new(file, "it has no DMIG cards"));
     }
-    let named = |own: Named| {
-        (own.name, Matrix { names: Names::Dofs(own.met.into_list()), ..own.matrix })
-    };
+    let named = |own: Named| (own.name, Matrix { names: Names::Dofs(own.met.into_list()), ..own.matrix });
     Ok(found.into_iter().map(named).collect())
 }
 
@@ -132,7 +131,9 @@ fn column(card: &Card, file: &str, own: &mut Named) -> Result<()> {
         let is_real = term.get(3).is_none_or(|field| field.is_empty());
         let Some((dof, value)) = entry.filter(|_| is_real) else {
             let shown = term.join(" ");
-            let expected = format!("[{shown}] in this column: expected a grid point, its component 0 to 6 and a finite number");
+            let expected = format!(
+                "[{shown}] in this column: expected a grid point, its component 0 to 6 and a finite number"
+            );
             return Err(refuse(&expected));
         };
         let row = own.met.row(dof);

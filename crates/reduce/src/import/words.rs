@@ -46,9 +46,12 @@ pub fn row(text: &str) -> Option<usize> {
 pub fn whole(text: &str, file: &str) -> Result<()> {
     match lines(text).last().filter(|_| !text.ends_with('\n')) {
         None => Ok(()),
-        Some((line, text)) => {
-            Err(refused(file, line, text, "the file ends within this line; expected a line break, unless it is cut off"))
-        }
+        Some((line, text)) => Err(refused(
+            file,
+            line,
+            text,
+            "the file ends within this line; expected a line break, unless it is cut off",
+        )),
     }
 }
 

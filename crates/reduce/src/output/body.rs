@@ -86,7 +86,11 @@ fn residual(reduced: &Reduced, interfaces: &[Interface]) -> String {
 fn node(own: &Interface, rows: &DMatrix<f64>) -> String {
     let row = |k: usize, direction: Direction| {
         let numbers = list(rows.row(k).transpose().as_slice());
-        if direction.is_rotation() { format!("{{ row = {numbers}, dimension = \"rotation\" }}") } else { numbers }
+        if direction.is_rotation() {
+            format!("{{ row = {numbers}, dimension = \"rotation\" }}")
+        } else {
+            numbers
+        }
     };
     if let [(direction, _)] = own.dofs[..] {
         return format!("{} = {}\n", own.name, row(0, direction));
@@ -100,6 +104,7 @@ fn node(own: &Interface, rows: &DMatrix<f64>) -> String {
 }
 
 fn list(numbers: &[f64]) -> String {
-    let words: Vec<String> = numbers.iter().map(|x| format!("{:?}", if *x == 0.0 { 0.0 } else { *x })).collect();
+    let words: Vec<String> =
+        numbers.iter().map(|x| format!("{:?}", if *x == 0.0 { 0.0 } else { *x })).collect();
     format!("[{}]", words.join(", "))
 }

@@ -17,7 +17,9 @@ impl Array<'_> {
     /// The bytes of the array as a `.npy` file of version 1.0.
     fn bytes(&self) -> Vec<u8> {
         let (kind, shape, data) = match self {
-            Self::Matrix(a) => ("<f8".into(), format!("({}, {})", a.nrows(), a.ncols()), doubles(a.as_slice())),
+            Self::Matrix(a) => {
+                ("<f8".into(), format!("({}, {})", a.nrows(), a.ncols()), doubles(a.as_slice()))
+            }
             Self::List(list) => ("<f8".into(), format!("({},)", list.len()), doubles(list)),
             Self::Texts(list) => {
                 let width = list.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
@@ -99,7 +101,10 @@ mod tests {
     fn invariant_data_of_an_array_begin_at_a_multiple_of_64() {
         let a = DMatrix::from_row_slice(2, 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         let bytes = Array::Matrix(&a).bytes();
-        assert_eq!((bytes.len() % 64, &bytes[bytes.len() - 48..bytes.len() - 40]), (48, 1f64.to_le_bytes().as_slice()));
+        assert_eq!(
+            (bytes.len() % 64, &bytes[bytes.len() - 48..bytes.len() - 40]),
+            (48, 1f64.to_le_bytes().as_slice())
+        );
         let texts = ["tip.x".to_owned(), "ü".to_owned()];
         let bytes = Array::Texts(&texts).bytes();
         assert!(String::from_utf8_lossy(&bytes[10..74]).contains("'<U5'"), "{bytes:?}");

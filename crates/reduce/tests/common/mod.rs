@@ -105,9 +105,8 @@ impl Solid {
         for z in 0..nz {
             for y in 0..ny {
                 for x in 0..nx {
-                    let node = |c: usize| {
-                        self.node([x + CORNERS[c][0], y + CORNERS[c][1], z + CORNERS[c][2]])
-                    };
+                    let node =
+                        |c: usize| self.node([x + CORNERS[c][0], y + CORNERS[c][1], z + CORNERS[c][2]]);
                     for p in 0..24 {
                         for q in 0..24 {
                             let (i, j) = (3 * node(p / 3) + p % 3, 3 * node(q / 3) + q % 3);
@@ -196,19 +195,13 @@ impl Solid {
 }
 
 /// Eigenvalues of the waves with the phase `theta` from node to node.
-fn symbol(
-    k: &SMatrix<f64, 24, 24>,
-    m: &SMatrix<f64, 24, 24>,
-    theta: &[f64],
-    present: &[usize],
-) -> Vec<f64> {
+fn symbol(k: &SMatrix<f64, 24, 24>, m: &SMatrix<f64, 24, 24>, theta: &[f64], present: &[usize]) -> Vec<f64> {
     // Displacement a of the wave is a sine along a and a cosine along the others: with factors i
     // taken out, entries off the diagonal are real.
     let (mut stiffness, mut mass) = (Matrix3::<f64>::zeros(), 0.0);
     for p in 0..8 {
         for q in 0..8 {
-            let phase: f64 =
-                (0..3).map(|a| theta[a] * (CORNERS[q][a] as f64 - CORNERS[p][a] as f64)).sum();
+            let phase: f64 = (0..3).map(|a| theta[a] * (CORNERS[q][a] as f64 - CORNERS[p][a] as f64)).sum();
             mass += m[(3 * p, 3 * q)] * phase.cos();
             for a in 0..3 {
                 for b in 0..3 {
@@ -217,6 +210,7 @@ fn symbol(
             }
         }
     }
-    let own = DMatrix::from_fn(present.len(), present.len(), |i, j| stiffness[(present[i], present[j])] / mass);
+    let own =
+        DMatrix::from_fn(present.len(), present.len(), |i, j| stiffness[(present[i], present[j])] / mass);
     own.symmetric_eigenvalues().iter().copied().collect()
 }

@@ -98,8 +98,7 @@ fn unused(command: &str) -> &'static [&'static str] {
 }
 
 /// Help of `--out` of `reduce`, which names files and not a folder.
-const OUT_OF_REDUCE: &str =
-    "Path of the written files without their ending: OUT.toml, OUT.npz, OUT.txt [default: the name of the first file]";
+const OUT_OF_REDUCE: &str = "Path of the written files without their ending: OUT.toml, OUT.npz, OUT.txt [default: the name of the first file]";
 
 /// A command with its shared options. An option that the command does not use is hidden. An option
 /// for the paper's machine only is under the heading of that machine, such as `--threads` of

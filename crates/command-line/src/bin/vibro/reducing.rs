@@ -15,9 +15,10 @@ use vibro::Result;
 pub fn reduce(_: &ReduceArguments, _: &Common) -> Result<()> {
     Err(vibro::Error::Refused {
         what: "reduce".into(),
-        problem: "this program was built without it, since its factorisations take minutes to compile; in the \
+        problem:
+            "this program was built without it, since its factorisations take minutes to compile; in the \
                   repository: cargo run --release -p vibro --features reduce -- reduce …"
-            .into(),
+                .into(),
     })
 }
 
