@@ -200,6 +200,9 @@ fn golden_the_written_file_has_nodes_residual_and_heading() {
     }
 }
 
+/// A change of a job, and what is said about it.
+type Refused<'a> = (&'a dyn Fn(&mut Job), &'a str);
+
 #[test]
 fn invariant_options_that_do_not_fit_are_refused_by_words() {
     let folder = tempfile::tempdir().unwrap();
@@ -209,7 +212,7 @@ fn invariant_options_that_do_not_fit_are_refused_by_words() {
         change(&mut job);
         job.run().unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut Job), &str); 11] = [
+    let cases: [Refused; 11] = [
         (&|job| job.interfaces = vec!["tip".into()], "expected NAME=NODE"),
         (&|job| job.interfaces = vec!["tip=9999".into()], "9999: no such node; did you mean"),
         (&|job| job.interfaces = vec!["tip=11.w".into()], "w: expected directions such as x"),

@@ -92,9 +92,9 @@ fn beam(elements: usize, clamped: bool) -> vibro_reduce::model::Model {
     let matrix = |block: &[[f64; 4]; 4], factor: f64| -> common::Triplets {
         let mut sums = std::collections::BTreeMap::new();
         for e in 0..elements {
-            for i in 0..4 {
-                for j in 0..=i {
-                    *sums.entry((2 * e + i, 2 * e + j)).or_insert(0.0) += factor * block[i][j];
+            for (i, row) in block.iter().enumerate() {
+                for (j, x) in row[..=i].iter().enumerate() {
+                    *sums.entry((2 * e + i, 2 * e + j)).or_insert(0.0) += factor * x;
                 }
             }
         }

@@ -1,8 +1,12 @@
 //! Arguments of `vibro reduce`.
 
+use crate::ranges::whole;
 use clap::Args;
 use std::path::PathBuf;
 use vibro_numerics::quantities::quantity_in;
+
+/// Largest number of coordinates of a machine.
+const MOST_COORDINATES: usize = 500;
 
 /// Arguments of `reduce`.
 #[derive(Args, Debug)]
@@ -33,7 +37,7 @@ pub struct ReduceArguments {
     #[arg(long, value_name = "NAME=NODE")]
     pub interface: Vec<String>,
     /// Number of modes; rubin and craig-bampton add one for each dof of the interface
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(1..=MOST_COORDINATES))]
     pub modes: usize,
     /// Kept: free modes and residual flexibility; free modes and residual shapes; fixed-interface
     /// modes and constraint modes
