@@ -7,7 +7,7 @@ use std::fmt;
 /// Direction of a dof at its node.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub enum Direction {
-    /// Of a dof without a direction: a scalar point, a row of a matrix without names.
+    /// No direction: a scalar point, or a row of a matrix without names.
     None,
     /// Displacement along x.
     X,
@@ -155,7 +155,7 @@ impl Dofs {
         std::iter::once(Direction::None).chain(Direction::ALL).filter_map(of).collect()
     }
 
-    /// Says which node was perhaps meant.
+    /// Message about an unknown node, with the nearest name.
     pub fn nearest_node(&self, node: &str) -> String {
         let close = |own: &&Dof| strsim::damerau_levenshtein(&own.node, node);
         match self.list.iter().min_by_key(close) {

@@ -9,16 +9,17 @@ use crate::problem::Problem;
 use crate::{Error, Result};
 use nalgebra::DMatrix;
 
-/// Vectors in a block: modes of solids are at most threefold, apart from rigid ones.
+/// Vectors in a block: elastic modes of solids are at most threefold.
 const BLOCK: usize = 4;
 /// Largest residual of a converged pair in the norm of M, relative to 1/(λ - σ). The error of λ is
 /// its square.
 const CONVERGED: f64 = 1e-11;
-/// Part of a vector's norm that remains of a vector in the space of earlier ones.
+/// Ratio of norms after and before orthogonalisation below which a vector counts as dependent on
+/// earlier vectors.
 const DEPENDENT: f64 = 1e-11;
-/// Relative gap between two eigenvalues that separates them for the count.
+/// Relative gap above which two eigenvalues count as separate; the count is taken in such a gap.
 const GAP: f64 = 1e-7;
-/// Largest number of times that missing eigenvalues are looked for.
+/// Largest number of searches for missing eigenvalues; a sixfold eigenvalue takes two.
 const ROUNDS: usize = 12;
 
 /// How the number of eigenvalues is checked.
@@ -26,7 +27,7 @@ const ROUNDS: usize = 12;
 pub enum Check {
     /// Not at all: for estimates.
     None,
-    /// By inertia.
+    /// An inertia count must agree with the number of eigenvalues found.
     Inertia,
 }
 
@@ -63,7 +64,7 @@ struct Space<'p, 'm> {
 }
 
 impl Space<'_, '_> {
-    /// Adds vectors, orthogonal to all and among themselves; those that depend are left out.
+    /// Adds vectors after orthogonalisation; a vector that depends on others is left out.
     /// Returns the number of added vectors.
     fn add(&mut self, mut block: DMatrix<f64>) -> usize {
         let mass = self.problem.mass;
@@ -153,7 +154,7 @@ impl Space<'_, '_> {
     }
 }
 
-/// The lowest modes, `wanted` or as many as the model has.
+/// The `wanted` lowest modes, or all modes of a smaller model.
 ///
 /// # Errors
 /// An error if they do not converge or if some remain missing.

@@ -37,11 +37,11 @@ pub struct Matrix {
     pub listed: Listed,
     /// Names of the rows.
     pub names: Names,
-    /// Diagonal entry from which on a dof is clamped by a penalty.
+    /// Smallest diagonal entry that counts as a penalty, which clamps its dof.
     pub penalty: f64,
 }
 
-/// Rows of named dofs in the order in which they are met.
+/// Rows of named dofs, in the order of their first entries.
 #[derive(Default)]
 pub struct Met {
     list: Vec<Dof>,
@@ -117,7 +117,7 @@ pub fn model(stiffness: Matrix, mass: Matrix, dofs: Option<(String, Vec<Dof>)>) 
     model.clamp(&held)
 }
 
-/// The dofs of one matrix, then those of the other alone; its entries get their new rows.
+/// The dofs of one matrix, then further dofs of the other matrix, whose entries get new rows.
 fn joined(one: &[Dof], other: &[Dof], entries: &mut [Entry]) -> Vec<Dof> {
     let mut met = Met::default();
     one.iter().for_each(|dof| {

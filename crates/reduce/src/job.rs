@@ -12,7 +12,7 @@ use crate::units::Units;
 use crate::{Error, Result, clamp};
 use std::path::Path;
 
-/// What is to be reduced, and how.
+/// A model to be reduced, with all options.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// The files of the model.
@@ -29,7 +29,7 @@ pub struct Job {
     pub modes: usize,
     /// Damping.
     pub damping: Damping,
-    /// Direction in which weight acts, such as `-z`.
+    /// Direction of the weight, such as `-z`.
     pub gravity: Option<String>,
     /// Numbers for the error statement.
     pub given: Given,
@@ -46,7 +46,7 @@ pub struct Made {
     pub npz: Vec<u8>,
     /// The report.
     pub report: String,
-    /// The lines of the report by which a wrong unit is seen.
+    /// Lines of the report about mass, first frequency and sag, which show a wrong unit.
     pub said: Vec<String>,
     /// The reduced body.
     pub reduced: Reduced,

@@ -3,7 +3,7 @@
 //! [`import`] reads stiffness and mass with the names of their dofs, [`model`] checks them,
 //! [`reduction`] computes modes, residual flexibility and the error statement, and [`output`]
 //! writes the section `[modal.NAME]`, the basis and a report. The factorisations are in
-//! [`factor`], the eigenvalues in [`eigen`].
+//! [`factor`], the choice of the shift is in [`shift`], the eigenvalues are in [`eigen`].
 
 pub mod clamp;
 pub mod damping;
@@ -17,6 +17,7 @@ pub mod model;
 pub mod output;
 pub mod problem;
 pub mod reduction;
+pub mod shift;
 pub mod sparse;
 pub mod statement;
 pub mod units;
@@ -27,7 +28,7 @@ pub mod units;
 pub struct Error {
     /// The file with its line, the option or the dof.
     pub what: String,
-    /// What is wrong, and what would be right.
+    /// The problem and the expected input.
     pub problem: String,
 }
 

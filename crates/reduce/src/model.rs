@@ -1,4 +1,4 @@
-//! Stiffness and mass with the names of their dofs, and what is checked before the reduction.
+//! Stiffness and mass with the names of their dofs, and the checks before the reduction.
 
 use crate::dofs::{Direction, Dofs};
 use crate::sparse::Symmetric;
@@ -20,7 +20,7 @@ pub struct Model {
     pub dofs: Dofs,
     /// Names of the dofs that were clamped, by the files or by an option.
     pub clamped: Dofs,
-    /// What was noticed while the files were read.
+    /// Remarks on the files.
     pub remarks: Vec<String>,
 }
 

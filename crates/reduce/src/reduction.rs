@@ -4,6 +4,7 @@ use crate::eigen::{self, Check, Modes};
 use crate::interface::Interface;
 use crate::model::Model;
 use crate::problem::Problem;
+use crate::shift::factorise;
 use crate::sparse::Symmetric;
 use crate::{Error, Result};
 use nalgebra::{DMatrix, DVector};
@@ -11,17 +12,17 @@ use std::f64::consts::PI;
 
 /// Largest number of coordinates of a machine.
 pub const MOST_COORDINATES: usize = 500;
-/// Part of a shape's mass that remains of a shape in the span of others.
+/// Relative eigenvalue below which a combination of shapes counts as dependent.
 const DEPENDENT: f64 = 1e-12;
-/// Largest relative change of a static shape at which its refinement ends.
+/// Relative change of a static shape below which its refinement ends: rounding.
 const REFINED: f64 = 1e-15;
-/// Number of free modes that are computed beside those of Craig and Bampton.
+/// Number of elastic free modes for a Craig-Bampton body, which give its first frequency.
 const COMPARED: usize = 6;
 
-/// What the body keeps.
+/// Method of reduction.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Method {
-    /// Free-interface modes, and the residual flexibility at the interface beside them.
+    /// Free-interface modes; the residual flexibility at the interface is computed and reported.
     MacNeal,
     /// Free-interface modes and the residual shapes as modes of their own.
     Rubin,
@@ -89,7 +90,7 @@ pub fn reduce(model: &Model, interfaces: &[Interface], method: Method, wanted: u
         return Err(Error::new(format!("--method {}", method.name()), "requires --interface"));
     }
     let name = |row: usize| model.name(row);
-    let problem = Problem::new(&model.stiffness, &model.mass, &name)?;
+    let problem = factorise(&model.stiffness, &model.mass, &name)?;
     let free = if method == Method::CraigBampton { wanted.min(problem.rigid + COMPARED) } else { wanted };
     let (modes, rigid) = modes(&problem, free.max(problem.rigid))?;
     if rigid > wanted {
@@ -154,7 +155,7 @@ fn static_part(rows: &DMatrix<f64>, values: &[f64]) -> DMatrix<f64> {
 }
 
 /// Static shapes of loads without their part in the modes: K u = (1 - M Φ Φᵀ) b, Φᵀ M u = 0. The
-/// shift of a free body is removed by refinement, each step of which gains a factor σ/(λ - σ) of
+/// shift of a free body is removed by refinement. Each step reduces the error by σ/(λ - σ) of
 /// the first left-out λ.
 fn residual_shapes(problem: &Problem, modes: &Modes, loads: &DMatrix<f64>) -> Result<DMatrix<f64>> {
     let phi = &modes.vectors;
@@ -216,7 +217,7 @@ impl Made<'_, '_> {
         let (mut shapes, mut fixed) = (loads(self.at, count), None);
         if !inner.is_empty() {
             let (k, m) = (self.model.stiffness.kept(&inner), self.model.mass.kept(&inner));
-            let held = Problem::new(&k, &m, &|row| self.model.name(inner[row]))?;
+            let held = factorise(&k, &m, &|row| self.model.name(inner[row]))?;
             self.constrain(&held, &inner, &mut shapes)?;
             let found = eigen::lowest(&held, self.wanted.min(inner.len()), Check::Inertia)?;
             let mut whole = DMatrix::zeros(count, found.vectors.ncols());

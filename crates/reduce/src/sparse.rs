@@ -4,7 +4,7 @@ use crate::{Error, Result};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// Relative difference of two entries across the diagonal that counts as rounding of printed
+/// Relative difference below which two entries across the diagonal are equal but for rounding of printed
 /// numbers, as in the matrices of a machine's file.
 pub const SYMMETRY: f64 = 1e-9;
 
@@ -19,7 +19,7 @@ pub struct Entry {
     pub value: f64,
 }
 
-/// Which entries a file lists.
+/// Entries that a file lists.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Listed {
     /// Each pair of entries across the diagonal once.
@@ -126,7 +126,7 @@ impl Symmetric {
         }
     }
 
-    /// Refuses entries that differ from their pair's mean. `both` says that both are listed.
+    /// Refuses entries that differ from their pair's mean. With `both`, the file lists both.
     fn check_symmetry(&self, entries: &[Entry], both: bool, name: &dyn Fn(usize) -> String) -> Result<()> {
         if !both {
             return Ok(());
@@ -278,7 +278,7 @@ fn one_value(group: &[&Entry], both: bool, name: &dyn Fn(usize) -> String) -> Re
         let problem = "this entry of the matrix is listed twice; expected each entry once";
         return Err(Error::new(format!("row {}, column {}", name(first.row), name(first.column)), problem));
     }
-    // A pair of which one entry is not listed has a 0 there.
+    // An entry that is not listed is 0.
     Ok(group.iter().map(|e| e.value).sum::<f64>() / most as f64)
 }
 

@@ -22,7 +22,7 @@ pub struct Given {
 pub struct AtDof {
     /// `tip.x`.
     pub label: String,
-    /// Share of the static flexibility that the coordinates lack.
+    /// Static flexibility that the coordinates lack, over the whole.
     pub residual_share: f64,
     /// Stiffness of the residual flexibility, N/m; infinite if there is none.
     pub residual_stiffness: f64,
@@ -60,7 +60,7 @@ pub fn labels(interfaces: &[Interface]) -> Vec<String> {
     interfaces.iter().flat_map(of).collect()
 }
 
-/// What is said about mass, first frequency and sag, by which a wrong unit is seen.
+/// Lines about mass, first frequency and sag, which show a wrong unit.
 pub fn sizes(model: &Model, reduced: &Reduced) -> Vec<String> {
     let mut said = Vec::new();
     let masses = model.directions().into_iter().map(|direction| {
@@ -84,8 +84,9 @@ pub fn sizes(model: &Model, reduced: &Reduced) -> Vec<String> {
     }
     match reduced.rigid {
         0 => said.extend(sag(model, reduced)),
-        count => said
-            .push(format!("rigid-body modes: {count}; the body is not held, so there is no sag under 1 g")),
+        count => said.push(format!(
+            "rigid-body modes: {count}; the body is not held, so that it has no sag under 1 g"
+        )),
     }
     said
 }
@@ -147,7 +148,7 @@ fn counted(what: &str, modes: &Modes) -> [String; 2] {
     let first = format!("{what}: {count}, largest residual |K x - w² M x|/(|K| |x|) = {worst:.1e}");
     let second = match modes.counted {
         Some((value, count)) => format!(
-            "  by inertia of K - s M there are {count} eigenvalues below {:.6} Hz, as many as were found: no mode is missed",
+            "  by inertia of K - s M there are {count} eigenvalues below {:.6} Hz, and {count} were found: no mode is missed",
             Short(value.max(0.0).sqrt() / (2.0 * PI))
         ),
         None => "  these are all modes of the model".into(),
@@ -200,10 +201,10 @@ fn table(reduced: &Reduced, interfaces: &[Interface], given: &Given) -> String {
             let ratio = Short(highest / f);
             let _ = writeln!(
                 out,
-                "highest frequency over that of the loads, {f} Hz: {ratio:.4}; expected 2 or more"
+                "highest frequency over the load frequency {f} Hz: {ratio:.4}; expected 2 or more"
             );
         }
-        None => out.push_str("highest frequency over that of the loads: not known; give --load-frequency\n"),
+        None => out.push_str("highest frequency over the load frequency: not known; give --load-frequency\n"),
     }
     out
 }

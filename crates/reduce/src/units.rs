@@ -68,7 +68,7 @@ impl Units {
         self.mass * self.lengths(one) * self.lengths(other)
     }
 
-    /// Length by which a rotation is multiplied to be a displacement.
+    /// Factor that makes a displacement of a rotation.
     fn lengths(&self, direction: Direction) -> f64 {
         if direction.is_rotation() { self.length } else { 1.0 }
     }

@@ -5,8 +5,8 @@ mod common;
 use common::{Solid, chain};
 use std::f64::consts::PI;
 use vibro_reduce::eigen::{Check, lowest};
-use vibro_reduce::problem::Problem;
 use vibro_reduce::reduction::{Method, reduce};
+use vibro_reduce::shift::factorise;
 
 /// Eigenvalues of solids: rounding of K by its condition, some 1e5.
 const EXACT: f64 = 1e-10;
@@ -59,7 +59,7 @@ fn closed_form_a_cube_between_mirrors_has_its_multiple_modes() {
     let solid = Solid::steel([5, 5, 5], [0.1, 0.1, 0.1]);
     let model = solid.between_mirrors();
     let exact = solid.mirrored_values();
-    let problem = Problem::new(&model.stiffness, &model.mass, &|i| i.to_string()).unwrap();
+    let problem = factorise(&model.stiffness, &model.mass, &|i| i.to_string()).unwrap();
     for wanted in [1, 5, 17, 64] {
         let modes = lowest(&problem, wanted, Check::Inertia).unwrap();
         for (value, exact) in modes.values.iter().zip(&exact) {

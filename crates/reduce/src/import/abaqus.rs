@@ -12,7 +12,7 @@ const PENALTY: f64 = 1e35;
 const NAMED: &str = "expected node, dof, node, dof, value";
 const NUMBERED: &str = "expected row, column (both counted from 1) and a finite number";
 
-/// Reads either format: the first line of numbers tells which.
+/// Reads either format, which is recognised by the first line of numbers.
 ///
 /// # Errors
 /// An error with the line for anything else, Lagrange multipliers, and dofs that are not

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Largest file that is read, bytes.
+/// Size in bytes above which a file is refused: it would not fit into memory with its matrix.
 const MOST_BYTES: u64 = 10_000_000_000;
 
 const EXPECTED: &str = "expected .mtx (Matrix Market or Abaqus), .sti, .mas, .dof (CalculiX), .pch (Nastran DMIG), \
@@ -15,7 +15,7 @@ const EXPECTED: &str = "expected .mtx (Matrix Market or Abaqus), .sti, .mas, .do
 /// The files of a model.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
-    /// Files whose names or contents tell what they are.
+    /// Files whose roles are found by their names or contents.
     pub files: Vec<PathBuf>,
     /// The stiffness matrix.
     pub stiffness: Option<PathBuf>,
@@ -25,7 +25,7 @@ pub struct Sources {
     pub dofs: Option<PathBuf>,
 }
 
-/// What a file contains.
+/// Content of a file.
 enum Part {
     Stiffness(Matrix),
     Mass(Matrix),
@@ -103,7 +103,7 @@ fn ending(path: &Path) -> (String, String) {
     (of(path.extension()).to_ascii_lowercase(), of(path.file_stem()).to_ascii_uppercase())
 }
 
-/// What a file contains, by its ending and its contents.
+/// Content of a file, found by its ending and its text.
 fn parts(path: &Path) -> Result<Vec<Part>> {
     let (ending, _) = ending(path);
     match ending.as_str() {

@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 
-/// Longest part of a line that a message shows, characters.
+/// Number of characters after which a message cuts a line.
 const SHOWN: usize = 60;
 
 /// Refuses a line.

@@ -8,7 +8,7 @@ use crate::{Error, Result};
 use nalgebra::DMatrix;
 use std::fmt::Write;
 
-/// What the section says beside the reduced body.
+/// Further contents of the section.
 #[derive(Clone, Debug)]
 pub struct Section<'r> {
     /// Name of the body.
