@@ -4,6 +4,7 @@
 //! earlier ones, twice. The number of eigenvalues below a value between two found ones is counted
 //! by the inertia of K - s M; if one is missing, random vectors widen the next block.
 
+use crate::dense::{add_product, transposed_times};
 use crate::factor::random;
 use crate::problem::Problem;
 use crate::{Error, Result};
@@ -109,8 +110,9 @@ impl Space<'_, '_> {
     }
 
     fn remove_known(&self, block: &mut DMatrix<f64>) {
-        let (basis, mass_basis) = (self.basis.columns(0, self.count), self.mass_basis.columns(0, self.count));
-        *block -= basis * mass_basis.tr_mul(block);
+        let known = 0..self.count;
+        let parts = transposed_times(&self.mass_basis, known.clone(), block);
+        add_product(block, -1.0, &self.basis, known, &parts);
     }
 
     /// Applies the operator to the last block, and widens the space by its image and by `more`
@@ -127,7 +129,7 @@ impl Space<'_, '_> {
             block.columns_mut(width, more).copy_from(&start);
         }
         let added = self.add(block);
-        let inner = self.mass_basis.columns(0, self.count).tr_mul(&images);
+        let inner = transposed_times(&self.mass_basis, 0..self.count, &images);
         self.projected.resize_mut(self.count, self.count, 0.0);
         for j in 0..width {
             for i in 0..self.count {
@@ -236,7 +238,9 @@ fn finish(
 ) -> Modes {
     let problem = space.problem;
     let count = wanted.min(values.len());
-    let mut vectors = space.basis.columns(0, space.applied) * small.columns(0, count);
+    let mut vectors = DMatrix::zeros(space.basis.nrows(), count);
+    let small = small.columns(0, count).into_owned();
+    add_product(&mut vectors, 1.0, &space.basis, 0..space.applied, &small);
     for mut column in vectors.column_iter_mut() {
         // One sign for all runs: the largest component is positive.
         let largest = column.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(1.0);

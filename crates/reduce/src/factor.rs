@@ -15,6 +15,8 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
+/// Number of right-hand sides above which the cores share a solution.
+const SHARED: usize = 16;
 /// Largest memory of one factor, bytes.
 const MOST_MEMORY: usize = 32 << 30;
 
@@ -48,7 +50,7 @@ pub struct Analysis {
 }
 
 /// Cores for a factorisation.
-fn cores() -> Par {
+pub(crate) fn cores() -> Par {
     Par::rayon(0)
 }
 
@@ -244,7 +246,9 @@ impl Factor {
         let mut buffer = memory(symbolic.solve_in_place_scratch::<f64>(columns, cores()))?;
         let factor = LltRef::new(symbolic, &self.values);
         let b = MatMut::from_column_major_slice_mut(b.as_mut_slice(), rows, columns);
-        factor.solve_in_place_with_conj(Conj::No, b, cores(), MemStack::new(&mut buffer));
+        // The work on a few columns is too small to be shared.
+        let par = if columns > SHARED { cores() } else { Par::Seq };
+        factor.solve_in_place_with_conj(Conj::No, b, par, MemStack::new(&mut buffer));
         Ok(())
     }
 

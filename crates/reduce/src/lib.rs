@@ -7,6 +7,7 @@
 
 pub mod clamp;
 pub mod damping;
+mod dense;
 pub mod dofs;
 pub mod eigen;
 pub mod factor;

@@ -79,6 +79,13 @@ impl Reduced {
 /// # Errors
 /// An error if the matrices are not positive semidefinite, or modes are missing.
 pub fn reduce(model: &Model, interfaces: &[Interface], method: Method, wanted: usize) -> Result<Reduced> {
+    // On a thread of the pool, so that no part of the work waits to be taken up by one.
+    let mut reduced = None;
+    rayon::scope(|_| reduced = Some(reduce_here(model, interfaces, method, wanted)));
+    reduced.expect("the scope runs its closure")
+}
+
+fn reduce_here(model: &Model, interfaces: &[Interface], method: Method, wanted: usize) -> Result<Reduced> {
     model.check()?;
     let at: Vec<usize> = interfaces.iter().flat_map(|own| own.dofs.iter().map(|(_, row)| *row)).collect();
     let most = wanted + if method == Method::MacNeal { 0 } else { at.len() };

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::Solid;
+use common::{Solid, chain, grid};
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 use vibro_reduce::damping::Damping;
@@ -14,6 +14,8 @@ use vibro_reduce::statement::Given;
 
 /// Eigenvalues of solids: rounding of K by its condition, some 1e6.
 const EXACT: f64 = 1e-10;
+/// Eigenvalues of a long chain: rounding of K by its condition, some 1e8.
+const LONG: f64 = 1e-8;
 /// Time for 20 modes from files to files on two cores.
 const LONGEST: Duration = Duration::from_secs(15);
 
@@ -27,6 +29,27 @@ fn closed_form_thirty_modes_of_a_large_solid() {
     let reduced = reduce(&model, &[], Method::MacNeal, 30).unwrap();
     for (k, (value, exact)) in reduced.values.iter().zip(&exact).enumerate() {
         assert!((value / exact - 1.0).abs() < EXACT, "{k} {value} {exact}");
+    }
+}
+
+#[test]
+#[ignore = "asked for by name in a release build: 20,000 dofs"]
+fn closed_form_a_large_grid_and_a_long_chain() {
+    let (model, exact) = grid(27);
+    let count = 20_000;
+    let long = chain(&vec![1.0; count], &vec![1.0; count]);
+    let angle = |k: usize| std::f64::consts::PI * (2 * k + 1) as f64 / (2 * count + 1) as f64;
+    // 2 - 2 cos x, without cancellation.
+    let of_long = (0..count).map(|k| 4.0 * (0.5 * angle(k)).sin().powi(2)).collect();
+    for (model, exact, wanted, tolerance) in
+        [(&model, &exact, 20, EXACT), (&model, &exact, 100, EXACT), (&long, &of_long, 20, LONG)]
+    {
+        let start = Instant::now();
+        let reduced = reduce(model, &[], Method::MacNeal, wanted).unwrap();
+        println!("{} dofs, {wanted} modes: {:.1?}", exact.len(), start.elapsed());
+        for (k, (value, exact)) in reduced.values.iter().zip(exact).enumerate() {
+            assert!((value / exact - 1.0).abs() < tolerance, "{k} {value} {exact}");
+        }
     }
 }
 

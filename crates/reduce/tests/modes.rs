@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Solid, chain};
+use common::{Solid, chain, grid};
 use std::f64::consts::PI;
 use vibro_reduce::eigen::{Check, lowest};
 use vibro_reduce::reduction::{Method, reduce};
@@ -120,6 +120,18 @@ fn closed_form_long_beams_are_held_or_free() {
                 let exact = (root / length).powi(4);
                 assert!((value / exact - 1.0).abs() < BEAM, "{elements} {clamped} {value} {exact}");
             }
+        }
+    }
+}
+
+#[test]
+fn closed_form_a_grid_of_masses_has_its_multiple_modes() {
+    let (model, exact) = grid(9);
+    for wanted in [1, 2, 3, 20, 150] {
+        let reduced = reduce(&model, &[], Method::MacNeal, wanted).unwrap();
+        assert_eq!(reduced.values.len(), wanted);
+        for (value, exact) in reduced.values.iter().zip(&exact) {
+            assert!((value / exact - 1.0).abs() < EXACT, "{wanted} {value} {exact}");
         }
     }
 }
