@@ -49,7 +49,7 @@ impl Units {
             let own = found.mass * found.length / of(&TIMES, time)?.powi(2);
             if (own / found.force - 1.0).abs() > 1e-9 {
                 return Err(refused(format!(
-                    "not consistent: 1 {mass} {length}/{time}² is {own:?} N, not 1 {force}. Give the units in which the \
+                    "not consistent: 1 {mass} {length}/{time}² is {own:.6} N, not 1 {force}. Give the units in which the \
                      program computed (kg, mm, ms compute in kN: kN,mm,kg,ms), or, if stiffness is in {force}/{length} and mass in \
                      {mass} regardless of the time, leave out the time: {force},{length},{mass}"
                 )));

@@ -97,8 +97,19 @@ fn unused(command: &str) -> &'static [&'static str] {
     }
 }
 
-/// Help of `--out` of `reduce`, which names files and not a folder.
-const OUT_OF_REDUCE: &str = "Path of the written files without their ending: OUT.toml, OUT.npz, OUT.txt [default: the name of the first file]";
+/// A shared option with its help for `reduce`, which writes files of one name and no folder.
+fn of_reduce(arg: Arg) -> Arg {
+    let help = match arg.get_id().as_str() {
+        "out" => {
+            "Path of the written files without their ending: OUT.toml, OUT.npz, OUT.txt [default: the name of the \
+             first file]"
+        }
+        "replace" => "Overwrite an OUT.toml that another program or a person wrote",
+        _ => "Number of threads [default: all cores]. Last digits depend on it",
+    };
+    let arg = arg.help(help).long_help(help);
+    if arg.get_id() == "out" { arg.value_name("OUT").hide_default_value(true) } else { arg }
+}
 
 /// A command with its shared options. An option that the command does not use is hidden. An option
 /// for the paper's machine only is under the heading of that machine, such as `--threads` of
@@ -108,7 +119,7 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
     let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
         id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
         "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
-        "out" if name == "reduce" => Some(arg.clone().help(OUT_OF_REDUCE).long_help(OUT_OF_REDUCE)),
+        "out" | "replace" | "threads" if name == "reduce" => Some(of_reduce(arg.clone())),
         "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
         "set" => Some(arg.clone()),
         _ => None,
