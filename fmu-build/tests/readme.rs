@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 
 /// Pages of docs/ whose blocks and commands of an installed `vibro` another test runs, and that
 /// test.
-const RUN_ELSEWHERE: [(&str, &str); 8] = [
+const RUN_ELSEWHERE: [(&str, &str); 9] = [
     ("paper-machine.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
     ("python.md", "tests/python/test_guide.py"),
     ("derivatives.md", "tests/python/test_guide.py"),
     ("machine-studies.md", "crates/command-line/tests/assembly_orbits.rs"),
     ("fit.md", "crates/command-line/tests/fit.rs"),
+    ("reduce.md", "crates/command-line/tests/reduce.rs"),
     ("assemblies.md", "crates/machine/tests/file/examples.rs"),
     ("machine-file.md", "crates/machine/tests/file/examples.rs"),
 ];
@@ -28,10 +29,14 @@ const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "
 const BY_HAND: &str = "\n## Memory and random input, by hand";
 
 /// Shell commands and the tests that run them.
-const COVERED: [(&str, &str); 13] = [
+const COVERED: [(&str, &str); 14] = [
     ("python3 docs/site/build.py", "fmu-build/tests/site.rs, run by .ci/run"),
     ("pip install ./python", "fmu-build/tests/examples.rs does the same by way of a wheel"),
     ("pip install \"./python[plot]\"", "the same, and tests/python/requirements.txt has matplotlib"),
+    (
+        "cargo build --release -p vibro --features reduce",
+        "crates/command-line/tests/reduce.rs, run by .ci/run with the feature",
+    ),
     ("cargo run --bin fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     (
         "cargo run --bin fmu-build -- assembly examples/assembly/damper_with_buffer.toml",

@@ -23,6 +23,7 @@ use crate::orbits_arguments::{Loci, OneOrbit, Orbits};
 use crate::paper;
 use crate::plane_arguments::{Basin, SectionOfFile};
 use crate::ranges::{in_option, texts};
+use crate::reduce_arguments::ReduceArguments;
 use crate::run::RunArguments;
 use crate::study_arguments::{
     Bifurcation, Compare, Fmu, Isoperiodic, Lyapunov, Manifold, Merge, New, Plane, Reproduce, Response,
@@ -57,6 +58,7 @@ EXAMPLES
   vibro orbits machine.toml --tree --vary stop.steel.gap=1mm:8mm
   vibro locus machine.toml --from vibro-out/special-points.csv:PD --vary stop.steel.gap=1mm:8mm --vary body.block.mass=0.2kg:0.5kg
   vibro fmu machine.toml
+  vibro reduce blade.sti blade.mas blade.dof --units N,mm,t,s --clamp root.csv --interface tip=428.y --modes 20
   vibro basin machine.toml --start block.s=-4mm:4mm --start block.v=-1:1 --shard 1/2 --out one    (another computer: --shard 2/2)
   vibro merge one two
   Examples for the paper's machine (see `vibro paper --help`):
@@ -88,10 +90,25 @@ fn unused(command: &str) -> &'static [&'static str] {
         "design" => &["config", "discard_unfinished"],
         "template" | "new" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
         "merge" => &["config", "set"],
+        "reduce" => &["config", "set", "discard_unfinished"],
         "run" | "steady" | "response" | "manifold" | "stability" | "plane" | "compare" | "orbit"
         | "locus" => &["discard_unfinished"],
         _ => &[],
     }
+}
+
+/// A shared option with its help for `reduce`, which writes files of one name and no folder.
+fn of_reduce(arg: Arg) -> Arg {
+    let help = match arg.get_id().as_str() {
+        "out" => {
+            "Path of the written files without their ending: OUT.toml, OUT.npz, OUT.txt [default: the name of the \
+             first file]"
+        }
+        "replace" => "Overwrite an OUT.toml that another program or a person wrote",
+        _ => "Number of threads [default: all cores]. Last digits depend on it",
+    };
+    let arg = arg.help(help).long_help(help);
+    if arg.get_id() == "out" { arg.value_name("OUT").hide_default_value(true) } else { arg }
 }
 
 /// A command with its shared options. An option that the command does not use is hidden. An option
@@ -102,6 +119,7 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
     let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
         id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
         "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
+        "out" | "replace" | "threads" if name == "reduce" => Some(of_reduce(arg.clone())),
         "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
         "set" => Some(arg.clone()),
         _ => None,
@@ -201,6 +219,13 @@ pub enum Command {
     /// environment variable VIBRO_IMPACT_ARCHIVES names, next to the program, or one folder above
     /// it. In the repository, `cargo run --bin fmu-build` builds it.
     Fmu(Fmu),
+    /// Reduce the matrices of a finite-element program to a body of a machine file, with an error
+    /// statement
+    ///
+    /// OUT.toml has the body `[modal.NAME]` with its nodes, OUT.npz the displacements of all dofs by
+    /// each coordinate, OUT.txt what was reduced and how far it is right. Part of a program that was
+    /// built with `--features reduce`.
+    Reduce(Box<ReduceArguments>),
     /// Simulate a motion exactly from event to event: tables of states, events and contacts, a
     /// picture, an energy balance
     Run(RunArguments),

@@ -28,6 +28,8 @@ mod parsed;
 mod plane_arguments;
 mod progress;
 mod ranges;
+mod reduce_arguments;
+mod reducing;
 mod run;
 mod short;
 mod study_arguments;
@@ -86,6 +88,9 @@ fn study(arguments: &mut Arguments) -> Result<()> {
     if let Command::New(a) = &arguments.command {
         return packing::begin(a);
     }
+    if let Command::Reduce(a) = &arguments.command {
+        return reducing::reduce(a, common);
+    }
     if let Command::Sweep(a) = &arguments.command
         && a.list
     {
@@ -143,6 +148,7 @@ fn study(arguments: &mut Arguments) -> Result<()> {
         | Command::Fit(_)
         | Command::Fmu(_)
         | Command::New(_)
+        | Command::Reduce(_)
         | Command::Section(_)
         | Command::Template(_) => {
             return Ok(());

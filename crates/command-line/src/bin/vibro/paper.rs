@@ -63,7 +63,7 @@ LIMITS of the paper's machine; a machine's FILE describes machines of any bodies
 /// Whether a command takes the paper's machine.
 fn takes_paper(command: &Command) -> bool {
     let needs_file = command.get_arguments().any(|arg| arg.get_id() == FILE && arg.is_required_set());
-    !needs_file && !["new", "merge"].contains(&command.get_name())
+    !needs_file && !["new", "merge", "reduce"].contains(&command.get_name())
 }
 
 /// The commands as shown to the user: commands with a FILE on their own, and commands for the

@@ -1,0 +1,4 @@
+//! The written files: the body, its basis, the report.
+
+pub mod body;
+pub mod npz;
