@@ -48,6 +48,8 @@ pub static EXAMPLES: &[Example] = examples! {
     "impact_damper",
     "duffing_stop",
     "pull_in",
+    "energy_sink",
+    "stribeck_brake",
     "shaken_box" "shaken_box.csv",
 };
 

@@ -51,6 +51,8 @@ const EXAMPLES: &[(&str, &str)] = examples![
     "iwan_joint.toml",
     "duffing_stop.toml",
     "pull_in.toml",
+    "energy_sink.toml",
+    "stribeck_brake.toml",
     "run_up.toml",
     "servo.toml",
     "shaken_rig.toml",
