@@ -50,6 +50,7 @@ pub static EXAMPLES: &[Example] = examples! {
     "pull_in",
     "energy_sink",
     "stribeck_brake",
+    "hammer_drill",
     "shaken_box" "shaken_box.csv",
 };
 

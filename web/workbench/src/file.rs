@@ -53,6 +53,7 @@ const EXAMPLES: &[(&str, &str)] = examples![
     "pull_in.toml",
     "energy_sink.toml",
     "stribeck_brake.toml",
+    "hammer_drill.toml",
     "run_up.toml",
     "servo.toml",
     "shaken_rig.toml",
