@@ -48,6 +48,9 @@ pub static EXAMPLES: &[Example] = examples! {
     "impact_damper",
     "duffing_stop",
     "pull_in",
+    "energy_sink",
+    "stribeck_brake",
+    "hammer_drill",
     "shaken_box" "shaken_box.csv",
 };
 

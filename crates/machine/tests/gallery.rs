@@ -317,3 +317,153 @@ fn closed_form_pull_in_of_a_relay() {
     // The samples miss the turning point by at most a(5e-6 s)²/2.
     assert!(largest <= turning * (1.0 + PULLED) && largest > turning - 1e-8, "{largest} {turning}");
 }
+
+/// Numbers of the gallery's brake: mass, stiffness, damping, level at high speeds and the part that
+/// falls, and the speed at which it falls.
+const BRAKE: [f64; 6] = [2.0, 20e3, 120.0, 30.0, 30.0, 0.1];
+
+/// The classical Runge-Kutta method for the slipping pad, in steps that are halved where the pad
+/// reaches the disc's speed.
+#[test]
+fn second_method_stick_and_slip_of_a_brake_with_stribeck_friction() {
+    // (ωh)⁴ with ωh = 1e-3, over 5 radians, and rounding of 5000 steps.
+    const NEAR: f64 = 1e-11;
+    let ([m, k, c, level, falling, scale], disc) = (BRAKE, 0.1);
+    let slope = |[x, v]: [f64; 2]| {
+        let rate = (disc - v) / scale;
+        [v, (level + falling * (-rate * rate).exp() - k * x - c * v) / m]
+    };
+    let along = |y: [f64; 2], d: [f64; 2], h: f64| [y[0] + h * d[0], y[1] + h * d[1]];
+    let step = |y: [f64; 2], h: f64| {
+        let a = slope(y);
+        let b = slope(along(y, a, 0.5 * h));
+        let c = slope(along(y, b, 0.5 * h));
+        let d = slope(along(y, c, h));
+        along(y, [0, 1].map(|i| a[i] + 2.0 * (b[i] + c[i]) + d[i]), h / 6.0)
+    };
+    // The pad leaves the disc where the spring and its dashpot take up the static force.
+    let start = (level + falling - c * disc) / k;
+    let (mut y, mut slip, mut h) = ([start, disc], 0.0, 1e-5);
+    while h > 1e-15 {
+        let next = step(y, h);
+        if slip > 0.0 && next[1] > disc {
+            h *= 0.5;
+        } else {
+            (y, slip) = (next, slip + h);
+        }
+    }
+    let stick = (start - y[0]) / disc;
+    let all = followed(&mut example("stribeck_brake"), 1.0);
+    let slips = times(&all, |kind| matches!(kind, EventKind::Slip { .. }));
+    let sticks = times(&all, |kind| matches!(kind, EventKind::Stick { .. }));
+    let last = slips[slips.len() - 2];
+    let end = sticks.iter().find(|time| **time > last).expect("the pad sticks again");
+    near(end - last, slip, NEAR);
+    near(slips[slips.len() - 1] - end, stick, NEAR);
+}
+
+/// Near steady sliding the pad has the damping c - S(v) with the slope S(v) = 2 v/s² F exp(-(v/s)²).
+#[test]
+fn closed_form_steady_sliding_of_a_brake_is_unstable_below_a_critical_speed() {
+    // Relative: the curvature of the friction times the rate of 1e-6 m/s.
+    const LINEAR: f64 = 1e-4;
+    let [m, k, c, level, falling, scale] = BRAKE;
+    let fallen = |v: f64| falling * (-(v / scale).powi(2)).exp();
+    let slope = |v: f64| 2.0 * v / (scale * scale) * fallen(v);
+    // The slope is largest at s/sqrt(2).
+    let (mut low, mut high) = (scale * 0.5f64.sqrt(), 2.0 * scale);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *if slope(middle) > c { &mut low } else { &mut high } = middle;
+    }
+    // The value on the gallery's page.
+    near(low, 0.13932, 1e-5);
+    for (factor, grows) in [(0.99, true), (1.01, false)] {
+        let (disc, begin, time) = (factor * low, 1e-8, 1.0);
+        let middle = (level + fallen(disc)) / k;
+        let numbers = [("disc", disc), ("body.pad.start.s", middle + begin)];
+        let description = example("stribeck_brake").assembly().description.with(numbers).unwrap();
+        let mut motion = Motion::new(Arc::new(Assembly::new(description).unwrap())).unwrap();
+        motion.advance_to(time).unwrap();
+        let growth = 0.5 * (slope(disc) - c) / m;
+        let turn = (k / m - growth * growth).sqrt();
+        let (sin, cos) = (turn * time).sin_cos();
+        let expected = begin * (growth * time).exp() * (cos - growth / turn * sin);
+        let size = begin * (growth * time).exp();
+        assert_eq!(growth > 0.0, grows);
+        near((value(&motion, "pad.s") - middle) / size, expected / size, LINEAR);
+    }
+}
+
+/// The hammer drill's displacements of striker, beater and bit, then their rates.
+type Drill = [f64; 6];
+
+/// Depths of the three contacts.
+fn depths(y: &Drill) -> [f64; 3] {
+    [y[0] - y[1], y[1] - y[2], y[2]]
+}
+
+/// The derivative of the hammer drill's state in time.
+fn drilled(t: f64, y: &Drill) -> Drill {
+    let [x, [striker, beater, bit]] = [depths(y), [y[3], y[4], y[5]]];
+    let contact = |n: usize, rate: f64, k: f64, d: f64| {
+        let depth = x[n].max(0.0);
+        (k * depth * depth.sqrt() * (1.0 + 1.5 * d * rate)).max(0.0)
+    };
+    let blow = contact(0, striker - beater, 21e9, 0.05);
+    let shank = contact(1, beater - bit, 21e9, 0.05);
+    let rock = contact(2, bit, 8e7, 0.6);
+    let air = 20e3 * (y[0] - 15e-3 * (TAU * 45.0 * t).sin());
+    let (seat, feed) = (2e3 * y[1] + 20.0 * beater - 20.0, 1e3 * y[2] + 20.0 * bit - 150.0);
+    let drag = 20.0 * bit * bit.abs();
+    let forces = [-air - blow, blow - shank - seat, shank - rock - feed - drag];
+    [striker, beater, bit, forces[0] / 0.16, forces[1] / 0.09, forces[2] / 0.3]
+}
+
+/// The classical Runge-Kutta method, whose steps are halved at the edge of a contact and grow again
+/// after it, since the force of x^1.5 is not smooth there.
+#[test]
+fn second_method_contacts_of_a_hammer_drill() {
+    // Errors of steps of 2e-7 s in contacts of 1e-4 s, which 30 contacts magnify.
+    const NEAR: f64 = 1e-9;
+    // Relative tolerance of the closing speeds, which the same errors change.
+    const SPEED: f64 = 1e-6;
+    let (whole, least, end) = (2e-7, 1e-13, 0.0275);
+    let along = |y: &Drill, d: &Drill, h: f64| -> Drill { std::array::from_fn(|i| y[i] + h * d[i]) };
+    let step = |t: f64, y: &Drill, h: f64| {
+        let a = drilled(t, y);
+        let b = drilled(t + 0.5 * h, &along(y, &a, 0.5 * h));
+        let c = drilled(t + 0.5 * h, &along(y, &b, 0.5 * h));
+        let d = drilled(t + h, &along(y, &c, h));
+        along(y, &std::array::from_fn(|i| a[i] + 2.0 * (b[i] + c[i]) + d[i]), h / 6.0)
+    };
+    let sides = |y: &Drill| depths(y).map(|depth| depth > 0.0);
+    let (mut t, mut h, mut y) = (0.0, 1e-9, Drill::default());
+    let mut pressed: Vec<(f64, f64)> = Vec::new();
+    while t < end {
+        let next = step(t, &y, h);
+        let (before, after) = (sides(&y), sides(&next));
+        if before != after && h > least {
+            h *= 0.5;
+            continue;
+        }
+        (t, y) = (t + h, next);
+        h = if before == after { (2.0 * h).min(whole) } else { 1e-11 };
+        let rates = [y[3] - y[4], y[4] - y[5], y[5]];
+        // At the start all bodies touch.
+        let begun = (0..3).filter(|n| after[*n] && !before[*n] && t > 1e-6);
+        pressed.extend(begun.map(|n| (t, rates[n])));
+    }
+    let all = followed(&mut example("hammer_drill"), end);
+    let own: Vec<&Event> = all.iter().filter(|event| press(&event.kind) && event.time > 1e-6).collect();
+    assert_eq!(own.len(), pressed.len());
+    assert!(own.len() > 30, "{}", own.len());
+    for (event, (time, rate)) in own.iter().zip(&pressed) {
+        let EventKind::Press { speed, .. } = event.kind else { panic!("{:?}", event.kind) };
+        near(event.time, *time, NEAR);
+        near(speed / rate, 1.0, SPEED);
+    }
+    // The blow on the gallery's page.
+    let fastest = pressed.iter().map(|(_, rate)| *rate).fold(0.0, f64::max);
+    near(fastest, 11.1414, 1e-4);
+}

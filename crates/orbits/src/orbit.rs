@@ -353,15 +353,33 @@ impl Orbit {
         if !same_word(self.word(), other.word()) {
             return false;
         }
-        let (m, units) = (self.word().len(), &self.problem.units);
+        let m = self.word().len();
+        if m == 0 {
+            return self.passes_start_of(other);
+        }
         let is_near = |k: usize| {
-            let own = &self.legs()[k].states[0];
-            let pairs = own.iter().zip(other.state()).zip(&units.state);
-            let apart = pairs.map(|((a, b), unit)| ((a - b) / unit).abs()).fold(0.0, f64::max);
             let turns = self.place.period.map_or(0.0, |p| (self.legs()[k].time - other.legs()[0].time) / p);
-            apart < SAME && (turns - turns.round()).abs() < SAME
+            self.is_at(&self.legs()[k].states[0], other) && (turns - turns.round()).abs() < SAME
         };
-        m == 0 || (0..m).any(|k| self.word().is_from(k, other.word()) && is_near(k))
+        (0..m).any(|k| self.word().is_from(k, other.word()) && is_near(k))
+    }
+
+    /// Whether a state of this orbit is the first state of another orbit.
+    fn is_at(&self, state: &[f64], other: &Self) -> bool {
+        let pairs = state.iter().zip(other.state()).zip(&self.problem.units.state);
+        pairs.map(|((a, b), unit)| ((a - b) / unit).abs()).fold(0.0, f64::max) < SAME
+    }
+
+    /// Whether an orbit without events passes the first state of another orbit at the same phase of
+    /// the drive. A machine with curved forces may have several orbits without events.
+    fn passes_start_of(&self, other: &Self) -> bool {
+        let Some(period) = self.place.period else { return true };
+        let (leg, shift) = (&self.legs()[0], other.legs()[0].time - self.legs()[0].time);
+        let laps = (leg.span / period).round().max(1.0);
+        (0..laps as u32).any(|lap| {
+            let part = (shift / leg.span + f64::from(lap) / laps).rem_euclid(1.0);
+            self.is_at(&within(&self.place, leg, part).1, other)
+        })
     }
 }
 

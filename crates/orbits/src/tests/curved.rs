@@ -2,7 +2,7 @@
 //! derivatives and differences.
 
 use super::*;
-use nalgebra::DVector;
+use nalgebra::{Complex, DVector};
 use std::f64::consts::{PI, TAU};
 use vibro_machine::Start;
 
@@ -101,6 +101,18 @@ fn interpolated(x: &DVector<f64>, body: usize, time: f64) -> f64 {
     (0..POINTS).map(|i| weight(i) * x[body * POINTS + i]).sum()
 }
 
+/// The largest displacement of the first body.
+fn largest(x: &DVector<f64>) -> f64 {
+    // At the turn the slope of the interpolation is zero: three parabolas find it.
+    let (mut at, mut step) = (x.rows(0, POINTS).argmax().0 as f64 / POINTS as f64, 0.01);
+    for _ in 0..8 {
+        let [a, b, c] = [-step, 0.0, step].map(|by| interpolated(x, 0, at + by + 1e-9));
+        at += 0.5 * step * (a - c) / (a - 2.0 * b + c);
+        step *= 0.5;
+    }
+    interpolated(x, 0, at)
+}
+
 #[test]
 fn second_method_fourier_collocation_of_curved_chains() {
     for frequency in [0.5, 3.0, 4.0] {
@@ -125,16 +137,6 @@ fn second_method_fourier_collocation_of_the_plate_that_grazes_its_rail() {
     let grazes = specials(&branches, 0, "GR");
     // The second body has no part in it.
     let plate = Chain { masses: [0.5, 1.0], ground: [2e4, 2e9, 4.0], between: [0.0; 4], damper: [1.0, 0.0] };
-    let largest = |x: &DVector<f64>| {
-        // At the turn the slope of the interpolation is zero: three parabolas find it.
-        let (mut at, mut step) = (x.rows(0, POINTS).argmax().0 as f64 / POINTS as f64, 0.01);
-        for _ in 0..8 {
-            let [a, b, c] = [-step, 0.0, step].map(|by| interpolated(x, 0, at + by + 1e-9));
-            at += 0.5 * step * (a - c) / (a - 2.0 * b + c);
-            step *= 0.5;
-        }
-        interpolated(x, 0, at)
-    };
     let mut x = DVector::zeros(2 * POINTS);
     (0..=30).for_each(|k| collocate(&plate, 25.0 + 0.497 * f64::from(k), 6.0, &mut x));
     let (mut low, mut high) = (39.91, 39.95);
@@ -145,6 +147,71 @@ fn second_method_fourier_collocation_of_the_plate_that_grazes_its_rail() {
         *if largest(&there) < 3e-3 { &mut low } else { &mut high } = middle;
     }
     assert!(nearest(&grazes, low) < GRAZED, "{grazes:?} {low}");
+}
+
+/// Relative displacement and amplitude of the shaken mass in all balances of one harmonic at a
+/// frequency, smallest first, as complex amplitudes of sin by a force of 1.
+fn balances(chain: &Chain, frequency: f64, force: f64) -> Vec<[Complex<f64>; 2]> {
+    let (w, i) = (TAU * frequency, Complex::i());
+    let Chain { masses: [m, sink], ground: [k, _, c], between: [_, _, cubic, d], .. } = *chain;
+    let at = |size: f64| {
+        let wire = 0.75 * cubic * size * size + i * w * d;
+        let ratio = Complex::from(1.0) - wire / (sink * w * w);
+        let per_size = (i * w * c + (k - m * w * w)) * ratio + wire;
+        (per_size.norm() * size - force, [force / per_size, force / per_size * ratio])
+    };
+    let grid: Vec<f64> = (1..4000).map(|n| 1e-5 * f64::from(n)).collect();
+    let pairs = grid.windows(2).filter(|pair| at(pair[0]).0 * at(pair[1]).0 < 0.0);
+    pairs.map(|pair| at(0.5 * (pair[0] + pair[1])).1).collect()
+}
+
+/// The gallery's energy sink has three motions at 4.75 Hz. Two lie on a closed curve that no sweep
+/// of the frequency reaches from the main branch.
+#[test]
+fn second_method_fourier_collocation_of_an_energy_sink_and_its_detached_curve() {
+    let machine = example("energy_sink.toml");
+    let family = Family::new(&machine, "body.table.motion.frequency", (4.5, 4.9)).unwrap();
+    let struck = Orbit::settled_at(&family, 4.75, &Start::default(), 400).unwrap();
+    let branches = [branch(&family, &struck, &Default::default()).unwrap()];
+    let calm = machine.description.with([("body.mass.start.v", 0.0)]).unwrap();
+    let calm = Family::new(&Machine::new(calm), "body.table.motion.frequency", (4.5, 4.9)).unwrap();
+    let calm = Orbit::settled_at(&calm, 4.75, &Start::default(), 400).unwrap();
+    // Orbits without events of one machine differ if their states do.
+    assert!(branches[0].passes(&struck) && !branches[0].passes(&calm));
+    let mut found = branches[0].orbits_at(4.75);
+    found.push(calm);
+    let folds = specials(&branches, 0, "LP");
+    // Folds of the closed curve, by which the gallery's page gives its range.
+    assert!(nearest(&folds, 4.6156) < 1e-4 && nearest(&folds, 4.8470) < 1e-4, "{folds:?}");
+    let chain = Chain {
+        masses: [1.0, 0.05],
+        ground: [1000.0, 0.0, 0.4],
+        between: [0.0, 0.0, 4e5, 0.4],
+        damper: [0.0; 2],
+    };
+    // The table's motion is a force on the mass, with another phase.
+    let force = 0.5e-3 * 1000f64.hypot(0.4 * TAU * 4.75);
+    let balances = balances(&chain, 4.75, force);
+    let mut sizes = Vec::new();
+    for [between, mass] in &balances {
+        let mut x = DVector::from_fn(2 * POINTS, |row, _| {
+            let turn = Complex::from_polar(1.0, TAU * (row % POINTS) as f64 / POINTS as f64);
+            (turn * if row < POINTS { *mass } else { mass - between }).im
+        });
+        collocate(&chain, 4.75, force, &mut x);
+        sizes.push(largest(&x));
+    }
+    let size = |orbit: &Orbit| {
+        let mass = vibro_machine::Quantity::of_body(1, vibro_machine::What::S);
+        orbit.watched(&[mass]).extents[0].largest
+    };
+    let mut own: Vec<f64> = found.iter().map(size).collect();
+    own.sort_by(f64::total_cmp);
+    sizes.sort_by(f64::total_cmp);
+    assert_eq!((own.len(), sizes.len()), (3, 3), "{own:?} {sizes:?}");
+    for (own, other) in own.iter().zip(&sizes) {
+        assert!((own - other).abs() < COLLOCATED, "{own} {other}");
+    }
 }
 
 #[test]
