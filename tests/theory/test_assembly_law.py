@@ -30,6 +30,7 @@ DEFINITIONS: Dict[int, str] = {
     62: "defines the force of a contact and a power with two sides (crates/machine/tests/contacts.rs)",
     63: "a choice of the code: where a power at its edge counts as no force",
     64: "says which path leads to the equilibrium (crates/machine/tests/curves_rest.rs)",
+    65: "defines a contact with friction",
 }
 
 ROUNDING = mpf(10) ** -30
@@ -1057,3 +1058,49 @@ def test_law_61_coefficients_of_operations_are_bounded() -> None:
             assert weighted <= order + 1
             bound = bounds.get(name, max(w[: order + 1] + g[: order + 1]))
             assert all(x <= bound for x in w[order + 1 :]), (name, bound)
+
+
+def test_law_66_the_rate_of_a_slider_and_of_the_distance_from_its_limit() -> None:
+    r = random.Random(66)
+    for _ in range(20):
+        kn, kt, mu, w, at = (abs(number(r)) + 1 for _ in range(5))
+        sign = r.choice([-1, 1])
+        normal, tangent = ([number(r) for _ in range(4)] for _ in range(2))
+
+        def n_force(t: mpf, x: List[mpf] = normal, k: mpf = kn) -> mpf:
+            return k * mp.polyval(x, t)
+
+        def e_t(t: mpf, x: List[mpf] = tangent) -> mpf:
+            return mp.polyval(x, t)
+
+        rate = sign * mp.diff(e_t, at) - mu * mp.diff(n_force, at) / kt
+        stuck = mp.diff(lambda t: sign * kt * (e_t(t) - w) - mu * n_force(t), at)
+        slips = mp.diff(lambda t: sign * (e_t(t) - sign * mu * n_force(t) / kt), at)
+        assert abs(stuck / kt - rate) < mpf(10) ** -12 and abs(slips - rate) < mpf(10) ** -12
+
+
+def test_law_67_the_loss_of_a_slider_over_a_step() -> None:
+    r = random.Random(67)
+    slipped = 0
+    for _ in range(200):
+        kt = abs(number(r)) + 1
+        first, last = abs(number(r)), abs(number(r))
+        way, sign = 3 * number(r), 1
+        if way < 0:
+            sign = -1
+        begin = first * number(r) / 2
+        begin = max(-first, min(first, begin))
+
+        def limit(part: mpf, a: mpf = first, b: mpf = last) -> mpf:
+            return a + part * (b - a)
+
+        # The stretch begins to follow its limit at the part at which both are equal.
+        slope = sign * way - (last - first)
+        part = (first - sign * begin) / slope if slope > 0 else mpf(2)
+        if not 0 <= part < 1:
+            continue
+        slipped += 1
+        lost = mp.quad(lambda s, slope=slope: kt * limit(s) * abs(slope), [part, 1])
+        moved = abs(slope) * (1 - part)
+        assert abs(lost - kt * (limit(part) + last) * moved / 2) < mpf(10) ** -20 * (1 + lost)
+    assert slipped > 30, slipped

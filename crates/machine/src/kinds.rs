@@ -147,6 +147,9 @@ pub const STRIBECK: NumberKind =
     kind("Speed at which friction falls from its static level", "m/s", "rad/s", Range::POSITIVE);
 pub const LEVEL: NumberKind = kind("Level of friction", "N", "N.m", Range::NOT_NEGATIVE);
 pub const COEFFICIENT: NumberKind = kind("Coefficient of friction", "1", "1", Range::NOT_NEGATIVE);
+/// The coefficient of friction of a contact, which enters the stiffness of the slip.
+pub const FRICTION_OF_CONTACT: NumberKind =
+    kind("Coefficient of friction", "1", "1", between(0.0, 1e6, "a number from 0 to 1e6"));
 pub const FREQUENCY: NumberKind = at_least(LEAST_FREQUENCY, kind("Frequency", "Hz", "Hz", Range::POSITIVE));
 pub const NATURAL: NumberKind =
     at_least(LEAST_FREQUENCY, kind("Natural frequency", "Hz", "Hz", Range::NOT_NEGATIVE));

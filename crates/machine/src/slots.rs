@@ -196,7 +196,7 @@ impl<'a> Slots<'a> {
         self.element(&of, "tangent", &mut tangent.arms, bodies);
         let stiffness = &mut tangent.stiffness;
         self.push(format!("{of}.tangential_stiffness"), kinds::TANGENTIAL_STIFFNESS, stiffness);
-        self.push(format!("{of}.friction"), kinds::COEFFICIENT, &mut tangent.friction);
+        self.push(format!("{of}.friction"), kinds::FRICTION_OF_CONTACT, &mut tangent.friction);
         if !at_rest {
             self.push(format!("{of}.slider"), kinds::SLIDER, &mut tangent.slider);
         }

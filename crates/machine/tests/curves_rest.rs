@@ -191,14 +191,17 @@ fn closed_form_formulas_bear_loads_and_give_way_at_folds() {
     assert!(spring == "f" && (factor - expected).abs() < FACTOR, "{spring} {factor} {expected}");
 }
 
-/// Springs without a stiffness at e = 0, alone or one behind another, bear a load at F(e) = load: powers, formulas,
-/// and two springs across the motion without tension at e = 0.
+/// The force of a spring at an elongation.
+type Force<'a> = &'a dyn Fn(f64) -> f64;
+
+/// Springs without a stiffness at e = 0, alone or one behind another, bear a load at F(e) = load:
+/// powers, formulas, and springs across the motion without tension at e = 0.
 #[test]
 fn closed_form_springs_that_are_soft_at_zero_bear_loads() {
     let spring = |ends: &str, keys: &str| format!("spring.{ends} = {{ between = {keys} }}\n");
     let on_a = |keys: &str| spring("k", &format!("[\"ground\", \"a\"], {keys}"));
     let across = |e: f64| 1000.0 * e * (1.0 - 0.1 / e.hypot(0.1));
-    let cases: [(&str, f64, &dyn Fn(f64) -> f64); 7] = [
+    let cases: [(&str, f64, Force); 7] = [
         ("force = \"= 1e4 * e^7\"", 20.0, &|e| 1e4 * e.powi(7)),
         ("force = \"= 1e3 * e^2 * e\"", -20.0, &|e| 1e3 * e.powi(3)),
         ("force = \"= 1e4 * e^2\"", 20.0, &|e| 1e4 * e * e),

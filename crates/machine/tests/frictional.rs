@@ -503,3 +503,38 @@ fn closed_form_derivatives_over_steps_of_prescribed_ends() {
     assert!(by.derivative(quantity(What::TangentF), 0).is_none());
     assert!(by.lost(0).unwrap().to_string().contains("contact.c"), "{:?}", by.lost(0));
 }
+
+/// Relative rounding of a derivative of a harmonic motion.
+const OF_HARMONIC: f64 = 1e-12;
+
+/// A slider that the start leaves where it is, closer to the body than to its zero or farther: the
+/// body oscillates about it, x = w + (x₀ - w) cos ωt + (v₀/ω) sin ωt, and w does not follow x₀.
+#[test]
+fn closed_form_derivatives_of_a_slider_that_stays() {
+    let (w, x, v, k, t) = (0.003_f64, 0.02_f64, 0.02_f64, 100.0_f64, 0.05_f64);
+    let body = format!("name = \"S\"\nbody.x = {{ mass = 1.0, start = {{ s = {x}, v = {v} }} }}\n");
+    let spring = format!(
+        "spring.c = {{ between = [\"ground\", \"x\"], stiffness = {k}, slip = 27.0, slider = {w} }}\n"
+    );
+    let contact = format!(
+        "body.n = {{ mass = 1.0 }}\n\
+         contact.c = {{ normal = [\"ground\", \"n\"], tangent = [\"ground\", \"x\"], preload = 50.0, \
+         stiffness = 1e3, tangential_stiffness = {k}, friction = 0.5, slider = {w} }}\n\
+         load.n = {{ on = \"n\", constant = 50.0 }}\n"
+    );
+    let rate = k.sqrt();
+    let (cosine, sine) = ((rate * t).cos(), (rate * t).sin());
+    for (elements, slider) in [(&spring, "spring.c.slider"), (&contact, "contact.c.slider")] {
+        let names = [slider, "body.x.start.s"];
+        let text = format!("{body}{elements}");
+        let mut motion = Differentiated::new(assembled(&text), &names).expect(&text);
+        motion.advance_to(t).expect(&text);
+        let exact = [[1.0 - cosine, cosine], [rate * sine, -rate * sine]];
+        for (what, exact) in [What::S, What::V].into_iter().zip(exact) {
+            for (p, exact) in exact.into_iter().enumerate() {
+                let own = motion.derivative(Quantity::of_body(0, what), p).expect("a derivative");
+                assert!((own / exact - 1.0).abs() < OF_HARMONIC, "{own} {exact} by {} in {text}", names[p]);
+            }
+        }
+    }
+}

@@ -43,6 +43,8 @@ impl ArgumentTerms<'_> {
 const UNSEEN: f64 = 1e-16;
 /// Factor on a span that is too long for such a force.
 const OF_UNSEEN: f64 = 0.8;
+/// Part of the span that is proved for the states, below which such a force shortens it no further.
+const LEAST_OF_UNSEEN: f64 = 1e-3;
 
 /// An operation with its series, and the norms of its rows and its column.
 #[derive(Clone, Copy)]
@@ -117,10 +119,18 @@ impl<'a> CurveTerms<'a> {
         self.operation.edge().is_some()
     }
 
+    /// Whether an argument has terms beyond order 0.
+    fn varies(&self, last: usize) -> bool {
+        let [first, second, ..] = self.series.of_operation();
+        let is_zero = |terms: &[f64]| terms[1..=last].iter().all(|x| *x == 0.0);
+        let has_second = self.operation.is_of_two();
+        !is_zero(first) || has_second && !is_zero(second)
+    }
+
     /// Whether the omitted terms of a force that moves no state are rounding of it. A power at its
     /// edge has no terms.
     fn is_exact(&self, part: f64, last: usize) -> bool {
-        if !self.is_unseen || self.is_still() || self.omitted == 0.0 {
+        if !self.is_unseen || self.is_still() || self.omitted == 0.0 || !self.varies(last) {
             return true;
         }
         let (mut most, mut power) = (0.0f64, 1.0);
@@ -299,10 +309,15 @@ impl Remainder<'_> {
         // ones.
         let radius = part * (1.0 / LAST).powf(1.0 / last as f64);
         self.prepare(part, radius);
+        let mut proved = None;
         for _ in 0..SHORTENINGS {
             let limit = REMAINDER * if at_rest { size } else { self.size(part) };
             let bound = self.bound(part, radius, limit);
             if bound <= limit {
+                let most = *proved.get_or_insert(part);
+                if part < LEAST_OF_UNSEEN * most {
+                    return most;
+                }
                 if self.curves.iter().all(|own| own.is_exact(part, last)) {
                     return part;
                 }
@@ -317,6 +332,6 @@ impl Remainder<'_> {
             };
             part *= if factor.is_finite() { factor.clamp(0.1, 0.98) } else { 0.5 };
         }
-        0.0
+        proved.unwrap_or(0.0)
     }
 }

@@ -11,6 +11,9 @@ use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind, Impulse};
 use nalgebra::DVector;
 
+/// Relative rounding of a stretch that the start keeps.
+const MOVED: f64 = 1e-12;
+
 /// Source of the initial state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Given {
@@ -137,7 +140,9 @@ impl Start<'_> {
         let branch = &machine.system.branches[i];
         let given = machine.assembly.inner[branch.place - 2 * machine.system.coordinates];
         let stretch = branch.elongation.e.at(z.as_slice()) - given;
-        let is_moved = self.given == Given::Machine && stretch.abs() > z[branch.place].abs();
+        // After the start the place of a branch has its stretch.
+        let shorter = stretch.abs() > (1.0 + MOVED) * self.at.z[branch.place].abs();
+        let is_moved = self.given == Given::Machine && shorter;
         is_moved.then(|| stretch.signum())
     }
 

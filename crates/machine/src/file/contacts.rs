@@ -130,7 +130,7 @@ fn tangent(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Op
     let line = Dimension::Translation;
     let arms = row(reading, table, "tangent", names);
     let stiffness = reading.required_number(table, "tangential_stiffness", kinds::TANGENTIAL_STIFFNESS, line);
-    let friction = reading.required_number(table, "friction", kinds::COEFFICIENT, line);
+    let friction = reading.required_number(table, "friction", kinds::FRICTION_OF_CONTACT, line);
     let slider = reading.number_or(table, "slider", kinds::SLIDER, line, 0.0);
     let (arms, stiffness, friction, slider) = (arms?, stiffness?, friction?, slider?);
     Some(Some(Tangent { arms, stiffness, friction, slider }))

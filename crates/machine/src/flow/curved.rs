@@ -74,7 +74,7 @@ pub(crate) struct CurveInMode {
     rows: [RowNorms; 2],
     /// Norm of φ's column for the accelerations, and of its column for other rates: max |yᵢ| / wᵢ.
     pub(super) effects: [f64; 2],
-    /// Whether the force moves no state and is in no other operation.
+    /// Whether the force of an element moves no state in the mode, as between held bodies.
     is_unseen: bool,
     /// Whether the force acts in the mode: the operations of a stop do so beyond its gap.
     pub(crate) acts: bool,
@@ -118,7 +118,13 @@ impl CurveInMode {
                 *if velocities.contains(&j) { &mut of_velocities } else { &mut of_others } += x.abs();
             }
             let plain = [largest, of_velocities, of_others];
-            let is_unseen = effects == [0.0; 2] && acts;
+            let is_in = |force: &Functional| force.terms().iter().any(|own| own.0 == curved.place);
+            let is_of_force = match curved.owner {
+                Part::Spring(i) => is_in(&system.springs[i].force),
+                Part::Stop(i) => is_in(&system.stops[i].force),
+                _ => false,
+            };
+            let is_unseen = effects == [0.0; 2] && acts && is_of_force;
             Self { curved: curved.clone(), rows, effects, acts, plain, is_unseen }
         };
         let mut all: Vec<Self> = system.curved.iter().enumerate().map(in_mode).collect();

@@ -26,7 +26,7 @@ pub struct SettledAttractor {
 
 /// Result of a motion.
 enum Led {
-    Attractor(SettledAttractor),
+    Attractor(Box<SettledAttractor>),
     /// Coordinates of the bodies at rest.
     Rest(Vec<f64>),
 }
@@ -91,7 +91,7 @@ fn motion(assembly: &Arc<Assembly>, section: &Section, start: &Start, discard: u
     let mut motion = start.motion(assembly.clone())?.without_energy_accounts();
     let begin = (motion.time(), states(&motion));
     match settle(&mut motion, section, discard).and_then(|()| settled(&mut motion, section, None)) {
-        Ok(settled) => Ok(Led::Attractor(SettledAttractor { settled, start: Start::of(&motion) })),
+        Ok(settled) => Ok(Led::Attractor(Box::new(SettledAttractor { settled, start: Start::of(&motion) }))),
         Err(_) if is_at_rest(&motion, begin) => {
             Ok(Led::Rest(states(&motion).into_iter().map(|[s, ..]| s).collect()))
         }
@@ -138,7 +138,7 @@ impl Basins<SettledAttractor> {
     fn cell(&mut self, led: Result<Led>) -> Result<BasinCell> {
         match led {
             Ok(Led::Attractor(found)) if !found.settled.class.is_decided() => Ok(BasinCell::NotSettled),
-            Ok(Led::Attractor(found)) => Ok(self.reached(found, true)?.unwrap_or(BasinCell::Undecided)),
+            Ok(Led::Attractor(found)) => Ok(self.reached(*found, true)?.unwrap_or(BasinCell::Undecided)),
             Ok(Led::Rest(places)) => {
                 self.widen(places.into_iter().map(|s| [s, s]).collect());
                 Ok(BasinCell::Rest)
