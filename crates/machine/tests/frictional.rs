@@ -501,7 +501,7 @@ fn closed_form_derivatives_over_steps_of_prescribed_ends() {
     }
     by.advance_to(0.6).unwrap();
     assert!(by.derivative(quantity(What::TangentF), 0).is_none());
-    assert!(by.lost(0).unwrap().to_string().contains("contact.c"), "{:?}", by.lost(0));
+    assert!(by.lost(0).unwrap().to_string().contains("contact.c is closed by a step"), "{:?}", by.lost(0));
 }
 
 /// Relative rounding of a derivative of a harmonic motion.

@@ -180,7 +180,7 @@ impl Crossing<'_> {
         }
         let (machine, after) = (self.machine, &self.after);
         if let Some(contact) = self.closed_by_jump() {
-            return Err(Lost { time: after.time, element: machine.name_of(contact), cause: Cause::Limit });
+            return Err(Lost { time: after.time, element: machine.name_of(contact), cause: Cause::Jump });
         }
         let fills = machine.tangents[p].signals.varies();
         let holds = after.mode.mode.contacts().next().is_some();

@@ -55,6 +55,9 @@ pub enum Cause {
     Equal,
     /// A force that the law may divide between dependent contacts in any way.
     Shared,
+    /// A step of a prescribed body that closes a contact without a slip: the place of the slider
+    /// after it is not varied.
+    Jump,
     /// A value at its limit, so that the changed motion follows another law on each side.
     Limit,
 }
@@ -66,6 +69,7 @@ impl fmt::Display for Lost {
             Cause::Together => "has an event together with another, and their order matters",
             Cause::Equal => "has its extreme value at several times",
             Cause::Shared => "shares its force with other contacts in a way that the law leaves open",
+            Cause::Jump => "is closed by a step of a prescribed body, which has no derivative here",
             Cause::Limit => "is at its limit, so that derivatives differ on both sides",
         };
         write!(f, "no derivative from t = {} s on: {} {reason}", self.time, self.element)
