@@ -43,11 +43,10 @@ fn compared(told: &serde_json::Value) -> usize {
     let mut events = Vec::new();
     let mut motion = Motion::new_observed(assembly.clone(), &mut |e| events.push(e.clone())).unwrap();
     let own: Vec<_> = (0..machine.bodies.len()).map(|i| (motion.coordinate(i), motion.rate(i))).collect();
-    // If bodies touch and move together, only the size of their motion changes. Bodies at rest at
-    // zero get a velocity of 1e-14 mm/s.
-    let at_zero = own.iter().all(|(s, v)| *s == 0.0 && *v == 0.0);
-    let least = if at_zero { SHIFT * 1e-3 } else { 0.0 };
-    let starts = own.iter().map(|(s, v)| (s * (1.0 + SHIFT), v * (1.0 - SHIFT) + least));
+    // If bodies touch and move together, only the size of their motion changes. A body at rest at
+    // zero gets a velocity of 1e-14 mm/s.
+    let least = |s: f64, v: f64| if s == 0.0 && v == 0.0 { SHIFT * 1e-3 } else { 0.0 };
+    let starts = own.iter().map(|(s, v)| (s * (1.0 + SHIFT), v * (1.0 - SHIFT) + least(*s, *v)));
     let beside = Assembly::new(machine.clone()).unwrap().starting_from(starts.collect());
     let mut other = Motion::new(Arc::new(beside)).unwrap();
     let stop = told["stop"].as_f64().unwrap();
@@ -119,8 +118,9 @@ fn the_modules_keep_to_their_types() {
 }
 
 /// Largest page without libraries, bytes. The goal of 1.1 MB is missed since the core has curved
-/// forces: the page had 1,197,116 bytes in November 2026. The rest is room for small changes.
-const LARGEST: u64 = 1_220_000;
+/// forces and contacts with friction: the page had 1,241,956 bytes in November 2026. The rest is room for
+/// small changes.
+const LARGEST: u64 = 1_260_000;
 
 #[test]
 #[ignore = "needs node and Chromium (Debian: apt install nodejs npm chromium)"]

@@ -126,7 +126,15 @@ impl<'a> Structure<'a> {
             let knowns = match element.action() {
                 Action::Linear | Action::Switching | Action::Pressing => self.force(element),
                 Action::Driving => self.driving(element),
-                Action::Rubbing => self.signals(element),
+                Action::Rubbing => {
+                    let (mut rate, mut knowns) = (Knowns::new(), self.signals(element));
+                    // Friction that falls with the rate is not linear in it.
+                    if element.is_curved() {
+                        self.elongation(element, 1, &mut rate);
+                        join(&mut knowns, &rate, Dependent);
+                    }
+                    knowns
+                }
                 Action::Flexing => {
                     forces.extend(self.forces_within(element));
                     continue;

@@ -54,7 +54,8 @@ impl<'a> Structure<'a> {
         if let Some((element, first)) =
             stops.chain(contacts).chain(corners).chain(wheels).chain(frictions).chain(sliders).nth(place)
         {
-            let times = if self.inputs.is_empty() { Discrete } else { Dependent };
+            let is_curved = self.elements.iter().any(|own| own.is_curved());
+            let times = if self.inputs.is_empty() && !is_curved { Discrete } else { Dependent };
             (first..3).for_each(|order| join(knowns, &self.of_element(element, order), times));
         }
         self.anything_set(knowns);

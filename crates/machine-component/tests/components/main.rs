@@ -21,7 +21,11 @@ use vibro_machine_component::{FILE, Plan};
 fn plans() -> Vec<Arc<Plan>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/assembly");
     let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let paths = paths.filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    // The hammer drill begins with all its gaps at zero, where the states of its stops follow from
+    // accelerations; its contacts are too stiff for the fixed steps of these solvers.
+    let paths = paths.filter(|path| {
+        path.extension().is_some_and(|ending| ending == "toml") && !path.ends_with("hammer_drill.toml")
+    });
     let examples = paths.map(|path| Plan::of(&file::read(&path).unwrap()).unwrap());
     let texts = [
         include_str!("../common/everything.toml"),
