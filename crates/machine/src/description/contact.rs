@@ -62,7 +62,8 @@ impl Contact {
         }
     }
 
-    /// The law along the normal. With friction it has no dashpot, so that its force ends at the gap.
+    /// The law along the normal. A contact with friction has no dashpot, so that its force ends at
+    /// the gap.
     pub(crate) fn law(&self) -> StopLaw {
         let Self { stiffness, damping, .. } = *self;
         let limit = if self.tangent.is_some() { DampingLimit::Pull } else { DampingLimit::NoPull };

@@ -86,7 +86,7 @@ fn of_power(
 }
 
 /// The value in the SI unit `si` of one of a unit whose exponents are `exponent`, written as p in
-/// `si`. A prefix stands before N; a length may be in mm or um.
+/// `si`. The force may have a prefix; a length may be in mm or um.
 fn factor_of(unit: &str, si: &str, exponent: f64) -> Option<f64> {
     let unit: String = unit.replace([' ', '*', '·', '⋅'], ".").replace('^', "").replace('µ', "u");
     let (prefix, rest) = unit.split_once('N')?;

@@ -186,7 +186,7 @@ impl<'a> Curves<'a> {
     }
 
     /// Whether no spring falls at a point: with a falling spring no equilibrium is near. A slope
-    /// counts as 0 beside the stiffness at which the spring bears a force.
+    /// counts as 0 if it is rounding of the stiffness at which the spring bears a force.
     fn is_soft(&self, q: &DVector<f64>, force: f64) -> bool {
         let there = self.state(q);
         self.curves.iter().all(|own| {

@@ -66,7 +66,7 @@ impl AtState<'_> {
 
 impl CurveInMode {
     /// Whether a power of an argument up to `a` has no effect over a time `h`, on a state of this
-    /// norm and on derivatives. The effects are those of the force's value and of its slope. A force
+    /// norm and on derivatives. The force's value and its slope have these effects. A force
     /// that moves no state, as between held or prescribed bodies, has an effect on contact forces
     /// and accounts all the same.
     fn is_negligible(&self, [effect, slope]: [f64; 2], p: f64, a: f64, (h, norm): (f64, f64)) -> bool {
