@@ -272,7 +272,7 @@ fn watched(d: &Description) -> Vec<Quantity> {
     bodies(What::S).chain(forces).chain(bodies(What::V)).collect()
 }
 
-/// Whether an element is a contact, that is, a stop, a friction element, a contact with friction or a
+/// Whether an element is a contact: a stop, a friction element, a contact with friction, or a
 /// freewheel.
 pub(crate) fn is_contact(element: Element) -> bool {
     matches!(element, Element::Stop(_) | Element::Friction(_) | Element::Contact(_) | Element::Freewheel(_))

@@ -150,8 +150,8 @@ fn closed_form_yang_and_menq_with_a_normal_load_of_any_phase_and_lift_off() {
     assert!(lifts > 40, "{lifts}");
 }
 
-/// Griffin's element: with a constant normal force the contact is a spring with a slider at μ N, and
-/// loses 4 μ N (X - μ N/k) a cycle.
+/// Griffin's element: with a constant normal force the contact is a spring with a slider at μ N,
+/// and loses 4 μ N (X - μ N/k) a cycle.
 #[test]
 fn closed_form_griffin_and_second_method_a_constant_normal_force_is_a_slider() {
     let contact = r#"

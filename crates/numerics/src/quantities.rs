@@ -188,6 +188,19 @@ pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
     if symbol.is_empty() {
         return Some(Quantity { value: number, unit: None });
     }
+    let symbol = plain_symbol(symbol);
+    let unit = UNITS.iter().find(|u| u.si == si && u.symbol == symbol)?;
+    Some(Quantity { value: unit.si(number), unit: Some(unit) })
+}
+
+/// A unit's symbol as [`UNITS`] have it: with dots between factors, and digits as exponents.
+///
+/// ```
+/// use vibro_numerics::quantities::plain_symbol;
+///
+/// assert_eq!(plain_symbol("kN m²/rad^1.5"), "kN.m2/rad1.5");
+/// ```
+pub fn plain_symbol(symbol: &str) -> String {
     let plain = |c: char| match c {
         '·' | '*' | ' ' | '⋅' => '.',
         'µ' | 'μ' => 'u',
@@ -197,9 +210,7 @@ pub fn in_si(si: &str, number: f64, symbol: &str) -> Option<Quantity> {
         '⁵' => '5',
         c => c,
     };
-    let symbol: String = symbol.chars().filter(|c| *c != '^').map(plain).collect();
-    let unit = UNITS.iter().find(|u| u.si == si && u.symbol == symbol)?;
-    Some(Quantity { value: unit.si(number), unit: Some(unit) })
+    symbol.chars().filter(|c| *c != '^').map(plain).collect()
 }
 
 /// Parses a number with or without a unit of the dimension of `si`, an SI unit of [`UNITS`].

@@ -1,7 +1,7 @@
 //! Reading of contacts with a normal stiffness.
 
 use super::bodies::Names;
-use super::elements::{NO_BODY, between, levers};
+use super::elements::{End, NO_BODY, between, joined, levers};
 use super::reading::{Entry, FileTable, Reading};
 use crate::description::{Arms, Closing, Contact, Description, Dimension, Tangent};
 use crate::kinds;
@@ -172,7 +172,7 @@ fn direction(reading: &mut Reading, table: &FileTable, entry: &Entry, names: &Na
         reading.refuse(&ends, "expected two names, such as [\"ground\", \"blade.tip\"]");
         return None;
     };
-    let mut found = Vec::new();
+    let mut found: Vec<End> = Vec::new();
     for item in &items {
         let node = reading.string(item, "expected \"ground\" or the name of a node")?;
         if node == "ground" {
@@ -203,21 +203,11 @@ fn direction(reading: &mut Reading, table: &FileTable, entry: &Entry, names: &Na
         };
         found.push(Some(own));
     }
-    let [a, b] = [found[0], found[1]];
-    let (from, to) = (a.map(|own: (usize, _)| own.0), b.map(|own| own.0));
-    if from == to {
-        reading.refuse(&ends, "both ends are the same; expected two nodes, or ground and a node");
-        return None;
+    let mut ends_of = [found[0], found[1]];
+    if said.starts_with('-') {
+        ends_of.reverse();
     }
-    let dimensions: Vec<Option<Dimension>> = [a, b].into_iter().flatten().map(|own| own.1).collect();
-    let dimension = dimensions[0]?;
-    if dimensions.iter().any(|own| *own != Some(dimension)) {
-        reading.refuse(entry, "cannot connect a translating and a rotating node directly");
-        return None;
-    }
-    Some(if said.starts_with('-') {
-        Arms::between(to, from, dimension)
-    } else {
-        Arms::between(from, to, dimension)
-    })
+    let same = "both ends are the same; expected two nodes, or ground and a node";
+    let mixed = "cannot connect a translating and a rotating node directly";
+    joined(reading, ends_of, [(&ends, same), (entry, mixed)])
 }

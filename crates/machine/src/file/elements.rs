@@ -314,7 +314,7 @@ fn arms(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Arms>
 }
 
 /// End of an element: a body with its dimension, or `None` for ground.
-type End = Option<(usize, Option<Dimension>)>;
+pub(super) type End = Option<(usize, Option<Dimension>)>;
 
 pub(super) fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<Arms> {
     let items = reading.items(entry);
@@ -323,9 +323,21 @@ pub(super) fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Op
         return None;
     };
     let (a, b): (Option<End>, Option<End>) = (end(reading, a, names), end(reading, b, names));
-    let (a, b) = (a?, b?);
+    let same = "both ends are the same; expected two bodies, or ground and a body";
+    let mixed = "cannot connect a translating and a rotating body directly; use `arms` with a lever such as \
+                 \"50 mm\"";
+    joined(reading, [a?, b?], [(entry, same), (entry, mixed)])
+}
+
+/// Returns the elongation between two ends. An entry with its message is refused if both ends are
+/// the same, and the second one if one end translates and the other rotates.
+pub(super) fn joined(
+    reading: &mut Reading,
+    [a, b]: [End; 2],
+    [same, mixed]: [(&Entry, &str); 2],
+) -> Option<Arms> {
     if a.map(|a| a.0) == b.map(|b| b.0) {
-        reading.refuse(entry, "both ends are the same; expected two bodies, or ground and a body");
+        reading.refuse(same.0, same.1);
         return None;
     }
     let known = |end: End| end.map(|(_, dimension)| dimension);
@@ -333,9 +345,7 @@ pub(super) fn between(reading: &mut Reading, entry: &Entry, names: &Names) -> Op
         // The dimension of a refused body is unknown.
         (Some(None), _) | (_, Some(None)) | (None, None) => return None,
         (Some(Some(a)), Some(Some(b))) if a != b => {
-            let text = "cannot connect a translating and a rotating body directly; \
-                        use `arms` with a lever such as \"50 mm\"";
-            reading.refuse(entry, text);
+            reading.refuse(mixed.0, mixed.1);
             return None;
         }
         (Some(Some(dimension)), _) | (_, Some(Some(dimension))) => dimension,

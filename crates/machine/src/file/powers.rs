@@ -6,7 +6,7 @@ use super::reading::{Entry, FileTable, Reading};
 use super::stepped;
 use crate::description::{ContactLaw, DampingLimit, Dimension, OddPower, Signal, StopLaw};
 use crate::kinds::{self, NumberKind};
-use vibro_numerics::quantities::split;
+use vibro_numerics::quantities::{plain_symbol, split};
 
 /// Keys of a power with two sides.
 pub(super) const KEYS: [&str; 2] = ["coefficient", "exponent"];
@@ -88,7 +88,7 @@ fn of_power(
 /// The value in the SI unit `si` of one of a unit whose exponents are `exponent`, written as p in
 /// `si`. The force may have a prefix; a length may be in mm or um.
 fn factor_of(unit: &str, si: &str, exponent: f64) -> Option<f64> {
-    let unit: String = unit.replace([' ', '*', '·', '⋅'], ".").replace('^', "").replace('µ', "u");
+    let unit = plain_symbol(unit);
     let (prefix, rest) = unit.split_once('N')?;
     let scale = match prefix {
         "" => 1.0,

@@ -119,12 +119,13 @@ impl CurveInMode {
             }
             let plain = [largest, of_velocities, of_others];
             let is_in = |force: &Functional| force.terms().iter().any(|own| own.0 == curved.place);
-            let is_of_force = match curved.owner {
-                Part::Spring(i) => is_in(&system.springs[i].force),
-                Part::Stop(i) => is_in(&system.stops[i].force),
-                _ => false,
-            };
-            let is_unseen = effects == [0.0; 2] && acts && is_of_force;
+            let is_unseen = effects == [0.0; 2]
+                && acts
+                && match curved.owner {
+                    Part::Spring(i) => is_in(&system.springs[i].force),
+                    Part::Stop(i) => is_in(&system.stops[i].force),
+                    _ => false,
+                };
             Self { curved: curved.clone(), rows, effects, acts, plain, is_unseen }
         };
         let mut all: Vec<Self> = system.curved.iter().enumerate().map(in_mode).collect();
