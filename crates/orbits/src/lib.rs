@@ -16,6 +16,7 @@ mod corners;
 mod crossing;
 mod curve;
 mod cycle;
+mod directions;
 mod examined;
 mod gradient;
 mod hidden;

@@ -3,6 +3,7 @@
 
 use super::conditions::Condition;
 use super::cycle::{Cycle, Leg};
+use super::directions::Direction;
 use super::place::{Place, with_signals};
 use super::problem::{Numbers, Problem};
 use super::word::Word;
@@ -12,7 +13,7 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use vibro_machine::Start;
-use vibro_machine::mode::Watch;
+use vibro_machine::mode::{Contact, Watch};
 use vibro_machine::motion::keep;
 use vibro_numerics::sorting::sort_by;
 use vibro_studies::Error;
@@ -186,7 +187,7 @@ impl Orbit {
         cycle: Cycle,
     ) -> std::result::Result<Self, Obstacle> {
         let numbers = problem.numbers(&place, &u);
-        let trivial = problem.neutral.len() + usize::from(place.period.is_none());
+        let trivial = problem.directions.len() + usize::from(place.period.is_none());
         let units = &problem.units.state;
         let mut matrix = cycle.monodromy(&place, &problem.word)?;
         for i in 0..matrix.nrows() {
@@ -232,11 +233,22 @@ impl Orbit {
 
     /// Drift of each neutral direction of the state in a period, SI.
     pub fn drifts(&self) -> &[f64] {
-        &self.numbers.drifts
+        let count = self.problem.directions.iter().filter(|own| own.is_neutral()).count();
+        &self.numbers.drifts[..count]
     }
 
-    /// The nontrivial multipliers of the period, largest first. Neutral directions and, for an
-    /// autonomous machine, the shift in time have the multiplier 1 and are left out.
+    /// The sliders and frictions that stick for the whole period, if other places where they stick
+    /// give other orbits.
+    pub fn held(&self) -> Vec<Contact> {
+        let mut all: Vec<Contact> = self.problem.directions.iter().flat_map(Direction::contacts).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// The nontrivial multipliers of the period, largest first. Neutral directions, places where
+    /// contacts stick for the whole period and, for an autonomous machine, the shift in time have
+    /// the multiplier 1 and are left out.
     ///
     /// A flight preserves areas of the ball's states, and an impact multiplies them by ε²:
     ///

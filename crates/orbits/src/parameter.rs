@@ -119,7 +119,7 @@ impl Problem {
     ) -> Result<DVector<f64>, Obstacle> {
         let (own, m, last) = (self.units.state.len(), self.word.len(), self.size());
         let (nodes, first, free) = (self.word.nodes(), self.first_time(), self.word.free());
-        let Numbers { times, period, .. } = self.numbers(place, u);
+        let Numbers { states, times, period, .. } = self.numbers(place, u);
         let mut carried = Carried {
             problem: self,
             place,
@@ -151,6 +151,11 @@ impl Problem {
         })?;
         for i in 0..own {
             column[i] = (along[i] - v[i]) / self.units.state[i];
+        }
+        for (k, direction) in self.directions.iter().enumerate() {
+            let position = |place: &Place| direction.position(place.assembly.system(), &states[0], times[0]);
+            let length = self.length(&direction.row(place.assembly.system()));
+            column[first + free.len() + k] = beside.rate(position) / length;
         }
         // The unknown event times are in radians of the drive.
         if self.driven_period(place).is_some() {

@@ -2,12 +2,14 @@
 //!
 //! Unknowns, scaled to size one: the state after the first event and at each further node of the
 //! word; the times of free events, in radians of the drive (an autonomous machine has the period
-//! as the first one); a drift per period along each neutral direction; the parameter. Equations:
+//! as the first one); a drift per period along each direction in which the state is free; the
+//! parameter. Equations:
 //! the state returns except for the drift; the motion from each node arrives at the next; each
-//! event function is zero at its event's time; the state has a given position along each neutral
+//! event function is zero at its event's time; the state has a given position along each free
 //! direction.
 
 use super::cycle::{Cycle, Derivatives};
+use super::directions::Direction;
 use super::place::{Family, Place, with_signals};
 use super::word::{Letter, Word};
 use crate::curve::STEP_ROUNDING;
@@ -16,7 +18,6 @@ use crate::obstacle::Obstacle;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_machine::neutral::Neutral;
 use vibro_studies::carried;
 
 /// Tolerance for convergence with accumulating impacts, as the relative size of a Newton step.
@@ -35,9 +36,9 @@ pub struct Problem {
     pub(super) family: Arc<Family>,
     pub(super) word: Word,
     pub(super) units: Units,
-    /// Neutral directions of the state (q, q').
-    pub(super) neutral: Vec<Vec<f64>>,
-    /// The state's position along each neutral direction.
+    /// Directions in which the state is free.
+    pub(super) directions: Vec<Direction>,
+    /// The state's position along each of these directions.
     pub(super) fixed: Vec<f64>,
     /// Time of the start of a word without events, s.
     pub(super) origin: f64,
@@ -61,7 +62,7 @@ pub(super) struct Numbers {
     pub times: Vec<f64>,
     /// The period, s.
     pub period: f64,
-    /// Drifts per period along the neutral directions.
+    /// Drifts per period along the directions in which the state is free.
     pub drifts: Vec<f64>,
 }
 
@@ -77,7 +78,7 @@ pub(super) struct Residual {
 impl Problem {
     /// Number of unknowns without the parameter.
     pub(super) fn size(&self) -> usize {
-        self.first_time() + self.word.free().len() + self.neutral.len()
+        self.first_time() + self.word.free().len() + self.directions.len()
     }
 
     /// Index of the first free event's time among the unknowns, and of its function among the
@@ -127,7 +128,7 @@ impl Problem {
             times.push(self.origin);
         }
         let first = first + free.len();
-        let drifts = (0..self.neutral.len()).map(|k| u[first + k]).collect();
+        let drifts = (0..self.directions.len()).map(|k| u[first + k]).collect();
         Numbers { states, times, period, drifts }
     }
 
@@ -196,10 +197,10 @@ impl Problem {
         let along = self.carried(place, times[0], period)?;
         let mut value = DVector::zeros(size);
         for i in 0..own {
-            let neutral: f64 = self.neutral.iter().zip(&drifts).map(|(n, drift)| n[i] * drift).sum();
+            let free: f64 =
+                self.directions.iter().zip(&drifts).map(|(own, drift)| own.change[i] * drift).sum();
             let moved = along.get(i).copied().unwrap_or(0.0);
-            value[i] =
-                (state[i] + moved - cycle.back[i]) / self.units.state[i] + neutral / self.units.state[i];
+            value[i] = (state[i] + moved - cycle.back[i]) / self.units.state[i] + free / self.units.state[i];
         }
         for (node, (state, arrival)) in states[1..].iter().zip(&cycle.arrivals).enumerate() {
             for i in 0..own {
@@ -214,11 +215,12 @@ impl Problem {
             value[first + i] = row.iter().zip(&leg.states[1]).map(|(a, x)| a * x).sum::<f64>() / scales[i];
         }
         let m = free.len();
-        for (k, n) in self.neutral.iter().enumerate() {
-            let at: f64 = n.iter().zip(state).map(|(n, x)| n * x).sum();
-            value[first + m + k] = (at - self.fixed[k]) / self.length(n);
+        let system = place.assembly.system();
+        for (k, own) in self.directions.iter().enumerate() {
+            let at = own.position(system, state, times[0]);
+            value[first + m + k] = (at - self.fixed[k]) / self.length(&own.row(system));
         }
-        let matrix = derivatives.map(|by| self.matrix(place, &by, &scales, (&along, period)));
+        let matrix = derivatives.map(|by| self.matrix(place, &by, &scales, (&along, period, times[0])));
         Ok(Residual { value, matrix, cycle })
     }
 
@@ -252,8 +254,8 @@ impl Problem {
         own.max(terms).max(f64::MIN_POSITIVE)
     }
 
-    /// Size of a neutral direction in the units of the state.
-    fn length(&self, n: &[f64]) -> f64 {
+    /// Size of a direction's row in the units of the state.
+    pub(super) fn length(&self, n: &[f64]) -> f64 {
         n.iter().zip(&self.units.state).map(|(n, unit)| (n * unit).abs()).sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
@@ -262,7 +264,7 @@ impl Problem {
         place: &Place,
         by: &Derivatives,
         scales: &[f64],
-        (along, period): (&[f64], f64),
+        (along, period, start): (&[f64], f64, f64),
     ) -> DMatrix<f64> {
         let (own, m, size, radian) =
             (self.units.state.len(), self.word.free().len(), self.size(), self.radian(place));
@@ -287,22 +289,40 @@ impl Problem {
                 .enumerate()
                 .for_each(|(i, x)| matrix[(i, first)] += x / period * radian / self.units.state[i]);
         }
-        for (k, n) in self.neutral.iter().enumerate() {
+        let system = place.assembly.system();
+        // The time of the first event is an unknown of a driven machine only.
+        let is_start_free = self.word.free().first() == Some(&0) && self.driven_period(place).is_some();
+        for (k, direction) in self.directions.iter().enumerate() {
+            let row = direction.row(system);
+            let length = self.length(&row);
             for i in 0..own {
-                matrix[(i, first + m + k)] = n[i] / self.units.state[i];
-                matrix[(first + m + k, i)] = n[i] * self.units.state[i] / self.length(n);
+                matrix[(i, first + m + k)] = direction.change[i] / self.units.state[i];
+                matrix[(first + m + k, i)] = row[i] * self.units.state[i] / length;
+            }
+            if is_start_free {
+                matrix[(first + m + k, first)] = direction.rate(system, start) * radian / length;
             }
         }
         matrix
     }
 
-    /// The neutral directions of a machine, as changes of a state.
-    pub(super) fn neutral_of(place: &Place) -> Vec<Vec<f64>> {
-        let system = place.assembly.system();
-        let mut all = Neutral::of(system).states();
-        // States of blocks do not change along neutral directions.
-        all.iter_mut().for_each(|own| own.resize(system.states(), 0.0));
-        all
+    /// These equations for another word, at a state (q, q', ...) and a time of its start. The drifts
+    /// along the machine's neutral directions stay.
+    pub(super) fn with_word(&self, place: &Place, word: Word, numbers: &mut Numbers) -> Self {
+        let directions = Direction::all(place, &word, &self.units.state);
+        let neutral = directions.iter().filter(|own| own.is_neutral()).count();
+        numbers.drifts.truncate(neutral);
+        numbers.drifts.resize(directions.len(), 0.0);
+        let mut other = Self { word, directions, ..self.clone() };
+        other.hold(place, numbers);
+        other
+    }
+
+    /// Holds the positions of given values along the free directions.
+    pub(super) fn hold(&mut self, place: &Place, numbers: &Numbers) {
+        let position =
+            |own: &Direction| own.position(place.assembly.system(), &numbers.states[0], numbers.times[0]);
+        self.fixed = self.directions.iter().map(position).collect();
     }
 }
 

@@ -1,6 +1,7 @@
 //! Initial guesses of orbits from motions: the events of a motion over a period are the word;
 //! their times and the state after the first event are the guess.
 
+use super::directions::Direction;
 use super::orbit::{Obstructed, Orbit, newton};
 use super::place::{Family, with_signals};
 use super::problem::{Numbers, Problem};
@@ -112,11 +113,13 @@ pub(super) fn seed(
     }
     times = own_times;
     let word = word.between_corners(&place, &times);
-    let neutral = Problem::neutral_of(&place);
-    let fixed = neutral.iter().map(|n| n.iter().zip(&states[0]).map(|(n, x)| n * x).sum()).collect();
-    let drifts = vec![0.0; neutral.len()];
-    let problem = Problem { family: family.clone(), word, units, neutral, fixed, origin: times[0] };
-    Ok(Seed { problem, numbers: Numbers { states, times, period, drifts }, value })
+    let directions = Direction::all(&place, &word, &units.state);
+    let drifts = vec![0.0; directions.len()];
+    let (fixed, origin) = (Vec::new(), times[0]);
+    let mut problem = Problem { family: family.clone(), word, units, directions, fixed, origin };
+    let numbers = Numbers { states, times, period, drifts };
+    problem.hold(&place, &numbers);
+    Ok(Seed { problem, numbers, value })
 }
 
 /// Smallest and largest value of each state variable of a motion over some returns, or until the

@@ -112,7 +112,8 @@ impl At<'_> {
         }
         let word = Word::new(letters.into(), problem.word.mode.clone(), problem.word.periods);
         let word = word.between_corners(place, &numbers.times);
-        Ok((Problem { word, ..problem.clone() }, numbers, Condition::Rises { letter: index }))
+        let other = problem.with_word(place, word, &mut numbers);
+        Ok((other, numbers, Condition::Rises { letter: index }))
     }
 
     /// The events of the visit that contains an event, if the visit has no duration: events of one
@@ -215,10 +216,9 @@ impl At<'_> {
         let other = other.between_corners(place, &times);
         let before = kept.iter().filter(|k| **k < own[0]).count();
         let flight = (before + kept.len().max(1) - 1) % kept.len().max(1);
-        let numbers = Numbers { states, times, period, drifts };
-        let mut other = Problem { word: other, origin, ..problem.clone() };
-        let fixed = other.neutral.iter().map(|n| n.iter().zip(&numbers.states[0]).map(|(n, x)| n * x).sum());
-        other.fixed = fixed.collect();
+        let mut numbers = Numbers { states, times, period, drifts };
+        let other = problem.with_word(place, other, &mut numbers);
+        let other = Problem { origin, ..other };
         Ok((other, numbers, Condition::Stays { letter: flight, watch, place: functional }))
     }
 }

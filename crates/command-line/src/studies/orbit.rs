@@ -51,6 +51,14 @@ pub fn orbit(machine: &Machine, orbit: &Orbit, name: &str) -> Result<Study> {
         let drifts: Vec<String> = orbit.drifts().iter().map(|x| significant(*x)).collect();
         remarks.push(format!("it drifts by {} (SI) per period along neutral directions", drifts.join(", ")));
     }
+    let held: Vec<String> =
+        orbit.held().into_iter().map(|contact| place.assembly.name_of_contact(contact)).collect();
+    if !held.is_empty() {
+        let (names, verb) = (held.join(", "), if held.len() == 1 { "sticks" } else { "stick" });
+        remarks.push(format!(
+            "{names} {verb} for the whole period: other places where friction sticks give other orbits"
+        ));
+    }
     let mut tables = vec![
         ("orbit-events".into(), event_table(orbit)?),
         ("orbit-multipliers".into(), multiplier_table(orbit)?),

@@ -17,6 +17,7 @@ mod samples;
 mod series;
 mod sides;
 mod steps;
+mod sticking;
 mod together;
 mod touches;
 
