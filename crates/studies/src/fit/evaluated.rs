@@ -59,9 +59,9 @@ impl Point {
 /// End of the record's used part, and nodes at which new segments begin.
 #[derive(Clone, Debug)]
 pub(super) struct Reach {
-    /// Time of the record up to which it is fitted, s.
+    /// End of the fitted part of the record, s.
     pub end: f64,
-    /// Times of the record at which segments after the first begin, s.
+    /// Start times of the segments after the first, as times of the record, s.
     pub nodes: Vec<f64>,
     /// Weight of a segment's miss of the next one's start, for each state component.
     pub weights: Vec<f64>,

@@ -12,8 +12,8 @@ use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Distances by which a parameter is moved, in standard errors. Far away the cost may rise less than
-/// the curvature promises: a carriage that sticks soon shows little of its initial velocity.
+/// Distances to which a parameter is moved, in standard errors. Far away the cost may rise less
+/// than the curvature predicts: a carriage that sticks soon shows little of its initial velocity.
 const AWAY: f64 = 2.0;
 const FAR: f64 = 5.0;
 /// Rise of the cost there, in variances, that needs no fit of the other parameters.

@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn closed_form_earlier_values_explain_the_part_of_the_variance_that_was_made_of_them() {
         let all = normal(8000);
-        // Of white noise nothing is explained: a sum of 40 squares of normal numbers.
+        // White noise explains nothing: the statistic is a sum of 40 squares of normal numbers.
         let white = correlated(&all);
         assert!(white.share.abs() < 0.01 && white.deviations.abs() < 4.0, "{}", white.deviations);
         // xₖ = a xₖ₋₁ + noise has the correlation aᵏ over k lags; the squares sum to a²/(1 - a²).

@@ -39,8 +39,8 @@ const OUTLIER: f64 = 3.0;
 /// record in 6000 exceeds `COLOURED` (χ² of 40 lags).
 const WHITE: f64 = 2.0;
 const COLOURED: f64 = 4.5;
-/// Smallest number of samples for which white residuals give the noise better than differences
-/// do. The estimate from differences may then be off by twice what chance permits.
+/// Sample size above which white residuals give the noise better than differences do. The estimate
+/// from differences may then be off by twice the chance variation.
 const MANY: usize = 200;
 /// Deviation of contact times, relative to their mean interval: up to `MET` it counts as noise if
 /// no noise is given; above `APART` the motion is a different one. Contacts of a wrong motion are
@@ -108,7 +108,8 @@ impl Model<'_> {
             let all: Vec<f64> = beside.residuals(k).map(|r| r.clamp(-most, most)).collect();
             let found = correlated(&all);
             let is_white = values.len() >= MANY && found.deviations < WHITE;
-            // With few samples, differences give a less certain estimate than a root mean square.
+            // If there are few samples, differences give a less certain estimate than a root mean
+            // square.
             let share = match (self.has_sigma, is_white) {
                 (true, _) => self.chance(),
                 (false, true) => 2.0 * VAGUE,
@@ -158,7 +159,7 @@ impl Model<'_> {
         doubt.map_or(Verdict::Fits, Verdict::Undecided)
     }
 
-    /// Relative excess of one residual's deviation over its noise that chance permits.
+    /// Chance variation of a residual's deviation: its relative excess over the noise.
     fn chance(&self) -> f64 {
         let variance = if self.loss == Loss::Linear { 0.5 } else { 0.5 * MEDIAN };
         CHANCE * variance.sqrt()
