@@ -276,8 +276,8 @@ impl<const C: usize> SubstepTable<C> {
         }
     }
 
-    /// Fills all fields except the bound, for the columns from `first` on. `first` is 0 for the
-    /// augmented state and [`CORE`] for the loads.
+    /// Fills all fields except the bound, for the columns after the first `first` ones. `first` is
+    /// 0 for the augmented state and [`CORE`] for the loads.
     #[inline(always)]
     fn propagate<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];
@@ -358,8 +358,8 @@ impl SubstepTable<LOAD> {
     }
 }
 
-/// Bound on |functional''| over an interval, from `row`, its largest magnitudes at the centres.
-/// With M the system matrix, a row r at a centre becomes r·exp(Mδ) at a distance |δ| ≤ `half`, and
+/// Bound on |functional''| over an interval, from `row`, its largest magnitudes at the centres. If
+/// M is the system matrix, a row r at a centre becomes r·exp(Mδ) at a distance |δ| ≤ `half`, and
 /// |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
 #[inline(always)]
 fn bound_between_centres<const N: usize>(

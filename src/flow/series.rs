@@ -37,7 +37,7 @@ pub const WHOLE: usize = 30;
 /// Number of coefficients of each series of [`expand_along`]: the remainder is under 3.4e-16 of the
 /// motion's size.
 pub const PIECE: usize = 20;
-/// Longest time that a series of [`expand_along`] covers, times the model's rate.
+/// Length limit of a series of [`expand_along`], times the model's rate.
 const PIECE_TIMES_RATE: f64 = 1.2;
 const _: () = assert!(remainder(PIECE, PIECE_TIMES_RATE) < 3.4e-16);
 

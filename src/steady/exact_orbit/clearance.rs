@@ -22,8 +22,8 @@ impl Clearance {
         Self { limit, of_pieces: f64::EPSILON * f64::from(pieces), size: 0.0 }
     }
 
-    /// Whether the proof holds for the next piece, in which `w` (gaps) is a polynomial and the box
-    /// starts at `x1` (gaps).
+    /// Whether the proof holds for the next piece. `w` (gaps) is its polynomial, and `x1` (gaps)
+    /// the start of the box.
     pub fn holds(&mut self, w: &Polynomial, x1: f64) -> bool {
         self.size = self.size.max(1.0 + x1.abs());
         let limit = self.limit + self.of_pieces * self.size;

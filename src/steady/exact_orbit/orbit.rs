@@ -11,7 +11,7 @@ use nalgebra::{Complex, SMatrix};
 use std::f64::consts::{PI, TAU};
 use vibro_numerics::bernstein::{Polynomial, raise_to_maximum};
 
-/// Relative difference of phases that counts as rounding.
+/// Relative tolerance for the rounding of phases.
 const PHASE_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Deflation threshold of the QR sweeps.
@@ -195,9 +195,9 @@ impl ExactOrbit {
     }
 
     /// Whether |w| ≤ L between the impacts, proved by Bernstein bounds of the Taylor pieces over
-    /// half a period, of which the other half is the mirror image. The proof holds up to 1e-12 L
-    /// and the rounding of the orbit. The rounding is larger if a mode is thousands of times faster
-    /// than the drive or a box without damper is near resonance. If the proof fails for a root, the
+    /// half a period; the other half is the mirror image. The proof holds up to 1e-12 L and the
+    /// rounding of the orbit. The rounding is larger if a mode is thousands of times faster than
+    /// the drive or a box without damper is near resonance. If the proof fails for a root, the
     /// root does not belong to an orbit of the system, whose block meets a stop earlier.
     pub fn is_clear(&self) -> bool {
         self.clear
