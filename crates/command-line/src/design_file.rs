@@ -87,7 +87,7 @@ mod tests {
         };
         assert_eq!(names.iter().map(|n| n.name()).collect::<Vec<_>>(), ["block.m", "stop.gap"]);
         assert_eq!(rows, [[1.2, 0.01], [1.2, 0.01]]);
-        // A number without a unit is in the unit in which its parameter was written.
+        // A number without a unit is in the parameter's written unit.
         let mut set = ParameterSet::basic();
         set.apply(&["stop.gap=5 mm"]).unwrap();
         let Ok(Designs::Rows { rows, .. }) = parse("stop.gap,block.m\n10,1.2\n1 cm,1.2\n", &set) else {

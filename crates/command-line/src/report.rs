@@ -256,7 +256,7 @@ impl Plan {
     }
 }
 
-/// Options of branches for the quick report, in which long words are left out.
+/// Options of branches for the quick report, without long words.
 fn quick_orbits() -> TreeOptions {
     TreeOptions {
         seeds: 46,

@@ -75,7 +75,7 @@ fn designs_in_words<M: Labelled>(request: &SweepRequest<M>) -> String {
     }
 }
 
-/// Method by which the motions were measured, for captions.
+/// Method of the measurements, for captions.
 fn method<M: Labelled>(set: &M, request: &SweepRequest<M>, choice: Option<&Choice>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",

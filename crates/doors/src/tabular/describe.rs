@@ -7,7 +7,7 @@ use crate::messages::log_categories;
 
 impl<T: Tabular> FromTable<T> {
     /// The contents of `modelDescription.xml` for both versions. Author, licence and similar texts
-    /// are empty and may be filled in.
+    /// are empty; the caller may add them.
     ///
     /// # Panics
     /// If a row has a unit that is not made of the symbols of [`Row::parameter`].

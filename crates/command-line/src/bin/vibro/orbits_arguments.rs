@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use vibro::special_points::Selection;
 use vibro_orbits::paper::PathOptions;
 
-/// Which orbit.
+/// Choice of the orbit.
 #[derive(Args, Debug)]
 #[group(skip)]
 pub struct Which {
@@ -27,7 +27,7 @@ pub struct Which {
     pub loads: ConstantLoads,
 }
 
-/// The motion from which the orbits of a machine's file are found.
+/// Motion that leads to the orbits of a machine's file.
 #[derive(Args, Debug)]
 #[group(skip)]
 pub struct Settling {

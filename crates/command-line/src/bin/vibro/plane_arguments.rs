@@ -70,7 +70,7 @@ pub struct SectionOfFile {
     /// Start of the motion.
     #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
     pub start: Vec<String>,
-    /// Where the motion is looked at.
+    /// Section of the motion.
     #[command(flatten)]
     pub section: SectionArguments,
     /// Sample the motion at this phase of each period, in rad or with a unit, e.g. 90deg

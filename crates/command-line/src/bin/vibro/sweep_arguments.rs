@@ -175,7 +175,7 @@ impl InWrittenUnit for AxisArgument {
 }
 
 impl AxisArgument {
-    /// The parameter, and the unit in which its values were written.
+    /// The parameter, and the unit of its typed values.
     pub fn written(&self) -> (Name, Option<&'static Unit>) {
         match self {
             Self::Range(range) => (range.name, range.unit),
