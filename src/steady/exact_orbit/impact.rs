@@ -2,7 +2,7 @@
 //!
 //! `model.rs` has the law of the simulator. The law is written twice on purpose: the exact orbit
 //! is an oracle for the simulator and therefore shares only the parameters with it
-//! (docs/design.md, "What stands once").
+//! (docs/design.md, "Oracles and shared code").
 
 use super::flight::{Flight, Vector6};
 

@@ -3,7 +3,7 @@
 //!
 //! First, at no cost, impacts must repeat: their sequence, times and speeds, summed over each
 //! drive period. Then the states at whole drive periods decide. The verdict at the end would be
-//! the same (docs/theory.md, "What has settled is not simulated further").
+//! the same (docs/theory.md, "A settled motion is not simulated further").
 
 use super::attractor::{StroboscopicRecord, appended, distance};
 use super::stroboscopic::StroboscopicState;
