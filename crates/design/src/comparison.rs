@@ -13,8 +13,8 @@ use vibro_studies::{Error, Machine, Result};
 
 /// Distance in the unit box beyond which designs count as different basins, and as rivals.
 pub(crate) const APART: f64 = 0.08;
-/// Largest excess, relative to the goal, of a peak that the search misses between values of a
-/// band.
+/// Limit for the excess, relative to the goal, of a peak between values of a band that the search
+/// misses.
 const BETWEEN: f64 = 0.01;
 /// Relative tolerance for equal values: rounding.
 const SAME: f64 = 1e-9;

@@ -1,8 +1,8 @@
 //! All elements of a machine in one list, and all its signals in another.
 //!
-//! Columns, FMU variables, checks and sketches do not depend on kinds of elements. They find here
-//! what all elements have in common: name, section of the file, elongation, quantities, signals.
-//! `CONTRIBUTING.md` lists what a new kind requires.
+//! Columns, FMU variables, checks and sketches do not depend on kinds of elements. This module has
+//! the common properties of all elements: name, section of the file, elongation, quantities,
+//! signals. `CONTRIBUTING.md` lists the requirements of a new kind.
 
 mod inputs;
 

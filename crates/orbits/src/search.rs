@@ -54,7 +54,7 @@ pub struct WordSearch {
 }
 
 impl WordSearch {
-    /// Largest number of returns; each starts a search for an orbit, which asks first whether to
+    /// Cap on the returns; each starts a search for an orbit, which asks first whether to
     /// continue.
     pub fn most_returns(&self) -> usize {
         WINDOWS as usize * (1 + self.starts as usize)

@@ -15,7 +15,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// Number of right-hand sides above which the cores share a solution.
+/// The cores share a solution above this number of right-hand sides.
 const SHARED: usize = 16;
 /// Largest memory of one factor, bytes.
 const MOST_MEMORY: usize = 32 << 30;

@@ -37,7 +37,7 @@ pub struct Matrix {
     pub listed: Listed,
     /// Names of the rows.
     pub names: Names,
-    /// Smallest diagonal entry that counts as a penalty, which clamps its dof.
+    /// Lower limit of a penalty: a larger diagonal entry clamps its dof.
     pub penalty: f64,
 }
 

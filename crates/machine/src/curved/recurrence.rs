@@ -4,8 +4,8 @@
 
 use super::Operation;
 
-/// Largest number of coefficients of a series. With straight laws and rate times length 4, the
-/// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
+/// Cap on the coefficients of a series. For straight laws and rate times length 4, the first
+/// omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
 pub const TERMS: usize = 40;
 
 /// Coefficients of an operation by order. In the majorant's series all are sizes.

@@ -17,8 +17,8 @@ const ALL: Polynomial = Polynomial { coefficients: [1.0; POWERS] };
 pub struct CurveSeries {
     /// First argument.
     x: [f64; TERMS],
-    /// Coefficients of x in reverse order, followed by zeros. With this copy, the sum for a
-    /// product of two series reads both factors in ascending order of memory.
+    /// Coefficients of x in reverse order, followed by zeros. They let the sum for a product of
+    /// two series read both factors in ascending order of memory.
     back: [f64; 2 * TERMS],
     /// For a polynomial: x², …, x⁵. For another operation: second argument, value, slope by the
     /// first argument, and a helper of the recurrence.
@@ -172,7 +172,8 @@ impl CurveSeries {
         if !matches!(operation, Operation::OneSided(_)) {
             return self.x[0].abs() + self.sum_of_sizes_beyond(part);
         }
-        // Negative terms only lower the argument: the force of a contact that ends is 0 from there on.
+        // Negative terms only lower the argument: the force of an ending contact is 0 after its
+        // edge.
         let mut power = 1.0;
         let terms = self.x[1..=LAST_ORDER].iter().map(|x| {
             power *= if self.backwards { -part } else { part };
@@ -181,7 +182,7 @@ impl CurveSeries {
         self.x[0] + terms.sum::<f64>()
     }
 
-    /// Bound of the part of a span, at most `part`, in which the argument of a power of one side is
+    /// Bound of the part of a span, at most `part`, whose argument of a power of one side is
     /// positive.
     pub(crate) fn inside(&self, operation: &Operation, part: f64) -> f64 {
         if !matches!(operation, Operation::OneSided(_)) {
@@ -279,7 +280,7 @@ pub struct PolynomialSizes {
     slope: Polynomial,
     /// Coefficient of the linear term of the majorant's derivative.
     linear: f64,
-    /// Size to which the rounding error of the argument at the start is relative.
+    /// Size for the relative rounding error of the argument at the start.
     shift: f64,
     value: CurveSeries,
     change: CurveSeries,

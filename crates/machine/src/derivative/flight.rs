@@ -34,8 +34,8 @@ fn add_all<S: Simd>(simd: S, sums: &mut [f64], factor: f64, terms: &[f64]) {
     }
 }
 
-/// Multiplies a row of a matrix and of its variation. Computes `B` vectors, from `first` on, of
-/// the `each` vectors of a coordinate.
+/// Multiplies a row of a matrix and of its variation. Computes `B` vectors, the first of index
+/// `first`, of the `each` vectors of a coordinate.
 #[inline(always)]
 fn row_at<S: Simd, const B: usize>(
     simd: S,

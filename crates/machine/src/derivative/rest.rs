@@ -11,14 +11,14 @@ use nalgebra::{DMatrix, DVector};
 /// direction.
 const LOOSE: f64 = 1e-12;
 
-/// Computes the derivative of the coordinates q in equilibrium by parameter `p`. With the
-/// stiffness K of the mode and the closed stops' directions W,
+/// Computes the derivative of the coordinates q in equilibrium by parameter `p`. It solves, for
+/// the stiffness K of the mode and the closed stops' directions W,
 ///
 /// ```text
 /// K dq + W dλ = dF z + F dz - dW λ,    Wᵀ dq = -(dh z + h dz),
 /// ```
 ///
-/// where `delta` contains dz, the signals' derivatives. In directions in which nothing acts, dq is
+/// where `delta` contains dz, the signals' derivatives. Along directions without forces, dq is
 /// zero.
 pub(super) fn equilibrium(
     machine: &Machine,

@@ -11,7 +11,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Largest number of letters of a value that a message quotes.
+/// Cap on the quoted letters of a value in a message.
 pub(super) const QUOTED: usize = 60;
 
 /// The byte at which each line of a text begins.

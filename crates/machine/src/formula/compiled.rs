@@ -4,7 +4,7 @@
 use super::{Function, Operator, Term};
 use crate::curved::{Operation, POWERS, Polynomial};
 
-/// Largest power of a polynomial that is one operation.
+/// Limit of the power of a polynomial in one operation.
 const LARGEST: usize = POWERS + 1;
 
 /// A term of a line.

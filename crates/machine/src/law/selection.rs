@@ -102,9 +102,9 @@ pub struct Selection<'a> {
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
     sliders: Vec<Slider>,
-    /// Contacts in the order in which their forces came to lie strictly inside their bounds. The
-    /// basis prefers these contacts: contacts that depend on them then keep a share that is a
-    /// bound or zero.
+    /// Contacts in the order of their forces' arrival strictly inside their bounds. The basis
+    /// prefers these contacts: contacts that depend on them then keep a share that is a bound or
+    /// zero.
     preferred: Vec<Contact>,
     /// Whether each friction has left its static level in this choice.
     released: Vec<bool>,

@@ -550,5 +550,5 @@ impl Motion {
     }
 }
 
-/// Longest time over which forces count in the distances at a start, s.
+/// Time limit for forces in the distances at a start, s.
 const LONGEST: f64 = 1.0;

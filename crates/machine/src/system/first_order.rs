@@ -98,8 +98,8 @@ impl BranchRows {
         }
     }
 
-    /// The rate of the slider in a direction in which it slips: σ e' - friction N' / stiffness, and
-    /// σ e' if the limit is constant.
+    /// The rate of the slider while it slips along a direction: σ e' - friction N' / stiffness,
+    /// and σ e' if the limit is constant.
     pub(crate) fn slip_rate(&self, direction: f64) -> Functional {
         let rate = direction * &self.elongation.rate;
         match &self.sliding {
@@ -135,8 +135,8 @@ pub(super) fn count(d: &Description) -> usize {
 }
 
 impl System {
-    /// Number of states: coordinates, their rates, states of first order. They come first in the
-    /// augmented state, before the signals.
+    /// Number of states: coordinates, their rates, states of first order. The states come first in
+    /// the augmented state, before the signals.
     pub fn states(&self) -> usize {
         self.signals.one
     }

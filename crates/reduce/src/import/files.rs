@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Size in bytes above which a file is refused: it would not fit into memory with its matrix.
+/// Size limit of a file in bytes: a larger one would not fit into memory with its matrix.
 const MOST_BYTES: u64 = 10_000_000_000;
 
 const EXPECTED: &str = "expected .mtx (Matrix Market or Abaqus), .sti, .mas, .dof (CalculiX), .pch (Nastran DMIG), \

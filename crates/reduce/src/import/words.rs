@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 
-/// Number of characters after which a message cuts a line.
+/// Length limit of a quoted line in a message, in characters.
 const SHOWN: usize = 60;
 
 /// Refuses a line.
