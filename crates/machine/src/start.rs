@@ -58,13 +58,13 @@ use std::sync::Arc;
 pub struct Start {
     /// Time, s.
     pub time: f64,
-    /// Coordinates and rates of bodies that are given, by the body's name.
+    /// Given coordinates and rates, by the body's name.
     pub bodies: BTreeMap<String, BodyStart>,
-    /// Inner displacements of springs in series that are given, m or rad, by the spring's name.
+    /// Given inner displacements of springs in series, m or rad, by the spring's name.
     pub sliders: BTreeMap<String, f64>,
-    /// Places of the sliders of contacts that are given, m, by the contact's name.
+    /// Given places of the sliders of contacts, m, by the contact's name.
     pub contacts: BTreeMap<String, f64>,
-    /// States of blocks that are given, by names such as `pid.x[0]`.
+    /// Given states of blocks, by names such as `pid.x[0]`.
     pub blocks: BTreeMap<String, f64>,
 }
 

@@ -39,8 +39,8 @@ pub struct Program {
     /// Whether the motion is then [observed](super::attractor::observe).
     pub observed: bool,
     /// Cap on the drive periods for the largest exponent of a motion with impacts and without a
-    /// period; `None` without the exponent. Only for motions that are observed; most of the
-    /// observation counts in any case.
+    /// period; `None` without the exponent. Only for observed motions. The exponent is
+    /// computed over most of the observation, even if the cap is lower.
     pub exponent: Option<u32>,
 }
 
