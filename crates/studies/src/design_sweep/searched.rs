@@ -13,7 +13,7 @@ pub struct SearchedRow {
     /// Combinations of values of [`SweepRequest::over`]: the ones of the request, followed by the
     /// combinations that the search between them added.
     pub places: Vec<Vec<f64>>,
-    /// Measures of the motions, combination by combination, from all starts for each.
+    /// Measures of the motions: for each combination in order, one entry per start.
     pub motions: Vec<MotionMeasures>,
 }
 
