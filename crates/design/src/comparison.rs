@@ -273,7 +273,10 @@ fn verdict(evaluator: &Evaluator, best: &Best, rivals: &[Rival], left: usize) ->
     };
     let missed = of(Check::NotMet);
     if !missed.is_empty() {
-        let why = format!("no design keeps the limits; the nearest passes that of {}", missed.join(", "));
+        let why = format!(
+            "no design meets the limits; the nearest design violates the limit of {}",
+            missed.join(", ")
+        );
         return Verdict::NoneFound(why);
     }
     let mut open: Vec<String> = Vec::new();
@@ -284,7 +287,9 @@ fn verdict(evaluator: &Evaluator, best: &Best, rivals: &[Rival], left: usize) ->
     if left > 0 {
         open.push(format!("{left} of the compared designs could be measured longer"));
     }
-    open.extend(of(Check::Undecided).iter().map(|name| format!("the limit of {name} lies in the error bar")));
+    open.extend(
+        of(Check::Undecided).iter().map(|name| format!("the limit of {name} is within the error bar")),
+    );
     open.extend(best.reason.clone());
     if open.is_empty() { Verdict::Decided } else { Verdict::Undecided(open.join("; ")) }
 }

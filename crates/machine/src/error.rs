@@ -40,7 +40,7 @@ pub enum Error {
     Inertia,
     /// A rate above 1e100 rad/s, whose powers would overflow.
     #[error(
-        "{name} = {value:e}: gives a rate above 1e100 rad/s; check its unit, and those of the moving inertias"
+        "{name} = {value:e}: gives a rate above 1e100 rad/s; check its unit and the units of the moving inertias"
     )]
     TooFast {
         /// Dotted name of the parameter.

@@ -393,7 +393,7 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
     match found {
         Some((i, place)) if free(&&d.bodies[i]) => Ok(place),
         Some((i, _)) if matches!(d.bodies[i].kind, BodyKind::Node(_)) => {
-            refused("it is a node; use start values of the coordinates behind it".into())
+            refused("it is a node, which moves with the coordinates of its body; use start values of these coordinates".into())
         }
         Some(_) => refused(format!("its motion is prescribed; {}", allowed(d.bodies.iter().filter(free)))),
         None => {

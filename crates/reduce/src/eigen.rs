@@ -208,7 +208,9 @@ pub fn lowest(problem: &Problem, wanted: usize, check: Check) -> Result<Modes> {
             }
             rounds += 1;
             if rounds > ROUNDS || count < separated {
-                let problem = format!("{separated} were found below {between:.6e}, but {count} were counted");
+                let problem = format!(
+                    "{separated} eigenvalues were found below {between:.6e} (rad/s)², but a count by inertia gives {count}; try another number of modes"
+                );
                 return Err(Error::new("eigenvalues", problem));
             }
             more = (count - separated).min(2 * BLOCK);

@@ -131,7 +131,9 @@ fn modes(problem: &Problem, wanted: usize) -> Result<(Modes, usize)> {
     let rigid = problem.rigid.min(count);
     modes.values[..rigid].fill(0.0);
     if let Some(value) = modes.values.iter().find(|value| **value < 0.0) {
-        let text = format!("the stiffness matrix has a negative eigenvalue, {value:.3e}; expected none");
+        let text = format!(
+            "the stiffness matrix has a negative eigenvalue, {value:.3e}; expected a positive semidefinite matrix"
+        );
         return Err(Error::new("stiffness", text));
     }
     Ok((modes, rigid))

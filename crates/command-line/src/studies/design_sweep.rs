@@ -45,6 +45,7 @@ pub fn design_sweep<M: Labelled>(
         index += 1;
         Ok(())
     })?;
+    // Rows arrive in the order of the designs; the remarks list them by rank.
     best.sort_by_key(|(place, _)| *place);
     let figure = picture::figure(set, request, &found, choice.as_ref());
     let what = format!("{} of {}", outputs_in_words(request), designs_in_words(request));

@@ -36,7 +36,7 @@ impl System {
     pub(crate) fn base(&self) -> SparseMatrix {
         let forces = self.soft_forces();
         if self.is_diagonal {
-            // Sum before dividing, so that cancelling forces leave exact zeros.
+            // The sum comes before the division, so that cancelling forces leave exact zeros.
             let row = |k: usize| forces.entries(k).iter().map(move |&(j, x)| (j, x / self.mass[(k, k)]));
             return self.rows_of(|k, a| a.push_row(row(k)), (&[], &[]));
         }

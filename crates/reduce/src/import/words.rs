@@ -50,7 +50,7 @@ pub fn whole(text: &str, file: &str) -> Result<()> {
             file,
             line,
             text,
-            "the file ends within this line; expected a line break, unless it is cut off",
+            "the file ends within this line and may be truncated; expected a line break at its end",
         )),
     }
 }
