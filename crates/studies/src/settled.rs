@@ -26,7 +26,7 @@ use vibro_machine::{Assembly, Motion};
 const STEADY: f64 = 1e-9;
 /// Returns between two checks whether a motion has settled.
 const LOOK: u32 = 4;
-/// Growth of the followed time between two computations of a period's derivative.
+/// Growth factor of the followed time between two computations of a period's derivative.
 const AGAIN: f64 = 1.25;
 /// Smallest distance of distinct states of an orbit, in units of the distance from the orbit.
 const APART: f64 = 20.0;

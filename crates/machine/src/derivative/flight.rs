@@ -236,8 +236,8 @@ impl VariedMode {
         }
     }
 
-    /// Whether to fly by rungs: they must take less work than series, and the work that they would
-    /// have saved so far must exceed the work of making them.
+    /// Whether flights use rungs. Rungs must take less work than series, and the total work that
+    /// rungs would have saved must exceed the work of making them.
     fn is_by_rungs(&self, time: f64) -> bool {
         let (size, parts) = (self.a.len(), time / (PART * self.length));
         if parts < 1.0 {

@@ -15,11 +15,11 @@ pub fn refused(file: &str, line: usize, text: &str, expected: &str) -> Error {
     Error::new(format!("{file}:{line}"), format!("{shown}: {expected}"))
 }
 
-/// A finite number; `D` as an exponent is read, and none before its sign: `1.5-3` is 0.0015.
+/// A finite number. The exponent may begin with `D`, or with its sign alone: `1.5-3` is 0.0015.
 pub fn number(text: &str) -> Option<f64> {
     let text = text.trim();
     if let Ok(value) = text.parse::<f64>() {
-        // `inf` and `nan` are words for Rust, and so is `1e999` infinite.
+        // Rust also parses `inf` and `nan`, and `1e999` as infinity.
         return value.is_finite().then_some(value);
     }
     let mut written = text.to_ascii_uppercase().replace('D', "E");
@@ -32,9 +32,9 @@ pub fn number(text: &str) -> Option<f64> {
     written.parse().ok().filter(|value: &f64| digits && value.is_finite())
 }
 
-/// A row or column counted from 1, as one counted from 0.
+/// Converts a row or column counted from 1 to an index counted from 0.
 pub fn row(text: &str) -> Option<usize> {
-    // Half of all numbers, so that sums do not overflow.
+    // The limit is half of the largest number, so that sums of two indices do not overflow.
     text.trim().parse::<usize>().ok().filter(|k| (1..usize::MAX / 2).contains(k)).map(|k| k - 1)
 }
 

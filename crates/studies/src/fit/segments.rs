@@ -20,7 +20,7 @@ use vibro_machine::{Differentiated, Motion};
 const GROWTH: f64 = 20.0;
 /// Growth at which rounding, 1e-16, exceeds a thousandth of the motion.
 const CHAOTIC: f64 = 1e13;
-/// Part of a segment's length, at its end, for the start of the next segment.
+/// The next segment begins in the last part of a segment, with this fraction of its length.
 const PLACE: f64 = 0.5;
 /// Cap on the intervals between contact events that are searched for a node, the longest first. A
 /// motion that chatters has many intervals.
