@@ -7,7 +7,6 @@
 //! Sensitivities to start and times are computed with the motion. Instability does not make the
 //! sensitivities grow, because the times are fixed. Fixed times of the word (a knot that changes a
 //! contact, a sample) have no event function; other knots of signals are not events of the word.
-//! contact, a sample) have no event function; other knots of signals are not events of the word.
 
 use super::corners::Piece;
 use super::place::{Place, with_signals};
