@@ -85,8 +85,8 @@ pub fn shifted(forces: &Forces, dt: f64) -> Forces {
     })
 }
 
-/// Tables of a sub-step for C columns of the augmented state or of the load coefficients. The order
-/// of the fields keeps each vector of a column within one cache line.
+/// Tables of a sub-step for C columns of the augmented state or of the load coefficients. The
+/// order of the fields keeps each vector of a column within one cache line.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct SubstepTable<const C: usize> {
@@ -191,8 +191,8 @@ impl RateTable {
     }
 }
 
-/// `Σ_i weights[i] z[first + i]`: a displacement for `first` = [`BOX`](crate::model::BOX), its rate
-/// for `first` = [`BOX_RATE`].
+/// `Σ_i weights[i] z[first + i]`: a displacement for `first` = [`BOX`](crate::model::BOX), its
+/// rate for `first` = [`BOX_RATE`].
 #[inline(always)]
 pub fn weighted_sum(weights: &[f64; 3], z: &Augmented, first: usize) -> f64 {
     weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
@@ -347,7 +347,8 @@ impl SubstepTable<CORE> {
 }
 
 impl SubstepTable<LOAD> {
-    /// Fills the table of the load coefficients; `core` is the table of the same mode and sub-step.
+    /// Fills the table of the load coefficients; `core` is the table of the same mode and
+    /// sub-step.
     pub fn fill(&mut self, core: &SubstepTable<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         self.propagate(pulp::Scalar, model, mode, CORE, h);
         let mut peak = [0.0; CORE + LOAD];

@@ -205,7 +205,8 @@ impl Compiler {
     }
 
     /// Compiler flags: paths of this machine are remapped, so that builds in two folders are
-    /// bit-identical. The flags replace the user's own flags, which must not affect distributed files.
+    /// bit-identical. The flags replace the user's own flags, which must not affect distributed
+    /// files.
     fn flags(&self) -> String {
         let mut flags = vec![remap(&self.workspace, "/vibro-impact")];
         flags.extend(cargo_home().map(|home| remap(&home, "/cargo")));

@@ -79,8 +79,8 @@ pub struct BranchPoint<P> {
     pub sheet: Sheet,
     /// Steady state.
     pub solution: P,
-    /// Whether the piece of the branch from this point to the next is stable and admissible. At the
-    /// last point of a curve, whether the piece before it is.
+    /// Whether the piece of the branch from this point to the next is stable and admissible. At
+    /// the last point of a curve, whether the piece before it is.
     pub stable: bool,
     /// Kind of a special point.
     pub special: Option<Special>,

@@ -108,8 +108,8 @@ impl Bifurcation {
 }
 
 /// Approximate steady motion at one phase: dimensionless displacements (unit L) and their
-/// derivatives with respect to the phase. A derivative times Ω1 is d/dτ; a derivative times ω1 L is
-/// in m/s.
+/// derivatives with respect to the phase. A derivative times Ω1 is d/dτ; a derivative times ω1 L
+/// is in m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyMotion {
     /// U = X1 + ε X2.

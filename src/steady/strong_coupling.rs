@@ -1,5 +1,5 @@
-//! Strong coupling and comparable masses (paper, section 5) in closed form (docs/theory.md, section
-//! 8; not in the paper).
+//! Strong coupling and comparable masses (paper, section 5) in closed form (docs/theory.md,
+//! section 8; not in the paper).
 //!
 //! If β² = k23/(m2 ω10²) and μ13 = m1/m3 are of order one, the block swings on its spring between
 //! the stops: the modified sawtooth Z*, docs/theory.md (59), takes the place of the sawtooth, and

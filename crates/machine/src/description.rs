@@ -293,8 +293,8 @@ pub struct ForcePoint {
 }
 
 /// A dashpot without a spring. Its force f = damping · e' + quadratic · e' |e'| + cubic · e'³
-/// resists e'; [`power`](Self::power) adds another power, [`force`](Self::force) a formula. No force
-/// depends on its elongation, so that a motion may be periodic while e grows.
+/// resists e'; [`power`](Self::power) adds another power, [`force`](Self::force) a formula. No
+/// force depends on its elongation, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name, unique among the elements.

@@ -1,5 +1,5 @@
-//! Errors of a machine and its motion. Every message names the quantity, its value and the expected
-//! values.
+//! Errors of a machine and its motion. Every message names the quantity, its value and the
+//! expected values.
 
 use crate::refusal::Refusal;
 

@@ -237,7 +237,8 @@ fn amax(q: &[DoubleDouble]) -> f64 {
 }
 
 impl SpringRows {
-    /// Stiffness without curved forces: of a spring with a formula, with the formula's straight part.
+    /// Stiffness without curved forces: of a spring with a formula, with the formula's straight
+    /// part.
     fn straight_stiffness(&self) -> f64 {
         let w = self.elongation.w.terms();
         if self.formula.is_none() || w.is_empty() {

@@ -95,8 +95,8 @@ pub struct System {
     pub springs: Vec<SpringRows>,
     /// Curved forces, which are the last coordinates of the augmented state.
     pub curved: Vec<Curved>,
-    /// Stops and contacts, followed by further levels of stepped stiffnesses and corners of springs,
-    /// by limits of outputs, and by freewheels.
+    /// Stops and contacts, followed by further levels of stepped stiffnesses and corners of
+    /// springs, by limits of outputs, and by freewheels.
     pub stops: Vec<StopRows>,
     /// Index in `stops` of the first contact.
     pub(crate) first_contact: usize,

@@ -246,7 +246,8 @@ impl<'a> Seeker<'a> {
                 (d.bodies[*body].name.clone(), own)
             };
             let bodies: BTreeMap<String, BodyStart> = of.iter().enumerate().map(&mut body).collect();
-            // The bounds are for elongations; a start has the inner displacements of springs instead.
+            // The bounds are for elongations; a start has the inner displacements of springs
+            // instead.
             let mut z = vec![0.0; system.signals.size];
             for (k, own) in of.iter().enumerate() {
                 z[k] = bodies[&d.bodies[*own].name].s.unwrap_or(0.0);

@@ -217,8 +217,8 @@ impl Flow {
         }
     }
 
-    /// State after a span of either sign, and its derivative with respect to the state at the start:
-    /// exp(A t) without curved forces.
+    /// State after a span of either sign, and its derivative with respect to the state at the
+    /// start: exp(A t) without curved forces.
     pub fn transition(&self, z: &[f64], span: f64) -> (Vec<f64>, DMatrix<f64>) {
         let Some(table) = &self.curved else {
             let matrix = self.propagator(span);

@@ -79,9 +79,9 @@ pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn 
 ///
 /// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. Compared with
 /// `advance_to` for one motion after another, one or two motions take longer, about three or more
-/// take less time, and eight or more take less than half the time, unless the motions rest for much
-/// of their time. Motions that keep their energy accounts or are under loads are advanced one by
-/// one.
+/// take less time, and eight or more take less than half the time, unless the motions rest for
+/// much of their time. Motions that keep their energy accounts or are under loads are advanced one
+/// by one.
 ///
 /// The results are as accurate as after `advance_to`, and the impacts are proved in an equivalent
 /// way. The bits may differ from the bits after `advance_to`: the operations have another order,

@@ -15,8 +15,8 @@ pub struct Clearance {
 
 impl Clearance {
     /// Proof for flights of at most `pieces` Taylor pieces. `contact` is the distance between the
-    /// flight's start and its stop, in gaps; `forced` is the box's amplitude under the force alone,
-    /// in gaps.
+    /// flight's start and its stop, in gaps; `forced` is the box's amplitude under the force
+    /// alone, in gaps.
     pub fn new(contact: f64, pieces: u32, forced: f64) -> Self {
         let limit = 1.0 + PENETRATION_ROUNDING + contact + 16.0 * f64::EPSILON * forced;
         Self { limit, of_pieces: f64::EPSILON * f64::from(pieces), size: 0.0 }

@@ -161,8 +161,8 @@ impl ExactOrbit {
         self.si(&self.after)
     }
 
-    /// State at phase θ (rad) of the drive F10 sin θ; at an impact, the state just after it. On the
-    /// orbit, θ = ω1 t + [`Parameters::drive_phase`].
+    /// State at phase θ (rad) of the drive F10 sin θ; at an impact, the state just after it. On
+    /// the orbit, θ = ω1 t + [`Parameters::drive_phase`].
     pub fn state(&self, theta: f64) -> State {
         self.walk().state(theta)
     }
@@ -239,8 +239,8 @@ impl ExactOrbit {
         self.clear && self.spectral_radius() < 1.0
     }
 
-    /// Bifurcation that the largest multiplier indicates. It has already occurred if the multiplier
-    /// is outside the unit circle.
+    /// Bifurcation that the largest multiplier indicates. It has already occurred if the
+    /// multiplier is outside the unit circle.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(self.multipliers[0])
     }

@@ -1,4 +1,5 @@
-//! The library's functions for the live page. Arguments are numbers, results are arrays of numbers.
+//! The library's functions for the live page. Arguments are numbers, results are arrays of
+//! numbers.
 //!
 //! The library does all computations. This crate turns names, numbers and states into calls of
 //! `vibro-impact` and `vibro-studies`, and results into rows of numbers. Arrays are copied into

@@ -106,8 +106,8 @@ impl Row {
 }
 
 /// The exponents of kg, m, s, A, K, mol, cd and rad in a unit. A unit is a product of factors
-/// separated by points; after at most one slash follow the factors of the denominator. A factor may
-/// have an exponent. `None` if a symbol is not known.
+/// separated by points; after at most one slash follow the factors of the denominator. A factor
+/// may have an exponent. `None` if a symbol is not known.
 fn exponents(unit: &str) -> Option<[i32; 8]> {
     let mut sum = [0; 8];
     let (above, below) = unit.split_once('/').unwrap_or((unit, ""));

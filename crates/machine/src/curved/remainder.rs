@@ -146,8 +146,8 @@ impl<'a> CurveTerms<'a> {
     }
 
     /// Σ |wₖ| partᵏ over k ≥ `last`, what operations at their edges leave out, and the norm of w's
-    /// derivative by the states within `margin` of the polynomial. `known` has the operations before
-    /// this one.
+    /// derivative by the states within `margin` of the polynomial. `known` has the operations
+    /// before this one.
     pub(super) fn tail_and_steepness(
         &self,
         known: &[Self],

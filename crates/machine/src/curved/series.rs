@@ -111,8 +111,8 @@ impl CurveSeries {
         force.coefficients.iter().zip(&self.powers).map(|(c, power)| c * power[k]).sum()
     }
 
-    /// Sets all powers of the argument of a polynomial at order `k`, also powers whose coefficients
-    /// are 0. Other operations are set as by [`next`](Self::next).
+    /// Sets all powers of the argument of a polynomial at order `k`, also powers whose
+    /// coefficients are 0. Other operations are set as by [`next`](Self::next).
     pub fn next_of_all(&mut self, operation: &Operation, k: usize, arguments: [f64; 2]) -> f64 {
         match operation {
             Operation::Polynomial(force) => {
@@ -166,8 +166,8 @@ impl CurveSeries {
         self.x
     }
 
-    /// Bound of the largest argument of a power at its edge: of x for a power of one side, of |x| for
-    /// others.
+    /// Bound of the largest argument of a power at its edge: of x for a power of one side, of |x|
+    /// for others.
     pub(crate) fn highest(&self, operation: &Operation, part: f64) -> f64 {
         if !matches!(operation, Operation::OneSided(_)) {
             return self.x[0].abs() + self.sum_of_sizes_beyond(part);

@@ -96,7 +96,8 @@ pub(super) struct BranchTangent {
     pub rate: StateRow,
     /// The derivative of a slider's level.
     pub level: StateRow,
-    /// The derivative of the row of the stretch's rate while the slider of a contact slips upwards.
+    /// The derivative of the row of the stretch's rate while the slider of a contact slips
+    /// upwards.
     pub sliding: StateRow,
 }
 

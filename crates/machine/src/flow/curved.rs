@@ -23,8 +23,8 @@ pub(crate) const LAST_CURVE_ORDER: usize = LAST_ORDER;
 /// Rate times the longest span over which coefficients are computed. The proved span of the series
 /// may be longer or shorter.
 pub(crate) const CURVE_REACH: f64 = 4.0;
-/// The span of the computed coefficients may be 2³ times their radius of convergence. Beyond it they
-/// are computed again.
+/// The span of the computed coefficients may be 2³ times their radius of convergence. Beyond it
+/// they are computed again.
 const MOST_EXCESS: i64 = 3;
 
 /// Shortest part of a span that is proved with the coefficients of the whole span.
@@ -178,8 +178,8 @@ impl CurveInMode {
     }
 }
 
-/// A bound of the rate of z' = A z with the slopes of the curved forces, 1/s. `rate` is the norm of
-/// A, in the same norm. `slopes` returns the slopes of a force by its arguments.
+/// A bound of the rate of z' = A z with the slopes of the curved forces, 1/s. `rate` is the norm
+/// of A, in the same norm. `slopes` returns the slopes of a force by its arguments.
 #[inline(always)]
 fn with_slopes(rate: f64, curves: &[CurveInMode], slopes: impl Fn(&Curved) -> [f64; 2]) -> f64 {
     let (mut stiffness, mut damping) = (0.0, 0.0);

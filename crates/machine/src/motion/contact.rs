@@ -247,8 +247,8 @@ impl Motion {
     }
 
     /// Moves the sliders of contacts in a jump, as if both elongations of each contact moved
-    /// steadily from their values before the jump (docs/assembly-law.md (A67)). Returns each contact's
-    /// slider with its energy loss, J.
+    /// steadily from their values before the jump (docs/assembly-law.md (A67)). Returns each
+    /// contact's slider with its energy loss, J.
     fn slide_contacts(&mut self, before: &BeforeJump) -> Vec<(usize, f64)> {
         let Self { assembly, hybrid, .. } = self;
         let (system, z) = (&assembly.system, &mut hybrid.z);

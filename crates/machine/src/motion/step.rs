@@ -196,8 +196,8 @@ impl Motion {
                     return Ok(Reached::Event);
                 }
             }
-            // Knots and resets of signals are finite in number and do not count as work.
-            // The length of a series with curved forces follows from its remainder. A flight without
+            // Knots and resets of signals are finite in number and do not count as work. The
+            // length of a series with curved forces follows from its remainder. A flight without
             // an event makes progress, however short its series are.
             let is_series = self.table().is_curved() && !is_event;
             work -= f64::from(u8::from(!is_knot && !is_series));
@@ -210,7 +210,8 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// Length of a sub-step without an event, s; with curved forces, the length of the last series.
+    /// Length of a sub-step without an event, s; with curved forces, the length of the last
+    /// series.
     pub(super) fn full_length(&self) -> f64 {
         if self.table().is_curved() { self.scratch.ahead.span } else { self.table().length }
     }

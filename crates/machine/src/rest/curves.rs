@@ -379,7 +379,8 @@ impl<'a> Curves<'a> {
         self.curves.iter().all(|own| own.stiffness >= 0.0 && own.row.terms().iter().all(rises))
     }
 
-    /// Whether the stiffness at a point is positive in all directions that closed stops leave free.
+    /// Whether the stiffness at a point is positive in all directions that closed stops leave
+    /// free.
     fn is_stable(&self, holding: &Holding, origin: &DVector<f64>, at: &Point, load: f64) -> bool {
         if self.is_monotone() {
             return true;

@@ -22,8 +22,8 @@ pub enum BranchLaw {
     Dashpot(f64),
     /// A slider with this slip force, N or N m.
     Slider(f64),
-    /// The slider of a contact: its limit is the coefficient of friction times the force of a stop,
-    /// by the stop's index.
+    /// The slider of a contact: its limit is the coefficient of friction times the force of a
+    /// stop, by the stop's index.
     Contact {
         /// Index of the stop.
         stop: usize,

@@ -43,8 +43,8 @@ fn closed_form_impacts_at_one_instant_lose_each_its_own() {
     }
 }
 
-/// Each impact of an instant loses ½ (1 - ε) u P. If the account has a larger loss, the impacts share
-/// the rest in proportion to their work u P.
+/// Each impact of an instant loses ½ (1 - ε) u P. If the account has a larger loss, the impacts
+/// share the rest in proportion to their work u P.
 #[test]
 fn closed_form_what_the_account_has_more_is_shared_by_work() {
     let motion = two_balls();

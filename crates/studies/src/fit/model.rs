@@ -126,7 +126,8 @@ impl<'a> Model<'a> {
         self.sigma.iter_mut().for_each(|sigma| *sigma *= factor);
     }
 
-    /// Takes the root mean square of the standard deviations of the same name, where there are any.
+    /// Takes the root mean square of the standard deviations of the same name, where there are
+    /// any.
     pub fn take_deviations(&mut self, known: &[(String, f64)]) {
         let names = self.named_deviations();
         for (sigma, (name, _)) in self.sigma.iter_mut().zip(names) {

@@ -94,9 +94,9 @@ pub(super) fn from_rest(
 
 /// Number of points of a scanned line to each side, and their distance in standard errors.
 const SCAN: (i32, f64) = (12, 1.0);
-/// Growth factor of the distances beyond these points, for a line of a single parameter, and the largest
-/// relative change of the parameter. Valleys can be narrow and close together: in one record the
-/// valley of the true restitution was 500 standard errors away, 0.8 % of its value.
+/// Growth factor of the distances beyond these points, for a line of a single parameter, and the
+/// largest relative change of the parameter. Valleys can be narrow and close together: in one
+/// record the valley of the true restitution was 500 standard errors away, 0.8 % of its value.
 const WIDE: (f64, f64) = (1.25, 0.1);
 /// Cap on the valleys that a scan descends into.
 const VALLEYS: usize = 12;

@@ -261,8 +261,8 @@ struct Settled {
     doubt: Option<String>,
 }
 
-/// Continues with a single motion of each record if segments are left and do not fit: a segment may
-/// begin next to an impact that the previous segment lacks, from where no restart leads to it.
+/// Continues with a single motion of each record if segments are left and do not fit: a segment
+/// may begin next to an impact that the previous segment lacks, from where no restart leads to it.
 fn joined(joint: &Joint, bounds: &Bounds, found: Settled, go_on: GoOn) -> Result<Settled> {
     let best = &found.best;
     if best.reach.is_whole() || joint.fits(&best.point, &best.reach)? || joint.is_chaotic(&best.point.values)

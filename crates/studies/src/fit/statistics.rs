@@ -7,9 +7,9 @@ const SAME_NOISE: f64 = 1.2;
 /// of all estimates near the smallest one.
 ///
 /// Each estimate uses the lower quartile of the sizes of the differences: a quarter of normal
-/// numbers are smaller than 0.3186 standard deviations. Differences of order m have √C(2m, m) times
-/// the standard deviation of the noise. Coarse sampling of a motion makes the estimates of low
-/// orders too large; contacts mostly make the estimates of high orders too large.
+/// numbers are smaller than 0.3186 standard deviations. Differences of order m have √C(2m, m)
+/// times the standard deviation of the noise. Coarse sampling of a motion makes the estimates of
+/// low orders too large; contacts mostly make the estimates of high orders too large.
 pub(super) fn noise(values: &[f64]) -> f64 {
     let (mut all, mut found, mut variance) = (values.to_vec(), Vec::new(), 1.0);
     for order in 1..=6 {
@@ -143,7 +143,8 @@ mod tests {
         // Six standard deviations of an estimate from 4000 samples.
         assert!((noise(&signal) / 0.3 - 1.0).abs() < 0.1, "{}", noise(&signal));
         assert!((noise(&all) - 1.0).abs() < 0.1, "{}", noise(&all));
-        // Two values have no second difference, and all second differences of a straight line are 0.
+        // Two values have no second difference, and all second differences of a straight line are
+        // 0.
         assert_eq!(noise(&[1.0, 2.0]), 0.0);
         assert_eq!(noise(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]), 0.0);
     }

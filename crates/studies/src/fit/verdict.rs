@@ -28,8 +28,8 @@ const VAGUE: f64 = 5.0;
 /// Correlation of successive residuals above which they are more than noise.
 const FOLLOWS: f64 = 0.3;
 /// Residuals are more than noise if earlier residuals explain more than this part of the variance:
-/// limits for the verdict, and for the end of the search. Motions in wrong valleys explained 8 % and more
-/// where the true one was 10 % better.
+/// limits for the verdict, and for the end of the search. Motions in wrong valleys explained 8 %
+/// and more where the true one was 10 % better.
 const SHARE: f64 = 0.05;
 const SEARCHED: f64 = 0.02;
 /// Size of an outlier, in standard deviations of the residuals: a robust loss limits residuals to
@@ -97,8 +97,8 @@ impl Model<'_> {
         self.judged(beside, (FITS, FOLLOWS, SHARE))
     }
 
-    /// Verdict from residuals for given limits: on the ratio of residuals to estimated noise, on the
-    /// correlation of successive residuals, and on the part that earlier residuals explain.
+    /// Verdict from residuals for given limits: on the ratio of residuals to estimated noise, on
+    /// the correlation of successive residuals, and on the part that earlier residuals explain.
     fn judged(&self, beside: &Beside, (limit, follows, explained): (f64, f64, f64)) -> Verdict {
         let mut doubt = None;
         for (k, (name, values)) in self.measured.columns.iter().enumerate() {

@@ -52,9 +52,9 @@ pub(super) struct CentredFlights<S: Simd> {
 }
 
 impl<S: Simd> CentredFlights<S> {
-    /// Derivatives order by order from the equations of motion, docs/theory.md (6) and (8). This is
-    /// `Series::expand` for vectors of systems; `second_method_flights_are_the_series` compares the
-    /// two.
+    /// Derivatives order by order from the equations of motion, docs/theory.md (6) and (8). This
+    /// is `Series::expand` for vectors of systems; `second_method_flights_are_the_series` compares
+    /// the two.
     #[inline(always)]
     pub(super) fn expand(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Self {
         let load = |row: &LaneRow| Wide::load(simd, row, v);
@@ -200,9 +200,10 @@ impl<S: Simd> Excess<S> {
         (low | convex) & path.less_than(gap)
     }
 
-    /// First zero in (`from`, [`REACH`]), proved as in [`vibro_numerics::events::flight_crossing`],
-    /// its counterpart for one motion. It is found only for a path that rises and is nearly
-    /// straight. `second_method_crossings_and_their_absence` compares the two.
+    /// First zero in (`from`, [`REACH`]), proved as in
+    /// [`vibro_numerics::events::flight_crossing`], its counterpart for one motion. It is found
+    /// only for a path that rises and is nearly straight.
+    /// `second_method_crossings_and_their_absence` compares the two.
     #[inline(always)]
     pub(super) fn upward_crossing(&self, from: Wide<S>, gap: Wide<S>) -> Crossing<S> {
         let Self { c, d } = self;
@@ -215,7 +216,8 @@ impl<S: Simd> Excess<S> {
             curvatures[chain] = size.mul_add(splat(k as f64 * POWERS[k - 1]), curvatures[chain]);
         }
         let (sum, curvature) = (sums[0] + sums[1], curvatures[0] + curvatures[1]);
-        // Within REACH the slope is at least `spare` and the second derivative at most `curvature`.
+        // Within REACH the slope is at least `spare` and the second derivative at most
+        // `curvature`.
         let spare = d[0] - sum;
         let straight = zero.less_than(spare) & curvature.less_than(half * spare);
         let squares = half * curvature / spare;

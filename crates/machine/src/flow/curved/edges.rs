@@ -18,7 +18,8 @@ const PASSED: f64 = 4.0;
 const STATE: f64 = 1e-18;
 /// Value of a power that counts as 0 in a watched functional, relative to the sizes of its terms.
 const WATCHED: f64 = 1e-17;
-/// Largest effect of the slope of such a power of a rate on a derivative of the motion, relative to it.
+/// Largest effect of the slope of such a power of a rate on a derivative of the motion, relative
+/// to it.
 const OF_RATE: f64 = 1e-14;
 /// The same for a power of a displacement, over the time of one series: the changed rate acts much
 /// longer. A contact lasts 1e8 to 1e10 times as long.
