@@ -33,7 +33,7 @@ enum Part {
     Nothing,
 }
 
-/// The text of a file, whose size is looked at before it is read.
+/// The text of a file. Its size is checked before the file is read.
 ///
 /// # Errors
 /// An error if it is too large, cannot be read, or is not a text.
