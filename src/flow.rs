@@ -276,8 +276,8 @@ impl<const C: usize> SubstepTable<C> {
         }
     }
 
-    /// Fills all fields except the bound, for the columns after the first `first` ones. `first` is
-    /// 0 for the augmented state and [`CORE`] for the loads.
+    /// Fills all fields except the bound, for the columns with index `first` and above. `first` is 0
+    /// for the augmented state and [`CORE`] for the loads.
     #[inline(always)]
     fn propagate<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];

@@ -1,6 +1,6 @@
 //! Results of steps and events.
 
-/// Changes by an event.
+/// Changes that an event has caused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Handled {
     /// The continuous states.

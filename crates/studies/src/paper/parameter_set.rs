@@ -25,9 +25,9 @@ use vibro_impact::parameters::{FIELDS, Field, GROUPS, Groups, Parameters, check_
 /// assert_eq!(set.groups().beta2, 0.05 * 0.5);
 /// assert_eq!(set.parameters().coupling_stiffness, 0.05 * 0.5 * 0.05);
 ///
-/// let error = set.apply(&["kapa=0.5"]).unwrap_err().to_string(); let problem = "no parameter is
-/// named `kapa`; did you mean `kappa`? `kappa`: restitution coefficient"; assert_eq!(error,
-/// format!("{problem}, 0 <= kappa <= 1"));
+/// let error = set.apply(&["kapa=0.5"]).unwrap_err().to_string();
+/// let problem = "no parameter is named `kapa`; did you mean `kappa`? `kappa`: restitution coefficient";
+/// assert_eq!(error, format!("{problem}, 0 <= kappa <= 1"));
 /// # Ok::<(), vibro_studies::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
