@@ -251,8 +251,8 @@ impl ReturnRecord {
         own.fold(0.0, f64::max)
     }
 
-    /// Sizes of lengths, angles, rates and spins. Each is at least the size that the other of its
-    /// pair implies at the frequency of the returns.
+    /// Sizes of lengths, angles, rates and spins. A length and its rate, and an angle and its spin,
+    /// give each other a least size by the frequency of the returns.
     pub fn sizes(&self) -> [f64; 4] {
         let omega = TAU / self.interval();
         let [length, angle, rate, spin] = [0, 1, 2, 3].map(|kind| self.size_of(kind));
