@@ -62,7 +62,7 @@ fn times(count: usize, is_chain: bool) -> [f64; 3] {
 }
 
 fn main() {
-    println!("time for each body, relative to that with {} bodies (µs there)", COUNTS[0]);
+    println!("time for each body, relative to the time with {} bodies (µs there)", COUNTS[0]);
     println!("{:>12} {:>8} {:>10} {:>10} {:>12}", "", "bodies", "matrices", "rows", "frequencies");
     for (name, is_chain) in [("uncoupled", false), ("chain", true)] {
         let mut first = [0.0; 3];

@@ -1,6 +1,6 @@
 //! Energy accounts: the work of drive and loads and the losses in the dampers, integrated as
 //! quadratic forms of the exact flow (docs/theory.md, section 12; docs/numerics.md, "Energy
-//! accounts"). They are computed without the mechanical energy, so the energy balance tests them.
+//! accounts"). The accounts do not use the mechanical energy, so the energy balance tests them.
 
 use crate::flow::{CENTRED, CORE, INTERVALS, Series, SubstepTable, UnitColumn, polynomial};
 use crate::model::{

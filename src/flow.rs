@@ -85,8 +85,8 @@ pub fn shifted(forces: &Forces, dt: f64) -> Forces {
     })
 }
 
-/// Tables of a sub-step for C columns of the augmented state or of the load coefficients. The order
-/// of the fields keeps each vector of a column within one cache line.
+/// Tables of a sub-step for C columns of the augmented state or of the load coefficients. The
+/// order of the fields keeps each vector of a column within one cache line.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct SubstepTable<const C: usize> {
@@ -191,8 +191,8 @@ impl RateTable {
     }
 }
 
-/// `Σ_i weights[i] z[first + i]`: a displacement for `first` = [`BOX`](crate::model::BOX), its rate
-/// for `first` = [`BOX_RATE`].
+/// `Σ_i weights[i] z[first + i]`: a displacement for `first` = [`BOX`](crate::model::BOX), its
+/// rate for `first` = [`BOX_RATE`].
 #[inline(always)]
 pub fn weighted_sum(weights: &[f64; 3], z: &Augmented, first: usize) -> f64 {
     weights[0] * z[first] + weights[1] * z[first + 1] + weights[2] * z[first + 2]
@@ -276,8 +276,8 @@ impl<const C: usize> SubstepTable<C> {
         }
     }
 
-    /// Fills all fields except the bound, for the columns from `first` on. `first` is 0 for the
-    /// augmented state and [`CORE`] for the loads.
+    /// Fills all fields except the bound, for the columns with index `first` and above. `first` is 0
+    /// for the augmented state and [`CORE`] for the loads.
     #[inline(always)]
     fn propagate<S: Simd>(&mut self, simd: S, model: &Model, mode: SmoothMode, first: usize, h: f64) {
         self.peak = [0.0; C];
@@ -347,7 +347,8 @@ impl SubstepTable<CORE> {
 }
 
 impl SubstepTable<LOAD> {
-    /// Fills the table of the load coefficients; `core` is the table of the same mode and sub-step.
+    /// Fills the table of the load coefficients; `core` is the table of the same mode and
+    /// sub-step.
     pub fn fill(&mut self, core: &SubstepTable<CORE>, model: &Model, mode: SmoothMode, h: f64) {
         self.propagate(pulp::Scalar, model, mode, CORE, h);
         let mut peak = [0.0; CORE + LOAD];
@@ -358,8 +359,8 @@ impl SubstepTable<LOAD> {
     }
 }
 
-/// Bound on |functional''| over an interval, from `row`, its largest magnitudes at the centres.
-/// With M the system matrix, a row r at a centre becomes r·exp(Mδ) at a distance |δ| ≤ `half`, and
+/// Bound on |functional''| over an interval, from `row`, its largest magnitudes at the centres. If
+/// M is the system matrix, a row r at a centre becomes r·exp(Mδ) at a distance |δ| ≤ `half`, and
 /// |r exp(Mδ)| ≤ |r| exp(|M| half) entry by entry.
 #[inline(always)]
 fn bound_between_centres<const N: usize>(

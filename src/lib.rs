@@ -42,8 +42,8 @@
 //! `numerical_method`.
 #![forbid(unsafe_code)]
 
-// Internal modules that the other packages of the workspace use. They are not for users and may
-// change from version to version.
+// Internal modules that the other packages of the workspace use. These modules are not for users
+// and may change from version to version.
 #[doc(hidden)]
 pub mod energy;
 pub mod error;

@@ -59,8 +59,8 @@ pub enum Interpolation {
     Cubic,
 }
 
-/// Force history on one body: an interpolant of samples, zero before the first and from the last
-/// sample on.
+/// Force history on one body: an interpolant of samples, zero before the first sample and constant
+/// after the last one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
     body: Body,

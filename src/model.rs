@@ -100,7 +100,7 @@ pub struct Impact {
 pub struct Acceleration {
     /// x1'', w'', x3''.
     pub coordinates: [f64; 3],
-    /// Free relative acceleration a_w: w'' if there were no contact.
+    /// Free relative acceleration a_w: w'' without contact.
     pub free: f64,
 }
 
@@ -118,8 +118,8 @@ pub struct ImpactFactors {
 /// Largest ratio of the system's rate to the drive frequency. At a larger ratio the accumulated
 /// round-off of a drive period's many sub-steps would cost digits.
 const MAX_RATE_RATIO: f64 = 1e7;
-/// Smallest rate, 1/s, which keeps the sub-step finite. A slower system does not move noticeably
-/// within minutes.
+/// Lower limit of the rate, 1/s, which keeps the sub-step finite. A slower system does not move
+/// noticeably within minutes.
 const MIN_RATE: f64 = 1e-3;
 /// Largest value of 1/m, 1/L, the drive's acceleration, and L times the rate. Products of larger
 /// values may overflow. The limit on 1/m and 1/L also prevents underflow of products with m and L.
@@ -221,8 +221,9 @@ impl Model {
         let free = a2 - a1;
         let coordinates = match mode {
             SmoothMode::Flight => [a1, free, a3],
-            // Mass-weighted mean, computed as the heavier body's acceleration and a correction.
-            // With the lighter body's acceleration, both terms would be large and nearly cancel.
+            // Mass-weighted mean, computed as the heavier body's acceleration and a correction. If
+            // it were computed as the lighter body's acceleration and a correction, both terms
+            // would be large and nearly cancel.
             SmoothMode::Rest if self.block_share > 0.5 => [a2 - self.box_share * free, 0.0, a3],
             SmoothMode::Rest => [a1 + self.block_share * free, 0.0, a3],
         };

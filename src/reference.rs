@@ -12,8 +12,8 @@
 //! - chatter is closed once a rebound stays below [`Tolerance::rebound`].
 //!
 //! Sources: E. Fehlberg, NASA TR R-315 (1969), table III (fourth order with a fifth-order
-//! estimate; the fifth-order result is carried on, as in Shampine and Watts's RKF45); Fritzkowski
-//! & Awrejcewicz, doi:10.1007/s11071-021-06838-w.
+//! estimate; the fifth-order result is used, as in Shampine and Watts's RKF45); Fritzkowski &
+//! Awrejcewicz, doi:10.1007/s11071-021-06838-w.
 
 mod law;
 mod steps;
@@ -117,7 +117,7 @@ impl Reference {
         })
     }
 
-    /// Sets the external forces from now on, as polynomials in the time from now.
+    /// Sets the external forces as polynomials in the time after the present time.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a value that is not finite.

@@ -1,8 +1,8 @@
 """Builds the site of the documentation: `python3 docs/site/build.py` writes target/site/html.
 
-The pages are the Markdown files of the repository, which stand as they are. Beside them come
-tables made from the programs themselves: the help of every command, the variables of the FMU, and
-the docstrings of the Python package. Notebooks are run where `--execute` says so.
+The pages are the Markdown files of the repository, unchanged. Further pages are generated from
+the programs themselves: the help of every command, the variables of the FMU, and the docstrings of
+the Python package. The option `--execute` runs the notebooks.
 """
 
 import argparse
@@ -26,7 +26,7 @@ PICTURE = re.compile(r'<img src="([^":]+)" width="(\d+)" alt="([^"]*)">')
 
 
 def environment() -> Path:
-    """Python of the environment that builds; made anew where the requirements have changed."""
+    """Python of the environment for the build, which is created again if the requirements have changed."""
     folder = TARGET / "venv"
     python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     wanted = "".join((ROOT / path).read_text() for path in REQUIREMENTS)
@@ -120,7 +120,7 @@ def classes(python: Path, found: dict[str, str], sources: Path) -> None:
 
 
 def package(python: Path, where: str) -> dict[str, str]:
-    """The environment in which the Python package is found: a folder that holds it, or a wheel."""
+    """Environment variables that make the Python package importable, from a folder or a wheel."""
     path = Path(where).resolve()
     if (path / "vibro_impact").is_dir():
         alone = TARGET / "package"

@@ -29,7 +29,7 @@ suppress_warnings = ["myst-nb.lexer", "ref.python"]
 
 
 def setup(app):
-    """Tables of records have no colours; bars in docstrings stand for absolute values."""
+    """Shows tables of records without colours, and bars in docstrings as absolute values."""
     from pygments.lexers.special import TextLexer
 
     app.add_lexer("csv", TextLexer)

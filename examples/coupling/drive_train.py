@@ -1,7 +1,7 @@
 """An unbalanced motor as an FMU, made by pythonfmu: `pythonfmu build -f drive_train.py`.
 
 A rotor with an eccentric mass sits on the box and shakes it. The motor is not ideal: its torque falls with the speed, and
-the box's motion acts back on it (the Sommerfeld effect). With the rotor angle φ and the box's acceleration a:
+the box's motion acts back on it (the Sommerfeld effect). For the rotor angle φ and the box's acceleration a:
 
     J φ'' = T (1 - φ'/ω0) - m r a cos φ          force on the box: m r (φ'² sin φ - φ'' cos φ)
 
@@ -27,7 +27,7 @@ class DriveTrain(Fmi2Slave):  # type: ignore[misc] # pythonfmu comes without typ
     """A motor of limited power with an eccentric mass."""
 
     author = "vibro-impact examples"
-    description = "Motor of limited power that shakes what it stands on"
+    description = "Motor of limited power that shakes its own foundation"
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)

@@ -205,7 +205,8 @@ impl Compiler {
     }
 
     /// Compiler flags: paths of this machine are remapped, so that builds in two folders are
-    /// bit-identical. They replace the user's own flags, which must not affect distributed files.
+    /// bit-identical. The flags replace the user's own flags, which must not affect distributed
+    /// files.
     fn flags(&self) -> String {
         let mut flags = vec![remap(&self.workspace, "/vibro-impact")];
         flags.extend(cargo_home().map(|home| remap(&home, "/cargo")));
@@ -261,7 +262,7 @@ pub(crate) fn remap(from: &Path, to: &str) -> String {
     format!("--remap-path-prefix={}={to}", from.to_string_lossy())
 }
 
-/// Folder in which cargo keeps the sources of other crates.
+/// Cargo's folder with the sources of other crates.
 pub(crate) fn cargo_home() -> Option<PathBuf> {
     let given = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     given.or_else(|| Some(std::env::home_dir()?.join(".cargo")))

@@ -23,7 +23,7 @@ pub fn placed(out: Option<&Path>, name: &str) -> PathBuf {
     }
 }
 
-/// Whether the current folder is in the repository in which this program was compiled.
+/// Whether the current folder is in the repository of this program's sources.
 pub fn is_here() -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     let here = std::env::current_dir().ok().and_then(|here| real(&here));

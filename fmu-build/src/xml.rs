@@ -64,7 +64,7 @@ impl Element {
         self.children.iter().filter(move |child| child.name == name)
     }
 
-    /// The children of the first child with a name; empty if there is no such child.
+    /// The children of the first child with a name; empty without such a child.
     pub fn within(&self, name: &str) -> &[Self] {
         self.children.iter().find(|child| child.name == name).map_or(&[], |list| &list.children)
     }

@@ -1,5 +1,5 @@
 //! Machines of many motions: given one by one, or as one machine with rows of parameter values.
-//! With rows, the thread that runs a motion creates its machine, without a Python object.
+//! If rows are given, the thread that runs a motion creates its machine, without a Python object.
 
 use crate::arrays::rows_of_states;
 use crate::failure::Failure;

@@ -27,8 +27,8 @@ pub struct RunArrays<'py> {
     derivatives: Varied<'py>,
     /// Derivatives of the times of events, by event and parameter.
     event_derivatives: Varied<'py>,
-    /// For each parameter: the reason why its derivatives do not exist from some time on. The text
-    /// is empty if they exist throughout.
+    /// For each parameter: the reason why its derivatives cease to exist at some time. The text is
+    /// empty if they exist throughout.
     lost: Vec<String>,
     /// The state at the end, as a start.
     end: Numbers,

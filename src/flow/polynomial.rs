@@ -3,7 +3,7 @@
 use crate::model::{Augmented, COORDINATES};
 use pulp::Simd;
 
-/// Number of arguments that [`at_places`] evaluates at a time: their sums fit into registers.
+/// Number of arguments of one call of [`at_places`]: their sums fit into registers.
 pub(super) const PLACES: usize = 4;
 
 /// `Σ_k coefficients[k] u^k`, coordinate by coordinate. Even and odd orders are summed apart: two

@@ -27,17 +27,17 @@ pub const fn remainder(coefficients: usize, reach: f64) -> f64 {
 /// Number of coefficients of a series about an interval's centre, of radius 0.075/rate: the
 /// remainder is under 0.075¹⁰/9! < 1.6e-17 of the motion's size S (docs/numerics.md, section 1).
 pub const CENTRED: usize = 10;
-/// Number of coefficients of a series about an interval's start, of radius 0.15/rate: the remainder
-/// is under 4e-18 of the motion's size.
+/// Number of coefficients of a series about an interval's start, of radius 0.15/rate: the
+/// remainder is under 4e-18 of the motion's size.
 pub const ANCHORED: usize = 12;
 /// Number of coefficients of a series over a whole sub-step of 2.4/rate, for the tables: the
 /// remainder is under 4e-20 of the motion's size.
 pub const WHOLE: usize = 30;
 
-/// Number of coefficients of each series of [`expand_along`]: the remainder is under 3.4e-16 of the
-/// motion's size.
+/// Number of coefficients of each series of [`expand_along`]: the remainder is under 3.4e-16 of
+/// the motion's size.
 pub const PIECE: usize = 20;
-/// Longest time that a series of [`expand_along`] covers, times the model's rate.
+/// Length limit of a series of [`expand_along`], times the model's rate.
 const PIECE_TIMES_RATE: f64 = 1.2;
 const _: () = assert!(remainder(PIECE, PIECE_TIMES_RATE) < 3.4e-16);
 

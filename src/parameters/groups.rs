@@ -19,7 +19,7 @@ pub struct Groups {
     pub sigma1: f64,
     /// γ̂1 = c1/(m1 ω10 ε).
     pub gamma1: f64,
-    /// α̂23 = β²/ε. Redundant with `beta2`, from which the stiffness is computed.
+    /// α̂23 = β²/ε. Redundant with `beta2`, which determines the stiffness.
     pub alpha23: f64,
     /// β² = k23/(m2 ω10²).
     pub beta2: f64,

@@ -65,9 +65,9 @@ pub struct Parameters {
     pub drive_frequency: f64,
     /// Phase of the harmonic force at time 0, rad: F10 sin(ω1 t + phase).
     pub drive_phase: f64,
-    /// Constant forces on box, block and secondary oscillator, N. They describe gravity, a tilt of
-    /// the machine, or a gap that is not centred (docs/theory.md (97)). Other loads add to them.
-    /// They break the symmetry of the machine, so the closed forms of symmetric motions refuse
+    /// Constant forces on box, block and secondary oscillator, N: gravity, a tilt of the machine,
+    /// or a gap that is not centred (docs/theory.md (97)). Other loads add to them. Constant
+    /// forces break the symmetry of the machine, so the closed forms of symmetric motions refuse
     /// them.
     pub constant_loads: [f64; 3],
 }
@@ -102,11 +102,11 @@ impl Parameters {
         FIELDS.iter().chain(&LOADS).try_for_each(|field| field.check((field.get)(self)))
     }
 
-    /// Parameters that have the value of the default machine while others differ from it. They may
-    /// have been forgotten in `Parameters { box_mass: 12.0, ..Parameters::default() }`; their
-    /// values then belong to a machine of 1 kg, 1 N/m and a gap of 1 m. They may also be intended,
-    /// such as a restitution of 0.75. The drive's phase and the constant loads, whose default is
-    /// zero, are not listed. The list is empty for the default machine itself.
+    /// Parameters with the value of the default machine if others differ from it. Such parameters
+    /// may have been forgotten in `Parameters { box_mass: 12.0, ..Parameters::default() }`; their
+    /// values then belong to a machine of 1 kg, 1 N/m and a gap of 1 m. The default may also be
+    /// intended, such as a restitution of 0.75. The drive's phase and the constant loads, whose
+    /// default is zero, are not listed. The list is empty for the default machine itself.
     ///
     /// ```
     /// use vibro_impact::Parameters;

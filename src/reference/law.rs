@@ -1,8 +1,8 @@
 //! The equations of motion as the reference method integrates them (paper, section 2;
 //! docs/theory.md (3), (13) and (14)).
 //!
-//! `model.rs` also has these equations, in other coordinates. They are written twice on purpose: a
-//! mistake in one of the two makes the tests that compare the methods fail.
+//! The same equations are in `model.rs` in other coordinates. The copies are deliberate: a
+//! mistake in one copy makes the tests that compare the methods fail.
 
 use crate::parameters::Parameters;
 use crate::simulator::Loads;
@@ -78,7 +78,7 @@ impl Law {
         law
     }
 
-    /// Sets the loads as polynomials in the time from `time` on. The constant loads add to them.
+    /// Sets the loads as polynomials in the time after `time`. The constant loads add to them.
     pub(super) fn set_loads(&mut self, loads: &Loads, time: f64) {
         self.since = time;
         let none = *loads == Loads::default() && self.constant == [0.0; 3];
@@ -100,7 +100,7 @@ impl Law {
         if rate > 0.0 { rate } else { 1.0 }
     }
 
-    /// Largest rounding by which a block on the stop may be outside, m.
+    /// Tolerance for the rounding of a block on the stop, m: its distance past the stop.
     pub(super) fn slack(&self, y: &Vector) -> f64 {
         SLACK * (y[0].abs() + y[1].abs() + self.gap)
     }

@@ -69,8 +69,8 @@ impl Simulator {
             let lost = self.model.merge(z);
             self.hybrid.sums.impact = self.hybrid.sums.impact.plus(lost);
             (self.hybrid.contact, self.hybrid.departing) = (Contact::at(side), 0);
-            // The impacts accumulate `left` s later. The block already rests from the present time
-            // on, which changes its position by no more than round-off.
+            // The impacts accumulate `left` s later. The block rests already at the present time,
+            // which changes its position by no more than round-off.
             report(observer, Event::Rest { time: time + left, side: stop });
         }
         true
@@ -108,8 +108,8 @@ impl Simulator {
         (rate * (span / longest) <= STEADY * a).then_some(if elastic { 0.0 } else { span })
     }
 
-    /// Largest u²/a, the squared rebound speed divided by the acceleration, at which a run is
-    /// closed, m.
+    /// Limit for u²/a, the squared rebound speed divided by the acceleration, m, below which a run
+    /// is closed.
     #[inline(always)]
     pub(super) fn chatter_closing_limit(&self) -> f64 {
         let loss = 1.0 - self.model.restitution;

@@ -13,9 +13,9 @@ use crate::model::{
 use serde::{Deserialize, Serialize};
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Size above which a derivative of w is more than rounding. For order k the unit is k² ε rᵏ S,
-/// with the size S of docs/numerics.md, section 1. The value is twice the rounding of w'', which
-/// is a sum of some eight products of rounded coordinates.
+/// Rounding of a derivative of w; a larger derivative is certain. For order k the unit is k² ε rᵏ
+/// S, with the size S of docs/numerics.md, section 1. The value is twice the rounding of w'',
+/// which is a sum of some eight products of rounded coordinates.
 const CERTAIN: f64 = 4.0;
 
 /// Moment, less than a sub-step ago, at which the block left a stop, while w still rounds to that
@@ -104,8 +104,7 @@ impl Simulator {
         let Departing { from, order, accounts, present } = begun;
         if passage.is_some() {
             // An earlier sub-step found no event before the present. Because of different
-            // rounding, this sub-step may find an event before the present. That event then takes
-            // place at the present.
+            // rounding, this sub-step may find one. The event then takes place at the present.
             if self.hybrid.time.minus(present.time).value() < 0.0 {
                 *z = present.z;
                 (self.hybrid.time, self.hybrid.sums, self.pending) =

@@ -1,4 +1,4 @@
-//! Sub-steps of free flight without loads, in which a motion spends almost all of its time.
+//! Sub-steps of free flight without loads, which make up most of a motion's time.
 
 use super::Simulator;
 use super::points::{SeriesPoint, SubstepStart};
@@ -29,9 +29,9 @@ pub(super) struct LocatedImpact {
 }
 
 impl Simulator {
-    /// A sub-step of free flight: 16 samples of w and the `bound` on |w''| show in which intervals
-    /// the block may reach a stop; only these are searched. Moves to the first impact and returns
-    /// its stop, or passes over the sub-step.
+    /// A sub-step of free flight. 16 samples of w and the `bound` on |w''| select the intervals
+    /// whose block may reach a stop; only these are searched. Moves to the first impact and
+    /// returns its stop, or passes over the sub-step.
     #[inline(always)]
     pub(super) fn flight_substep<S: Simd, const ACCOUNTS: bool>(
         &mut self,

@@ -43,8 +43,8 @@ use vibro_numerics::double_double::DoubleDouble;
 use vibro_numerics::events::first_crossing;
 use vibro_numerics::simd::value;
 
-/// Largest penetration of a stop at the start of a search, relative to path and gap, that counts
-/// as rounding; checked in debug builds only.
+/// Tolerance for a block past a stop at the start of a search, relative to path and gap; checked
+/// in debug builds only.
 const START_ROUNDING: f64 = 1e-9;
 
 /// Fraction of an interval below which a step is short. The change of state in a short step is
@@ -52,7 +52,7 @@ const START_ROUNDING: f64 = 1e-9;
 /// section 1).
 pub(super) const SHORT: f64 = 1.0 / 1024.0;
 
-/// Longest path of the block in an interval, in gaps, with which the interval is searched as a
+/// Limit for the block's path in an interval, in gaps; up to it the interval is searched as a
 /// whole. For longer paths steps are shortened, so that a root is resolved to 10⁻¹² of the gap.
 pub(super) const MAX_REACH: f64 = 4.0;
 
@@ -197,7 +197,7 @@ impl Simulator {
     }
 
     /// Searches the intervals that the samples `g` do not clear, and moves to the first event.
-    /// Returns its stop. `None` if there is no event; `z` is then unchanged.
+    /// Returns its stop. Without an event the result is `None` and `z` is unchanged.
     #[inline(always)]
     fn search_intervals<const LOADS: usize>(
         &mut self,
@@ -223,8 +223,8 @@ impl Simulator {
                 return Some(side);
             }
         }
-        // Number of intervals that the step reaches. An interval is searched if a sample at one of
-        // its ends is near.
+        // Number of intervals in the step. An interval is searched if a sample at one of its ends
+        // is near.
         let count = ((remaining / interval).ceil() as usize).min(INTERVALS);
         let nearest = g.iter().position(|&x| excess(x) >= 0.0)?;
         for i in nearest.max(1)..count {

@@ -6,7 +6,7 @@
 //! shared with another simulator is copied when it is first filled.
 //!
 //! Four kernels advance a motion by a sub-step. For each kernel the list gives its use, its proof
-//! that no event is missed, and what its bits depend on.
+//! against missed events, and the inputs of its bits.
 //!
 //! - `flight_substep` (`flight.rs`), for flight without loads with more than an interval to go.
 //!   Proof: samples of w and a bound on w''; dominance in the intervals that these do not clear.
@@ -159,8 +159,8 @@ impl Simulator {
         Ok(simulator)
     }
 
-    /// Another simulator of this system from `time` (s) and `state` on, without loads. It shares
-    /// this simulator's tables, so that its cost is small.
+    /// Another simulator of this system without loads, at `time` (s) and `state`. It shares this
+    /// simulator's tables, so that its cost is small.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -215,14 +215,14 @@ impl Simulator {
         &self.parameters
     }
 
-    /// Sets the parameters from now on. A change of drive frequency keeps the drive's phase
-    /// continuous, a change of drive phase shifts it. Energy that the change itself adds to
+    /// Sets the parameters at the present time. A change of drive frequency keeps the drive's
+    /// phase continuous, a change of drive phase shifts it. Energy that the change itself adds to
     /// springs and masses counts as input. Loads in force stay, even if
     /// [`set_loads`](Self::set_loads) would refuse them for the new machine.
     ///
-    /// An impact that is [due](Self::due_event) stays due as long as the block touches the stop,
-    /// and its law uses the new values. After every change the contact is determined again, and so
-    /// is a release that is due.
+    /// An impact that is [due](Self::due_event) stays due while the block touches the stop, and
+    /// its law uses the new values. After every change the contact is determined again, and so is
+    /// a release that is due.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing has changed then.

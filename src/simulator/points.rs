@@ -10,7 +10,7 @@ pub(super) struct SeriesPoint<'a, const N: usize> {
     pub(super) base: f64,
     pub(super) radius: f64,
     pub(super) u: f64,
-    /// Interval that the series is centred on; `None` for a series about the sub-step's start.
+    /// Interval at the centre of the series; `None` for a series about the sub-step's start.
     pub(super) interval: Option<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! Snapshots: the state of a simulator as plain data, from which it can be restored.
+//! Snapshots: the state of a simulator as plain data, for restoring it.
 
 use super::departure::Departure;
 use super::limits::{check_constant_forces, check_contact, check_time};
@@ -37,8 +37,8 @@ impl Simulator {
         snapshot.hybrid = self.hybrid;
     }
 
-    /// Restores a snapshot, its parameters included. The motion continues bit-identical to the one
-    /// from which the snapshot was taken.
+    /// Restores a snapshot, its parameters included. The motion continues bit-identical to the
+    /// original one.
     ///
     /// # Errors
     /// As [`new`](Self::new) if parameters or state are invalid (a foreign or damaged snapshot);

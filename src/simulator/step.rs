@@ -11,19 +11,19 @@ use std::ops::ControlFlow;
 use vibro_numerics::double_double::DoubleDouble;
 use vibro_numerics::simd;
 
-/// Number of sub-steps (about ten drive periods) after which cos θ and sin θ are computed again
-/// from the extended phase. The rotations in between add a few units in the last place.
+/// Number of sub-steps (about ten drive periods) between two computations of cos θ and sin θ from
+/// the extended phase. The rotations in between add a few units in the last place.
 pub(super) const RENEW: u32 = 32;
-/// Number of sub-steps that an advance may take even if its motion hardly progresses. The progress
-/// is small if sub-steps end at events or are cut short because the block is fast. Such a sub-step
+/// Number of sub-steps allowed for an advance whose motion hardly progresses. The progress is
+/// small if sub-steps end at events or are cut short because the block is fast. Such a sub-step
 /// takes 0.4 µs (bounces on a stop) to 0.9 µs (a fast block under loads), so that the advance ends
 /// within about a second.
 const WORK_BASE: u64 = 1_000_000;
-/// Number of further sub-steps that an advance may take for each sub-step length of progress. An
-/// ordinary motion, with an impact or two in that time, takes 1 to 3 sub-steps, far below the
-/// limit. A bounce takes one sub-step of a single motion. In lanes it takes two sub-steps if it is
-/// longer than 0.6 intervals. 27 such bounces fit into a sub-step length. The limit of 64 is above
-/// twice that number, so that a motion ends in the same way alone and in lanes.
+/// Number of further sub-steps allowed for each sub-step length of progress. An ordinary motion,
+/// with an impact or two in that time, takes 1 to 3 sub-steps, far below the limit. A bounce takes
+/// one sub-step of a single motion. In lanes it takes two sub-steps if it is longer than 0.6
+/// intervals. 27 such bounces fit into a sub-step length. The limit of 64 is above twice that
+/// number, so that a motion ends in the same way alone and in lanes.
 const WORK_PER_SUBSTEP: f64 = 64.0;
 
 /// Data that an advance carries from sub-step to sub-step; the state fills one cache line.

@@ -39,11 +39,11 @@ pub enum Event {
     },
     /// A chatter run (or κ = 0) ended in resting contact.
     Rest {
-        /// Instant at which the impacts accumulate, s. The state is at rest from the last reported
-        /// impact on. That impact is earlier by t_c of docs/theory.md (16), which is at most
-        /// 1.5e-8 sqrt(L/(a (1 - κ))); a is the acceleration that presses the block to the stop.
-        /// The end of the advance, and later events, may lie between these two times. For κ = 0 or
-        /// 1 - κ < 10⁻³ the instant is the time of the last impact itself.
+        /// Instant at which the impacts accumulate, s. The state is at rest already after the last
+        /// reported impact. The reported impact is earlier by t_c of docs/theory.md (16), which is
+        /// at most 1.5e-8 sqrt(L/(a (1 - κ))); a is the acceleration that presses the block to the
+        /// stop. The end of the advance, and later events, may lie between these two times. For κ
+        /// = 0 or 1 - κ < 10⁻³ the instant is the time of the last impact itself.
         time: f64,
         /// +1 upper, -1 lower.
         side: i8,
@@ -107,9 +107,9 @@ pub enum Pause {
 pub enum AdvanceOutcome {
     /// At the requested end.
     End,
-    /// Just after the first impact, as [`Pause::AfterImpact`] asks for.
+    /// Just after the first impact, requested by [`Pause::AfterImpact`].
     Impact,
-    /// Before the first event, as [`Pause::BeforeEvent`] asks for; the event is due.
+    /// Before the first event, requested by [`Pause::BeforeEvent`]; the event is due.
     EventDue,
 }
 

@@ -1,12 +1,12 @@
 //! Branches of steady states in one parameter, with their special points.
 //!
-//! Every steady state of [`steady`](super) is a root of a quadratic, so a branch needs no predictor
-//! and no corrector: it consists of two sheets over the parameter, joined where the discriminant is
-//! zero. Each interval with real roots is sampled at nodes spaced as a cosine, in which both sheets
-//! pass smoothly through their folds. Between neighbouring nodes every change of a test function's
-//! sign (docs/theory.md (81)) is located to [`LOCATION`]. Two changes of sign between two
-//! neighbouring nodes are found for the discriminant but not for the other test functions; more
-//! nodes resolve them.
+//! Every steady state of [`steady`](super) is a root of a quadratic, so a branch needs no
+//! predictor and no corrector: it consists of two sheets over the parameter, joined where the
+//! discriminant is zero. Each interval with real roots is sampled at nodes spaced as a cosine;
+//! both sheets then pass smoothly through their folds. Between neighbouring nodes every change of
+//! a test function's sign (docs/theory.md (81)) is located to [`LOCATION`]. Two changes of sign
+//! between two neighbouring nodes are found for the discriminant but not for the other test
+//! functions; more nodes resolve them.
 //!
 //! ```
 //! use vibro_impact::steady::{Bifurcation, continuation::{self, Special}};
@@ -79,8 +79,8 @@ pub struct BranchPoint<P> {
     pub sheet: Sheet,
     /// Steady state.
     pub solution: P,
-    /// Whether the piece of the branch from this point to the next is stable and admissible. At the
-    /// last point of a curve, whether the piece before it is.
+    /// Whether the piece of the branch from this point to the next is stable and admissible. At
+    /// the last point of a curve, whether the piece before it is.
     pub stable: bool,
     /// Kind of a special point.
     pub special: Option<Special>,
@@ -116,11 +116,11 @@ pub trait Family: Sized {
     /// Steady state.
     type Solution: Copy;
 
-    /// Discriminant of the quadratic: negative if there is no solution, zero at a fold.
+    /// Discriminant of the quadratic: negative without a solution, zero at a fold.
     fn discriminant(&self) -> f64;
 
-    /// Root of a sheet, with the sign chosen so that a steady state exists if the root is positive.
-    /// `None` if there is no real root.
+    /// Root of a sheet, with the sign chosen so that a steady state exists if the root is
+    /// positive. `None` without a real root.
     fn root(&self, sheet: Sheet) -> Option<f64>;
 
     /// Steady state of a sheet; `None` if its root is not positive.

@@ -1,6 +1,6 @@
 //! Steady states in closed form: the symmetric motion with two impacts per drive period.
 //!
-//! | module | what it holds | valid for |
+//! | module | content | valid for |
 //! |---|---|---|
 //! | [`multiple_scales`] | the paper's sections 3–4; docs/theory.md, sections 6 and 7 | ε → 0, weak coupling (k23 of order ε²) |
 //! | [`strong_coupling`] | the paper's section 5 in closed form; docs/theory.md, section 8 | ε → 0, k23 of order ε |
@@ -108,8 +108,8 @@ impl Bifurcation {
 }
 
 /// Approximate steady motion at one phase: dimensionless displacements (unit L) and their
-/// derivatives with respect to the phase. A derivative times Ω1 is d/dτ; a derivative times ω1 L is
-/// in m/s.
+/// derivatives with respect to the phase. A derivative times Ω1 is d/dτ; a derivative times ω1 L
+/// is in m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyMotion {
     /// U = X1 + ε X2.
@@ -146,9 +146,9 @@ fn inverse_mass_factors(epsilon: f64) -> (f64, f64) {
     (1.0 - epsilon + epsilon * epsilon, epsilon - epsilon * epsilon)
 }
 
-/// Checks that groups are in the ranges in which the approximations are meaningful. These are the
-/// ranges of [`GROUPS`] with two exceptions: ε may be zero, the limit of the approximations, and
-/// `alpha23` is not read, since `beta2` describes the same quantity.
+/// Checks that groups are in the valid ranges of the approximations. These are the ranges of
+/// [`GROUPS`] with two exceptions: ε may be zero, the limit of the approximations, and `alpha23`
+/// is not read, since `beta2` describes the same quantity.
 fn check_groups(groups: &Groups) -> Result<()> {
     for group in GROUPS.iter().filter(|group| group.name != "alpha23") {
         let range = match group.name {
@@ -171,8 +171,8 @@ fn largest([first, second]: [Complex<f64>; 2]) -> Complex<f64> {
 }
 
 /// Eigenvalues of a real 2 × 2 matrix from its trace and determinant, the larger real part first.
-/// Of two real eigenvalues the one of larger modulus is computed first, without cancellation, and
-/// the other from the determinant.
+/// If both are real, the one of larger modulus is computed first, without cancellation, and the
+/// other from the determinant.
 fn eigenvalue_pair(trace: f64, determinant: f64) -> [Complex<f64>; 2] {
     let half = 0.5 * trace;
     let discriminant = half * half - determinant;

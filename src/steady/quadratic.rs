@@ -101,8 +101,8 @@ mod tests {
 
     #[test]
     fn closed_form_roots_of_very_different_size() {
-        // With α = 1 the quadratic is (C - 1)(C - 1e-9), whose small root is accurate only if it
-        // is computed from the large one.
+        // The quadratic with α = 1 is (C - 1)(C - 1e-9). Its small root is accurate only if it is
+        // computed from the large one.
         let (x, y) = (1.0_f64, 1e-9_f64);
         let (cross, constant) = (-0.5 * (x + y), x * y);
         let quadratic = Quadratic {

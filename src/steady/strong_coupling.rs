@@ -1,10 +1,10 @@
-//! Strong coupling and comparable masses (paper, section 5) in closed form (docs/theory.md, section
-//! 8; not in the paper).
+//! Strong coupling and comparable masses (paper, section 5) in closed form (docs/theory.md,
+//! section 8; not in the paper).
 //!
-//! With β² = k23/(m2 ω10²) and μ13 = m1/m3 of order one, the block swings on its spring between the
-//! stops: the modified sawtooth Z*, docs/theory.md (59), takes the place of the sawtooth, and X3
-//! moves the block. A quantity with the phasor z is Im(z e^{is}), where s is the phase since the
-//! impact at the upper stop. In phasors the impact law and the balance of harmonics give a
+//! If β² = k23/(m2 ω10²) and μ13 = m1/m3 are of order one, the block swings on its spring between
+//! the stops: the modified sawtooth Z*, docs/theory.md (59), takes the place of the sawtooth, and
+//! X3 moves the block. A quantity with the phasor z is Im(z e^{is}), where s is the phase since
+//! the impact at the upper stop. In phasors the impact law and the balance of harmonics give a
 //! quadratic in C, (63) and (64). At β = 0 this is [`multiple_scales`](super::multiple_scales).
 //!
 //! All three tests have a closed form or a small matrix:
@@ -28,11 +28,11 @@ use vibro_numerics::bernstein::{DEGREE, Polynomial, RATE_STEP, add_sine, raise_t
 /// than half of its digits.
 const INTEGER_DISTANCE: f64 = 1e-7;
 
-/// Largest β at which the sawtooth Z replaces the modified sawtooth Z*. They differ by terms of
-/// order β², which are under round-off.
+/// Limit of β up to which the sawtooth Z replaces the modified sawtooth Z*. The two differ by
+/// terms of order β², which are under round-off.
 const SAWTOOTH_BETA: f64 = 1e-8;
 
-/// Largest β; the approximation assumes that it is of order one.
+/// Upper limit of β; the approximation assumes that β is of order one.
 const LARGEST_BETA: f64 = 1e3;
 
 /// Modified sawtooth Z*(s) = sin(β (π/2) Z(s))/sin(β π/2) of period 2π, docs/theory.md (59), and
@@ -170,7 +170,7 @@ impl StrongCoupling {
         self.quadratic.coefficients()
     }
 
-    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative if there is no solution.
+    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative without a solution.
     pub fn discriminant(&self) -> f64 {
         self.quadratic.discriminant()
     }
@@ -238,8 +238,8 @@ impl StrongCoupling {
         if jacobian.iter().any(|x| !x.is_finite()) {
             return Err(lost);
         }
-        // The sweeps compare entries with the diagonal. They do not end if the diagonal is zero, as
-        // it is without dampers and losses. A shift of the diagonal then makes them end.
+        // The sweeps compare entries with the diagonal. If the diagonal is zero, as without
+        // dampers and losses, the sweeps do not end, and a shift of the diagonal makes them end.
         let found = [0.0, jacobian.norm()].into_iter().find_map(|by| {
             let moved = jacobian + Matrix4::identity() * by;
             let values = moved.try_schur(f64::EPSILON, EIGENVALUE_SWEEPS)?.complex_eigenvalues();

@@ -81,7 +81,7 @@ def test_curves_are_drawn_with_their_numbers(branch):
         (None, TypeError, "expected the branch's parameter and a second one"),
         ({AMPLITUDE: (0.005, 0.06)}, TypeError, "expected the branch's parameter and a second one"),
         ({RESTITUTION: (0.4, 0.8), "body.ball.mass": (1, 2)}, TypeError, "expected the branch's parameter and a second one"),
-        ({AMPLITUDE: 0.005, RESTITUTION: (0.4, 0.8)}, TypeError, f"{AMPLITUDE} = 0.005: expected (from, to)"),
+        ({AMPLITUDE: 0.005, RESTITUTION: (0.4, 0.8)}, TypeError, f"{AMPLITUDE} = 0.005: expected a range (from, to)"),
         ({AMPLITUDE: (0.04, 0.06), RESTITUTION: (0.4, 0.8)}, ValueError, "must lie in the range 0.04 to 0.06"),
         ({AMPLITUDE: (0.005, 0.06), RESTITUTION: (0.7, 0.8)}, ValueError, "must lie in the range 0.7 to 0.8"),
         ({AMPLITUDE: (0.005, 0.06), RESTITUTION: (0.8, 0.4)}, ValueError, "0.8 to 0.4"),

@@ -133,7 +133,7 @@ fn invariant_every_clause_of_fmi_that_is_cited_defines_what_is_said() {
 /// The page of FMUs, with the standard's name inserted before each clause of the section that
 /// omits it.
 fn standing_apart(page: &str) -> String {
-    let (before, rest) = page.split_once("Clauses are those of version 3.0.2.").expect("the section");
+    let (before, rest) = page.split_once("The clauses are from version 3.0.2.").expect("the section");
     let (section, after) = rest.split_once("\n## ").expect("a section behind it");
     let marked = section.split('(').map(|part| {
         let digit = part.starts_with(|c: char| c.is_ascii_digit());

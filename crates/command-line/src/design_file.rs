@@ -7,9 +7,9 @@
 //! 0.8,0.012,0.75
 //! ```
 //!
-//! A cell is a number with or without a unit. A number without a unit is in the unit of its heading
-//! (`stop.gap [mm]`). Without one it is in the unit that the machine's file or `--set` used for the
-//! parameter, otherwise in SI. The file is a [`Table`]. A number outside its
+//! A cell is a number with or without a unit. A number without a unit is in the unit of its
+//! heading (`stop.gap [mm]`). Without one it is in the unit that the machine's file or `--set`
+//! used for the parameter, otherwise in SI. The file is a [`Table`]. A number outside its
 //! parameter's range is accepted here; in the sweep's table, the row of that design gives the
 //! reason.
 
@@ -28,8 +28,8 @@ const MOST: usize = 100_000;
 ///
 /// # Errors
 /// [`Error::File`] if the file cannot be read; [`Error::Config`] with the line if a name is
-/// unknown, a cell is not a finite number, a row and the header have different lengths, or the file
-/// has no design or too many.
+/// unknown, a cell is not a finite number, a row and the header have different lengths, or the
+/// file has no design or too many.
 pub fn read(path: &Path, set: &ParameterSet) -> Result<Designs<Name>> {
     let text = read_text(path)?;
     parse(&text, set).map_err(|problem| Error::Config { path: path.into(), problem })
@@ -87,7 +87,7 @@ mod tests {
         };
         assert_eq!(names.iter().map(|n| n.name()).collect::<Vec<_>>(), ["block.m", "stop.gap"]);
         assert_eq!(rows, [[1.2, 0.01], [1.2, 0.01]]);
-        // A number without a unit is in the unit in which its parameter was written.
+        // A number without a unit is in the parameter's written unit.
         let mut set = ParameterSet::basic();
         set.apply(&["stop.gap=5 mm"]).unwrap();
         let Ok(Designs::Rows { rows, .. }) = parse("stop.gap,block.m\n10,1.2\n1 cm,1.2\n", &set) else {

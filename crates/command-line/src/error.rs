@@ -64,7 +64,7 @@ pub enum Error {
     },
 }
 
-/// What failed in an operation on a file, and why.
+/// The failed operation on a file, and the cause.
 fn failed(doing: &str, path: &Path, source: &io::Error) -> String {
     let name = path.display();
     match source.kind() {

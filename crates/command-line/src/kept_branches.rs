@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use vibro_orbits::KeptPaths;
 use vibro_studies::parts::PartStore;
 
-/// The parts of a store from a first index on, numbered from 0.
+/// The last parts of a store, numbered from 0 at a first index.
 #[derive(Clone, Copy)]
 pub struct Behind<'a> {
     /// The store of the whole study.

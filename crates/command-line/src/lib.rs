@@ -1,13 +1,13 @@
 //! Library of the command line `vibro`: studies with their tables and figures, the report, and the
 //! files that are read and written.
 //!
-//! | module | what it does |
+//! | module | content |
 //! |---|---|
 //! | [`studies`] | from a parameter set to tables and a figure, one function per study |
 //! | [`long_study`] | long studies as plain data, computed in parts |
 //! | [`machine`] | the user's own machines, from their files |
 //! | [`table`] | tables as CSV |
-//! | [`manifest`] | inputs from which a result or a folder of parts was computed |
+//! | [`manifest`] | the inputs of a result or of a folder of parts |
 //! | [`report`] | all studies at once, and the paper's statements with the results |
 //! | [`parameter_file`] | parameter files |
 //! | [`design_file`] | designs of a sweep from a CSV file |

@@ -86,15 +86,15 @@ fn placed(error: vibro_studies::Error, path: &Path) -> vibro_studies::Error {
     }
 }
 
-/// Note of the unit in which numbers without a unit were read; `None` if the unit makes no
-/// difference. `read` is one of the numbers.
+/// Note of the unit of numbers without one; `None` if the unit makes no difference. `read` is one
+/// of the numbers.
 pub fn note_if_not_si(numbers: &[&str], read: &quantities::Quantity, typed: &str) -> Option<String> {
     let bare = |number: &&str| number.trim().parse::<f64>().is_ok_and(|x| x != 0.0);
     let unit = read.unit.filter(|unit| !unit.is_si() && numbers.iter().any(bare))?;
     Some(note_of_unit(typed, unit))
 }
 
-/// Note of the unit in which a number without one was read.
+/// Note of the unit of a number without one.
 pub fn note_of_unit(typed: &str, unit: &Unit) -> String {
     format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }

@@ -1,5 +1,5 @@
-//! Manifests: program, command and parameters from which a finished result, or a folder of
-//! finished parts, was computed. A manifest shows whether two results have the same parameters.
+//! Manifests: program, command and parameters of a finished result, or of a folder of finished
+//! parts. A manifest shows whether two results have the same parameters.
 
 use crate::long_study::{FORMAT, LongStudy};
 use crate::subject::Subject;
@@ -23,7 +23,7 @@ pub struct Invocation {
     pub options: BTreeMap<String, String>,
 }
 
-/// Program, command and parameters from which a result was computed.
+/// Program, command and parameters of a result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// `vibro`.
@@ -178,7 +178,7 @@ impl Manifest {
     }
 }
 
-/// Largest number of lines of a text that are listed.
+/// Cap on the listed lines of a text.
 const LINES: usize = 10;
 
 /// Text without digits, signs and exponents.

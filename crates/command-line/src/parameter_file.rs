@@ -72,7 +72,7 @@ pub fn apply(set: &mut ParameterSet, text: &str) -> Result<()> {
 }
 
 /// Flattens nested tables to structured names: `m` in the table `box` is `box.m`. Each value keeps
-/// the unit in which it was written.
+/// its written unit.
 fn collect(
     prefix: &str,
     value: &toml::Value,

@@ -237,7 +237,7 @@ impl Plan {
         let running =
             studies::paper::running(set, force, &RUNNING, sweep.discard, &options, "exponents-running")?;
         let mut overlay = studies::paper::overlay(set, sweep, coarse, "figure-16")?;
-        overlay.remarks.push("the maxima are those of figure-14.csv".into());
+        overlay.remarks.push("the maxima are from figure-14.csv".into());
         let all = vec![
             studies::diagram(set, sweep, coarse, "figure-14")?,
             studies::diagram(set, fine_sweep, fine, "figure-14-fine")?,
@@ -256,7 +256,7 @@ impl Plan {
     }
 }
 
-/// Options of branches for the quick report, in which long words are left out.
+/// Options of branches for the quick report, without long words.
 fn quick_orbits() -> TreeOptions {
     TreeOptions {
         seeds: 46,

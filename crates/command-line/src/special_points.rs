@@ -1,5 +1,5 @@
-//! Tables of special points, as `vibro orbits` writes them, and the choice of rows from which
-//! curves in two parameters start.
+//! Tables of special points, as `vibro orbits` writes them, and the choice of the rows that start
+//! curves in two parameters.
 //!
 //! ```text
 //! special-points.csv          every row that starts a curve
@@ -53,8 +53,7 @@ pub trait PointOfTable: Sized {
     /// Description of the point with its events.
     fn told(&self) -> String;
 
-    /// The point of a row from which a curve can start; `None` if the table has no orbit next to
-    /// it.
+    /// The point of a row, as the start of a curve; `None` if the table has no orbit next to it.
     #[doc(hidden)]
     fn read(row: &PointRow, label: Label) -> Result<Option<Self>>;
 }
@@ -210,8 +209,8 @@ impl PointRow<'_> {
         finite.ok_or_else(|| self.wrong(format!("row {}: `{text}` is not a finite number", self.number)))
     }
 
-    /// The point; `None` for a row from which no curve starts: an end of the range, a branch that
-    /// was not followed further, or a marked value.
+    /// The point; `None` for a row that starts no curve: an end of the range, a branch that was
+    /// not followed further, or a marked value.
     fn point<P: PointOfTable>(&self) -> Result<Option<P>> {
         let label = Label::find(self.cell("label")?).filter(|label| Label::STARTS.contains(label));
         label.map_or(Ok(None), |label| P::read(self, label))

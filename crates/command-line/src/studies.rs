@@ -46,7 +46,7 @@ use vibro_studies::paper::{Name, ParameterSet};
 pub struct Study {
     /// Stem of the files.
     pub name: String,
-    /// What the picture shows, as a phrase for the first line and the report.
+    /// Content of the picture, as a phrase for the first line and the report.
     pub what: String,
     /// The numbers: stems of files and their CSV text.
     pub tables: Vec<(String, Vec<u8>)>,
@@ -106,8 +106,8 @@ impl Study {
 /// Size of a panel in units of the drawing, unless a figure needs another.
 const PANEL: (u32, u32) = (1700, 1150);
 
-/// Axis over a range of a parameter. The range is in SI; the axis shows the unit in which the
-/// parameter was written.
+/// Axis over a range of a parameter. The range is in SI; the axis shows the parameter's written
+/// unit.
 fn parameter_axis(set: &ParameterSet, name: Name, (from, to): (f64, f64)) -> Axis {
     let axis = Axis::over(set.label(name), from, to);
     match set.unit(name) {

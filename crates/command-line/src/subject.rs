@@ -19,8 +19,8 @@ pub trait Subject: Sync {
     /// Parameters in one line.
     fn caption(&self) -> String;
 
-    /// Unit other than SI in which the parameter of this column was written. The table then has a
-    /// second column in this unit.
+    /// Written unit of this column's parameter, if it is not SI. The table then has a second
+    /// column in this unit.
     fn unit_of_column(&self, column: &str) -> Option<&'static Unit>;
 }
 

@@ -12,7 +12,7 @@ use vibro_studies::paper::Unit;
 pub struct TextTable {
     /// Names of the columns.
     pub header: Vec<String>,
-    /// The rows, each as long as the header.
+    /// The rows, each of the header's length.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -75,8 +75,8 @@ pub fn csv_in_groups(
     count: usize,
     fill: impl Fn(&mut CsvRows, usize) -> Result<()> + Sync,
 ) -> Result<Vec<u8>> {
-    /// Number of groups that are formatted at a time. Their text is in memory in addition to the
-    /// whole text.
+    /// Number of groups formatted in parallel. Their text is in memory in addition to the whole
+    /// text.
     const TOGETHER: usize = 64;
     let mut text = CsvRows::new(header)?.text()?;
     let head = text.len();

@@ -87,14 +87,14 @@ fn what_cannot_be_sought_is_refused_with_what_is_expected() {
     for (options, words) in [
         (
             &["--minimize", "class", "--vary", "spring.mount.damping=1:9"][..],
-            "class: has no error bar, so that it cannot be the goal",
+            "class: cannot be the goal, because it has no error bar",
         ),
         (&["--minimize", "amplitude.engin.s", "--vary", "spring.mount.damping=1:9"], "`engine.s`"),
         (&["--minimize", "rms.engine.a", "--vary", "spring.mount.damping=1:9:3"], "LOW:HIGH without a count"),
         (&["--minimize", "rms.engine.a", "--vary", "spring.mount.dampin=1:9"], "spring.mount.damping"),
         (
             &["--minimize", "rms.engine.a", "--vary", "body.engine.start.v=1:9"],
-            "a start is no part of a design",
+            "start values cannot be varied; expected a parameter of the machine",
         ),
         (&["--minimize", "rms.engine.a"], "--vary"),
         (&["--vary", "spring.mount.damping=1:9"], "--minimize"),

@@ -13,7 +13,7 @@ use vibro_studies::{Machine, Measure, Result, significant};
 pub const TOLERANCE: &str = "tolerance";
 /// Largest number of parameters for measuring all corners of the tolerances.
 const ALL_CORNERS: usize = 4;
-/// Largest number of corners that are measured for more parameters.
+/// Cap on the measured corners if more parameters vary.
 const SOME_CORNERS: u32 = 16;
 
 /// A measure whose largest value is the worst: the measure itself, or its negative if large values

@@ -13,8 +13,8 @@ use vibro_studies::{Error, Machine, Result};
 
 /// Distance in the unit box beyond which designs count as different basins, and as rivals.
 pub(crate) const APART: f64 = 0.08;
-/// Largest excess, relative to the goal, of a peak that the search misses between values of a
-/// band.
+/// Limit for the excess, relative to the goal, of a peak between values of a band that the search
+/// misses.
 const BETWEEN: f64 = 0.01;
 /// Relative tolerance for equal values: rounding.
 const SAME: f64 = 1e-9;
@@ -273,7 +273,10 @@ fn verdict(evaluator: &Evaluator, best: &Best, rivals: &[Rival], left: usize) ->
     };
     let missed = of(Check::NotMet);
     if !missed.is_empty() {
-        let why = format!("no design keeps the limits; the nearest passes that of {}", missed.join(", "));
+        let why = format!(
+            "no design meets the limits; the nearest design violates the limit of {}",
+            missed.join(", ")
+        );
         return Verdict::NoneFound(why);
     }
     let mut open: Vec<String> = Vec::new();
@@ -284,7 +287,9 @@ fn verdict(evaluator: &Evaluator, best: &Best, rivals: &[Rival], left: usize) ->
     if left > 0 {
         open.push(format!("{left} of the compared designs could be measured longer"));
     }
-    open.extend(of(Check::Undecided).iter().map(|name| format!("the limit of {name} lies in the error bar")));
+    open.extend(
+        of(Check::Undecided).iter().map(|name| format!("the limit of {name} is within the error bar")),
+    );
     open.extend(best.reason.clone());
     if open.is_empty() { Verdict::Decided } else { Verdict::Undecided(open.join("; ")) }
 }

@@ -66,7 +66,7 @@ pub(crate) fn contact_points(
             let Some(own) = value(index, start) else { continue };
             let is_peak = axes.iter().all(|&axis| {
                 let mut others = beside(place, axis).into_iter().flatten();
-                // Of equal neighbours the first one is the peak.
+                // The first of equal neighbours is the peak.
                 others.all(|(other, _)| {
                     value(other, start).is_none_or(|beside| beside < own || beside == own && other > index)
                 })

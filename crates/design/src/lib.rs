@@ -12,7 +12,7 @@
 //! the motion settles on a periodic orbit, the local search uses its exact derivatives
 //! (`vibro-orbits`); otherwise differential evolution in a smaller box.
 //!
-//! | module | what it does |
+//! | module | content |
 //! |---|---|
 //! | `request` | goal, limits, ranges; checks |
 //! | `candidate` | the machine for a sweep, with signs and tolerances |

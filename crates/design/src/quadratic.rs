@@ -1,6 +1,6 @@
 //! Quadratic model of the worst value around a design: linear pieces and one curvature.
 //!
-//! With d the step in the unit box, t the worst goal and s the worst excess of a limit, the step
+//! Let d be the step in the unit box, t the worst goal and s the worst excess of a limit. The step
 //! solves
 //!
 //! ```text

@@ -182,7 +182,7 @@ impl DesignRequest {
         let refused = |problem: String| Err(Error::Described { problem });
         if !(1..=DIMENSIONS).contains(&self.vary.len()) {
             return refused(format!(
-                "{} numbers vary; expected 1 to {DIMENSIONS}: name those that matter most",
+                "{} parameters are varied; expected 1 to {DIMENSIONS}: keep the most important ones",
                 self.vary.len()
             ));
         }
@@ -195,14 +195,14 @@ impl DesignRequest {
             }
             if name.contains(".start.") {
                 return refused(format!(
-                    "{name}: a start is no part of a design; expected other numbers of the machine, and starts by `--start` (`start=` \
-                     in Python)"
+                    "{name}: start values cannot be varied; expected a parameter of the machine, and start values by `--start` \
+                     (`start=` in Python)"
                 ));
             }
         }
         if !Machine::is_of_window(&self.goal.measure) {
             return refused(format!(
-                "{}: has no error bar, so that it cannot be the goal; expected an output such as amplitude.box.s",
+                "{}: cannot be the goal, because it has no error bar; expected an output such as amplitude.box.s",
                 self.goal.measure
             ));
         }
@@ -220,13 +220,13 @@ impl DesignRequest {
         if !(0.0..=MAX_TOLERANCE).contains(&self.robust) {
             let percent = 100.0 * self.robust;
             return refused(format!(
-                "a tolerance of {percent} %; expected 0 % to {} %",
+                "robust = {percent} %: expected a tolerance of 0 % to {} %",
                 100.0 * MAX_TOLERANCE
             ));
         }
         if !EVALUATIONS.contains(&self.evaluations) {
             let (least, most) = (EVALUATIONS.start(), EVALUATIONS.end());
-            return refused(format!("{} evaluations; expected {least} to {most}", self.evaluations));
+            return refused(format!("evaluations = {}: expected {least} to {most}", self.evaluations));
         }
         let mut sweep = self.sweep(&Candidate::new(&self.machine, self.names(), self.robust));
         let middle = self.vary.iter().map(|own| 0.5 * (own.from + own.to)).collect();

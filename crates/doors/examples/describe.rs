@@ -1,6 +1,6 @@
 //! Writes the files that hosts need in addition to the library of the bouncing ball:
-//! `modelDescription.xml` of both versions, in folders with the layout of the archives. With the
-//! library in `binaries/`, each zipped folder is an FMU.
+//! `modelDescription.xml` of both versions, in folders with the layout of the archives. After the
+//! library has been added to `binaries/`, each zipped folder is an FMU.
 //!
 //! `cargo run --example describe FOLDER`
 

@@ -1,4 +1,4 @@
-//! The functions of one version of FMI, with the states in which each may be called, as one table.
+//! Table of the functions of one version of FMI, with the states of each function.
 
 /// Declares the enumeration `Function` from a table: name, then the states of Model Exchange and
 /// of Co-Simulation as masks with bit `Stage as u16`.

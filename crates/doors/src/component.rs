@@ -6,8 +6,8 @@ use crate::life::{EventHandling, Experiment, Interface, Phase};
 use crate::log::Log;
 use crate::problem::Problem;
 
-/// Life cycle and steps of a component, the type that an FMU instantiates. The doors decide which
-/// call is allowed in which state of which version.
+/// Life cycle and steps of a component, the type that an FMU instantiates. Each door checks
+/// whether a call is possible in the present state.
 ///
 /// Every [`Hybrid`] is a component; no type implements this trait itself.
 pub trait Component: Hybrid {

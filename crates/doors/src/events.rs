@@ -1,6 +1,6 @@
 //! Results of steps and events.
 
-/// What an event has changed.
+/// Changes that an event has caused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Handled {
     /// The continuous states.

@@ -36,7 +36,7 @@ use crate::model::Model;
 use crate::problem::not_offered;
 use std::fmt::Debug;
 
-/// A simulation with events, from which the layer makes a [`Component`](crate::Component).
+/// A simulation with events, which the layer turns into a [`Component`](crate::Component).
 ///
 /// Required methods: [`start`](Self::start), [`take_over`](Self::take_over), [`run`](Self::run),
 /// [`undo`](Self::undo), [`apply_law`](Self::apply_law), [`carry_out`](Self::carry_out). The other
@@ -48,8 +48,8 @@ pub trait Hybrid: Model {
     /// Data that undo a step.
     type Undo: Debug;
 
-    /// Largest distance of an event before a step's end at which the event counts as at the end,
-    /// in units in the last place of the end.
+    /// Tolerance for an event at a step's end, in units in the last place of the end: an event at
+    /// most this long before the end counts as at the end.
     const ROUNDING: f64 = 0.0;
 
     /// Discards values computed for the start, since the experiment has been set.
@@ -64,12 +64,12 @@ pub trait Hybrid: Model {
     /// Whether a step from `point` (s) over `size` (s) is possible at all.
     ///
     /// # Errors
-    /// By default as [`Life::check_step`](crate::Life::check_step).
+    /// The default has the errors of [`Life::check_step`](crate::Life::check_step).
     fn check(&self, point: f64, size: f64) -> Result<(), Self::Problem> {
         Ok(self.life().check_step(point, size, self.time())?)
     }
 
-    /// Whether a step that may end early ends at an event. By default it does if the host handles
+    /// Whether a step that may end early ends at an event. The default ends it if the host handles
     /// events.
     fn ends_at_events(&self) -> bool {
         self.life().handling.event_mode
@@ -109,7 +109,7 @@ pub trait Hybrid: Model {
     /// handles events. `None` shows the present values again.
     fn latch(&mut self, shown: Option<Self::Shown>) {}
 
-    /// Called at the end of a step, in which inputs may have followed polynomials.
+    /// Called at the end of a step. Inputs may have followed polynomials during the step.
     fn end_step(&mut self, ended: Ended) {}
 
     /// Lets an input follow a polynomial from now on: value and time derivatives 1 to 3.
@@ -151,7 +151,7 @@ pub trait Hybrid: Model {
     /// Accepts the present point of the host's solver. Returns whether an event was passed.
     ///
     /// # Errors
-    /// By default none.
+    /// The default never fails.
     fn accept(&mut self) -> Result<bool, Self::Problem> {
         Ok(false)
     }

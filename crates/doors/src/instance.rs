@@ -10,8 +10,8 @@ use crate::log::Categories;
 use crate::messages::{Logger, Sink, with_category};
 use crate::problem::Refused;
 
-/// An instance of the component `C`, with the behaviour that FMI 2.0 and 3.0 share. The doors add
-/// the calls allowed in each state, and the differences between the versions.
+/// An instance of the component `C`, with the common behaviour of FMI 2.0 and 3.0. The doors add
+/// the permitted calls of each state, and the differences between the versions.
 #[derive(Debug)]
 pub struct CommonInstance<C: Component> {
     /// The component.

@@ -17,8 +17,8 @@
 //! ```
 //!
 //! The doors check handles, pointers, counts and states, keep saved states, turn panics into
-//! statuses and problems into log messages. They do not depend on a model, and [`ffi`] does not
-//! depend on FMI. The doors [`fmi2`] and [`fmi3`] do not import each other.
+//! statuses and problems into log messages. The doors do not depend on a model, and [`ffi`] does
+//! not depend on FMI. The doors [`fmi2`] and [`fmi3`] do not import each other.
 //!
 //! # An FMU from your Rust type
 //!

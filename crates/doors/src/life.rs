@@ -143,14 +143,14 @@ impl Life {
         self.experiment.unwrap_or_default().start
     }
 
-    /// Enters the phase in which a motion begins: an event if the host handles events, otherwise a
-    /// communication point.
+    /// Enters the phase at the beginning of a motion: an event if the host handles events,
+    /// otherwise a communication point.
     pub fn begin(&mut self) {
         let event = self.interface == Interface::ModelExchange || self.handling.event_mode;
         self.phase = if event { Phase::Event } else { Phase::Step };
     }
 
-    /// Enters the phase in which a motion continues after an event.
+    /// Enters the phase of the motion after an event.
     pub fn go_on(&mut self) {
         self.phase = match self.interface {
             Interface::CoSimulation => Phase::Step,
@@ -162,8 +162,8 @@ impl Life {
     /// state that was saved at an event becomes a state at a communication point.
     ///
     /// # Errors
-    /// [`Problem::SavedState`] if the state is of the other interface type, or of a phase in which
-    /// no state is saved, as in damaged bytes. Then nothing has changed.
+    /// [`Problem::SavedState`] if the state is of the other interface type, or of a phase without
+    /// saved states, as in damaged bytes. Then nothing has changed.
     pub fn take_over(&mut self, saved: &Self) -> Result<(), Problem> {
         if saved.interface != self.interface {
             let (its, own) = (saved.interface.name(), self.interface.name());

@@ -37,7 +37,7 @@ impl Status {
         }
     }
 
-    /// The category in which a problem of this status is logged.
+    /// The log category of a problem with this status.
     pub fn category(self) -> log::Category {
         match self {
             Self::Discard => log::Category::Incomplete,

@@ -18,18 +18,18 @@ use std::fmt::Debug;
 ///
 /// All values are passed as `f64`: Integers and enumerations are exact in it, Booleans and clocks
 /// are 0 and 1. The FMI 2.0 and 3.0 interfaces ("doors") query the variables of an instance, so a
-/// component may determine its variables only at instantiation. There are no String, Binary and
-/// structural variables, no input clocks and no Scheduled Execution.
+/// component may determine its variables only at instantiation. String, Binary and structural
+/// variables, input clocks and Scheduled Execution are not supported.
 #[allow(unused_variables)] // the default methods do not use their arguments
 pub trait Model: Sized + Debug + 'static {
     /// Type of the component's refusals; [`Problem`](crate::Problem) if it needs no others.
     type Problem: Refusal;
-    /// A saved state: all data from which the component can continue. `()` if states cannot be
+    /// A saved state: all data that the component needs to continue. `()` if states cannot be
     /// saved.
     type State: Debug;
 
-    /// Largest number of elements of one call. A larger count is refused, so that a wrong count
-    /// does not lead to reads far outside the host's array. Must be at least the largest number of
+    /// Cap on the elements of one call. A larger count is refused, so that a wrong count does not
+    /// lead to reads far outside the host's array. The cap must be at least the largest number of
     /// values of one call and the number of bytes of a saved state.
     const MAX_COUNT: usize = 1 << 24;
     /// Texts for messages about an FMI 2.0 step that ends early.
@@ -93,7 +93,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2SetRealInputDerivatives` (`canInterpolateInputs`).
     ///
     /// # Errors
-    /// By default always.
+    /// The default always fails.
     fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -107,7 +107,7 @@ pub trait Model: Sized + Debug + 'static {
     /// passes derivative `i` to `write`.
     ///
     /// # Errors
-    /// By default always.
+    /// The default always fails.
     fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -121,7 +121,7 @@ pub trait Model: Sized + Debug + 'static {
     /// unknown `i`, its directional derivative Σ ∂unknown/∂known · seed.
     ///
     /// # Errors
-    /// By default always.
+    /// The default always fails.
     fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -135,7 +135,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi3GetVariableDependencies`: present dependencies of a variable.
     ///
     /// # Errors
-    /// By default always.
+    /// The default always fails.
     fn dependencies(&self, reference: u32) -> Result<Vec<Dependency>, Self::Problem> {
         not_offered("dependencies of variables at run time")
     }
@@ -149,7 +149,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2SetContinuousStates`, `fmi3SetContinuousStates`: sets all continuous states.
     ///
     /// # Errors
-    /// If the states are not admissible; then nothing has changed. By default always.
+    /// If the states are not admissible; then nothing has changed. The default always fails.
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Self::Problem> {
         not_offered("continuous states")
     }
@@ -157,7 +157,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2GetContinuousStates`, `fmi3GetContinuousStates`.
     ///
     /// # Errors
-    /// By default none, since the component has no states.
+    /// The default never fails, since the component has no states.
     fn continuous_states(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }
@@ -165,7 +165,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2GetDerivatives`, `fmi3GetContinuousStateDerivatives`.
     ///
     /// # Errors
-    /// By default none, since the component has no states.
+    /// The default never fails, since the component has no states.
     fn state_derivatives(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }
@@ -174,7 +174,7 @@ pub trait Model: Sized + Debug + 'static {
     /// changes its sign.
     ///
     /// # Errors
-    /// By default none, since the component has no indicators.
+    /// The default never fails, since the component has no indicators.
     fn event_indicators(&self) -> Result<impl AsRef<[f64]>, Self::Problem> {
         Ok([])
     }
@@ -190,10 +190,10 @@ pub trait Model: Sized + Debug + 'static {
         0
     }
 
-    /// `fmi2GetFMUstate`, `fmi3GetFMUState`: all data from which the component can continue.
+    /// `fmi2GetFMUstate`, `fmi3GetFMUState`: all data that the component needs to continue.
     ///
     /// # Errors
-    /// By default always.
+    /// The default always fails.
     fn save(&self) -> Result<Self::State, Self::Problem> {
         not_offered("saved states")
     }
@@ -203,7 +203,7 @@ pub trait Model: Sized + Debug + 'static {
     /// restored state is bitwise equal to the original motion.
     ///
     /// # Errors
-    /// If the state does not fit; then nothing has changed. By default always.
+    /// If the state does not fit; then nothing has changed. The default always fails.
     fn restore(&mut self, saved: &Self::State) -> Result<(), Self::Problem> {
         not_offered("saved states")
     }
@@ -211,7 +211,7 @@ pub trait Model: Sized + Debug + 'static {
     /// `fmi2SerializeFMUstate`, `fmi3SerializeFMUState`.
     ///
     /// # Errors
-    /// By default always.
+    /// The default always fails.
     fn serialize(&self, saved: &Self::State) -> Result<Vec<u8>, Self::Problem> {
         not_offered("saved states as bytes")
     }
@@ -221,7 +221,7 @@ pub trait Model: Sized + Debug + 'static {
     ///
     /// # Errors
     /// [`Problem::SavedState`](crate::Problem::SavedState) if the bytes are truncated, altered or
-    /// of another build. By default always.
+    /// from another build. The default always fails.
     fn deserialize(&self, bytes: &[u8]) -> Result<Self::State, Self::Problem> {
         not_offered("saved states as bytes")
     }

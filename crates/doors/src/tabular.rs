@@ -104,7 +104,7 @@ impl<T: Tabular> FromTable<T> {
         made
     }
 
-    /// Token by which the library recognizes its own description.
+    /// Token in a description, which the library compares with its own.
     pub fn token() -> String {
         identifier(&format!("{:?}", (T::NAME, T::VERSION, T::ROWS)))
     }

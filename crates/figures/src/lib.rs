@@ -1,6 +1,6 @@
 //! Pictures as data, and their drawing as SVG and PNG. This crate does not depend on any machine.
 //!
-//! | module | what it does |
+//! | module | content |
 //! |---|---|
 //! | [`chart`] | figures of panels with axes, curves, cells and legends |
 //! | [`canvas`] | lines, areas and letters, written as SVG and PNG |

@@ -17,7 +17,7 @@ pub enum MachineProblem {
         /// Reason.
         problem: String,
     },
-    /// The file's text is not the one from which the model description was made.
+    /// The file's text differs from the text of the model description.
     #[error("{place}: this is not the text from which the model description was made, {token}")]
     Text {
         /// The file or, if its text is not a machine, the refusal with its lines.

@@ -1,5 +1,5 @@
-//! The dependencies of `ModelStructure` (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8). They follow from the
-//! machine's topology and never from its numbers, which a host may change.
+//! The dependencies of `ModelStructure` (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8). The dependencies
+//! follow from the machine's topology and never from its numbers, which a host may change.
 //!
 //! Between events every coordinate, elongation and force, except of curved springs, is linear in
 //! states and inputs, with factors that depend on the mode. Bodies that links, rigid stops or

@@ -314,7 +314,7 @@ fn curves(machine: &Description, problems: &mut Vec<Problem>) {
         let name = format!("spring.{}", spring.name);
         if !spring.points.is_empty() || spring.series.is_some() || spring.stepped.is_some() {
             let text = "a curve cannot be combined with points, a partner in series or a stiffness that \
-                        steps: use two springs side by side";
+                        steps: use two springs in parallel";
             problems.push(Problem::new(name, None, text));
         }
     }

@@ -127,8 +127,8 @@ impl Curved {
         variation[self.place] = sum;
     }
 
-    /// Size to which the rounding error of φ is relative: the size of φ, plus the sizes of its
-    /// derivatives times the sums of the sizes of the terms of its arguments.
+    /// Size for the relative rounding error of φ: the size of φ, plus the sizes of its derivatives
+    /// times the sums of the sizes of the terms of its arguments.
     #[inline(always)]
     pub fn size(&self, z: &[f64], sizes: &[f64]) -> f64 {
         let (value, slopes) = self.operation.sizes(self.arguments(z));

@@ -124,7 +124,7 @@ pub struct Integrated {
     pub v: f64,
 }
 
-/// Which time derivative of a coordinate a signal prescribes.
+/// Time derivative of a coordinate that a signal prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// The rate, m/s or rad/s.
@@ -187,10 +187,10 @@ impl Arms {
 }
 
 /// A spring and a dashpot in parallel. Its force f = preload + stiffness · e + damping · e'
-/// resists e: the force on a body is -arm · f. [`curve`](Self::curve) adds higher powers of e.
-/// With [`points`](Self::points), straight lines through them replace preload + stiffness · e.
-/// With a dashpot or slider in [`series`](Self::series), f = stiffness · (e - x) + damping · e',
-/// where x is the inner displacement.
+/// resists e: the force on a body is -arm · f. [`curve`](Self::curve) adds higher powers of e. If
+/// [`points`](Self::points) are given, straight lines through them replace preload + stiffness ·
+/// e. If a dashpot or slider is in [`series`](Self::series), f = stiffness · (e - x) + damping ·
+/// e', where x is the inner displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name, unique among the elements.
@@ -207,8 +207,8 @@ pub struct Spring {
     /// Force at e = 0, N or N m; 0 with `series`.
     pub preload: f64,
     /// Coefficients of e², e³, e⁴ and e⁵ in the force, N/m² to N/m⁵ or N m/rad² to N m/rad⁵;
-    /// `None` for a power that the force does not have. With any of them, the stiffness may be
-    /// negative.
+    /// `None` for a power that the force does not have. If any of them is given, the stiffness may
+    /// be negative.
     pub curve: Curve,
     /// A formula of e and e' that is added to the force.
     pub force: Option<Formula>,
@@ -293,8 +293,8 @@ pub struct ForcePoint {
 }
 
 /// A dashpot without a spring. Its force f = damping · e' + quadratic · e' |e'| + cubic · e'³
-/// resists e'; [`power`](Self::power) adds another power, [`force`](Self::force) a formula. No force
-/// depends on its elongation, so that a motion may be periodic while e grows.
+/// resists e'; [`power`](Self::power) adds another power, [`force`](Self::force) a formula. No
+/// force depends on its elongation, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name, unique among the elements.

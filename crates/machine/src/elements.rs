@@ -1,8 +1,8 @@
 //! All elements of a machine in one list, and all its signals in another.
 //!
-//! Columns, FMU variables, checks and sketches do not depend on kinds of elements. They find here
-//! what all elements have in common: name, section of the file, elongation, quantities, signals.
-//! `CONTRIBUTING.md` lists what a new kind requires.
+//! Columns, FMU variables, checks and sketches do not depend on kinds of elements. This module has
+//! the common properties of all elements: name, section of the file, elongation, quantities,
+//! signals. `CONTRIBUTING.md` lists the requirements of a new kind.
 
 mod inputs;
 
@@ -147,8 +147,8 @@ impl<'a> Element<'a> {
         format!("{}.{}", self.section(), self.name())
     }
 
-    /// Arms of the elongation, for a contact along its normal; `None` for a load (which acts on one
-    /// coordinate), a body with many coordinates, a signal or a block.
+    /// Arms of the elongation, for a contact along its normal; `None` for a load (which acts on
+    /// one coordinate), a body with many coordinates, a signal or a block.
     pub fn arms(self) -> Option<&'a Arms> {
         match self {
             Self::Spring(spring) => Some(&spring.arms),
@@ -232,8 +232,8 @@ impl<'a> Element<'a> {
         if let Self::Spring(spring) = self { spring.series.as_ref() } else { None }
     }
 
-    /// Whether the element has a spring with an inner place: in series with a dashpot or slider, or
-    /// along a contact's tangent.
+    /// Whether the element has a spring with an inner place: in series with a dashpot or slider,
+    /// or along a contact's tangent.
     pub fn is_branch(self) -> bool {
         match self {
             Self::Contact(contact) => contact.tangent.is_some(),

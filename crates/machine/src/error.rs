@@ -1,5 +1,5 @@
-//! Errors of a machine and its motion. Every message names the quantity, its value and the expected
-//! values.
+//! Errors of a machine and its motion. Every message names the quantity, its value and the
+//! expected values.
 
 use crate::refusal::Refusal;
 
@@ -40,7 +40,7 @@ pub enum Error {
     Inertia,
     /// A rate above 1e100 rad/s, whose powers would overflow.
     #[error(
-        "{name} = {value:e}: gives a rate above 1e100 rad/s; check its unit, and those of the moving inertias"
+        "{name} = {value:e}: gives a rate above 1e100 rad/s; check its unit and the units of the moving inertias"
     )]
     TooFast {
         /// Dotted name of the parameter.

@@ -47,9 +47,9 @@ pub const EIGHT: [(f64, f64); 8] = [
     (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
 ];
 
-/// Largest rate times span x for which [`EIGHT`] nodes suffice. With G nodes, the relative error
-/// of a product of two functions is (G!)⁴ (2x)²ᴳ/((2G + 1) ((2G)!)³): below 3e-17 for eight nodes
-/// up to x = 1.2, below 6e-17 for twelve nodes up to x = 4.
+/// Limit of rate times span x for [`EIGHT`] nodes. For G nodes, the relative error of a product of
+/// two functions is (G!)⁴ (2x)²ᴳ/((2G + 1) ((2G)!)³): below 3e-17 for eight nodes up to x = 1.2,
+/// below 6e-17 for twelve nodes up to x = 4.
 pub const SHORT: f64 = 1.2;
 
 /// Σ_j columns\[j\] z_j.

@@ -23,7 +23,7 @@ pub struct NumberKind {
     pub any_unit: bool,
     /// Advice after the refusal of a number outside its range; may be empty.
     pub advice: &'static str,
-    /// What may stand in place of the number, after its allowed values; may be empty.
+    /// Alternative to the number in a message, after its allowed values; may be empty.
     pub or: &'static str,
 }
 

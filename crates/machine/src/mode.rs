@@ -22,7 +22,7 @@ pub enum Contact {
     Slider(usize),
 }
 
-/// A mode: the state of every element, and the independent contacts whose forces are solved for.
+/// A mode: the state of every element, and the independent contacts with unknown forces.
 ///
 ///
 /// A body that is pressed onto a stop:

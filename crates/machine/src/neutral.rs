@@ -14,7 +14,7 @@ use crate::kernel::Sparse;
 use crate::system::{Elongation, System};
 use nalgebra::DVector;
 
-/// Largest entry of a unit row that counts as zero: arms and links are given to more digits.
+/// Tolerance for a zero entry of a unit row: arms and links are given to more digits.
 const ZERO: f64 = 1e-10;
 
 /// The neutral directions of a machine.

@@ -102,7 +102,8 @@ impl fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// Longest name, bytes, for which the nearest valid name is searched; longer ones are not typos.
+/// Length limit, bytes, of a name in the search for the nearest valid name; longer ones are not
+/// typos.
 const LONGEST_MISSPELT: usize = 100;
 
 /// Advice on an unknown name: the nearest valid name or, if none is near, the valid names. Names

@@ -34,8 +34,8 @@ const STEPS: usize = 100;
 /// Tolerance of the force balance: largest residual force, relative to the forces on its
 /// coordinate.
 const BALANCED: f64 = 1e-13;
-/// Largest number of iterations for friction levels that depend on the force of a stop. Each
-/// multiplies the error of the levels by the coefficient times a ratio of stiffnesses.
+/// Cap on the iterations for friction levels that depend on the force of a stop. Each multiplies
+/// the error of the levels by the coefficient times a ratio of stiffnesses.
 const REPEATS: usize = 200;
 /// Tolerance below which a proximal step counts as zero, relative to the coordinate.
 const STANDS: f64 = 1e-15;
@@ -237,7 +237,8 @@ fn amax(q: &[DoubleDouble]) -> f64 {
 }
 
 impl SpringRows {
-    /// Stiffness without curved forces: of a spring with a formula, with the formula's straight part.
+    /// Stiffness without curved forces: of a spring with a formula, with the formula's straight
+    /// part.
     fn straight_stiffness(&self) -> f64 {
         let w = self.elongation.w.terms();
         if self.formula.is_none() || w.is_empty() {

@@ -136,7 +136,7 @@ const TURN: [[f64; 2]; 8] = {
     terms
 };
 
-/// The signals of a machine as coordinates from [`Signals::one`] on.
+/// The signals of a machine as coordinates; the first has the index [`Signals::one`].
 #[derive(Clone, Debug)]
 pub struct Signals {
     /// Index of the coordinate that is always 1.
@@ -146,7 +146,7 @@ pub struct Signals {
     frequencies: Vec<f64>,
     pieces: Vec<SignalPiece>,
     sweeps: Vec<SweepPiece>,
-    /// Times at which signals change, sorted: steps and knots of records.
+    /// Change times of signals, sorted: steps and knots of records.
     knots: Knots,
     /// Knots of the repeated signals.
     repeated: Vec<Knots>,
@@ -352,7 +352,7 @@ impl Signals {
         vec![(0.0, [0.0; 4]); self.inputs + self.integrals]
     }
 
-    /// Sets input `i` to a polynomial from a time on. If the input is integrated, the integral
+    /// Sets input `i` to a polynomial after a time. If the input is integrated, the integral
     /// continues without a jump.
     pub(crate) fn set_input(&self, inputs: &mut [(f64, Input)], i: usize, (time, derivatives): (f64, Input)) {
         let own = self.pieces.iter().find(|piece| piece.input == Some(i));
@@ -377,7 +377,7 @@ impl Signals {
         self.pieces.iter().any(|piece| piece.input == Some(i) && piece.integral.is_some())
     }
 
-    /// Adds `place` to the integral of signal `i` from a time on; to a second integral also a part
+    /// Adds `place` to the integral of signal `i` after a time; to a second integral also a part
     /// that grows with `rate`.
     pub(crate) fn displace(&self, inputs: &mut [(f64, Input)], i: usize, time: f64, [place, rate]: [f64; 2]) {
         let piece = self.parts[i].piece.map(|p| &self.pieces[p]);

@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn second_method_factors_solve_and_count_as_dense_ones() {
-        // A ring of 80 with chords: larger than `OWN_ORDER`, with fill-in.
+        // A ring of 80 with chords: larger than `OWN_ORDER`, and fill-in occurs.
         let n = 80;
         let pairs: Vec<(usize, usize)> =
             (0..n).flat_map(|k| [(k, (k + 1) % n), (k, (k * 7 + 3) % n)]).collect();

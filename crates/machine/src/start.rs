@@ -58,13 +58,13 @@ use std::sync::Arc;
 pub struct Start {
     /// Time, s.
     pub time: f64,
-    /// Coordinates and rates of bodies that are given, by the body's name.
+    /// Given coordinates and rates, by the body's name.
     pub bodies: BTreeMap<String, BodyStart>,
-    /// Inner displacements of springs in series that are given, m or rad, by the spring's name.
+    /// Given inner displacements of springs in series, m or rad, by the spring's name.
     pub sliders: BTreeMap<String, f64>,
-    /// Places of the sliders of contacts that are given, m, by the contact's name.
+    /// Given places of the sliders of contacts, m, by the contact's name.
     pub contacts: BTreeMap<String, f64>,
-    /// States of blocks that are given, by names such as `pid.x[0]`.
+    /// Given states of blocks, by names such as `pid.x[0]`.
     pub blocks: BTreeMap<String, f64>,
 }
 
@@ -393,7 +393,7 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
     match found {
         Some((i, place)) if free(&&d.bodies[i]) => Ok(place),
         Some((i, _)) if matches!(d.bodies[i].kind, BodyKind::Node(_)) => {
-            refused("it is a node; use start values of the coordinates behind it".into())
+            refused("it is a node, which moves with the coordinates of its body; use start values of these coordinates".into())
         }
         Some(_) => refused(format!("its motion is prescribed; {}", allowed(d.bodies.iter().filter(free)))),
         None => {

@@ -60,10 +60,10 @@ use reduction::reduce;
 use row_matrix::RowSums;
 use std::sync::OnceLock;
 
-/// Largest size of the augmented state for which a mode stores dense matrices of its sub-step;
-/// above, a power series of the actual state replaces them. Measured on chains: the series takes
-/// less time if modes are new. If the same modes recur, it takes up to half as much again, above a
-/// size of 30 hardly more.
+/// Limit of the augmented state's size for dense matrices of a mode's sub-step; above, a power
+/// series of the actual state replaces them. Measured on chains: the series takes less time if
+/// modes are new. If the same modes recur, it takes up to half as much again, above a size of 30
+/// hardly more.
 pub(crate) const DENSE: usize = 20;
 
 /// The matrices of a machine, constant during a motion.
@@ -95,8 +95,8 @@ pub struct System {
     pub springs: Vec<SpringRows>,
     /// Curved forces, which are the last coordinates of the augmented state.
     pub curved: Vec<Curved>,
-    /// Stops and contacts, followed by further levels of stepped stiffnesses and corners of springs,
-    /// by limits of outputs, and by freewheels.
+    /// Stops and contacts, followed by further levels of stepped stiffnesses and corners of
+    /// springs, by limits of outputs, and by freewheels.
     pub stops: Vec<StopRows>,
     /// Index in `stops` of the first contact.
     pub(crate) first_contact: usize,

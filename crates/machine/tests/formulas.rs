@@ -475,7 +475,7 @@ fn refusals_of_formulas() {
     for (more, said) in [
         ("slip = 1.0\nstiffness = 2.0\n", "cannot be combined with `slip`"),
         ("points = [[0.0, 0.0], [1.0, 2.0]]\n", "cannot be combined with `points`"),
-        ("stiffness = { constant = 1.0, steps = [[1.0, 2.0]] }\n", "use two springs side by side"),
+        ("stiffness = { constant = 1.0, steps = [[1.0, 2.0]] }\n", "use two springs in parallel"),
         ("offset = 1.0\nfree_length = 1.0\nstiffness = 1.0\n", "cannot be combined with `offset`"),
     ] {
         let found = refused("\"= e^3\"", more);

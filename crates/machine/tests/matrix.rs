@@ -297,7 +297,7 @@ fn errors_of_matrices_name_the_entry() {
         (
             "gravity = [1, 1, 1]",
             "gyroscopic = [[0, 1], [-1, 0]]",
-            "has 2 rows and 2 columns; expected as many of each as mass has rows, 3",
+            "has 2 rows and 2 columns; expected 3 of each, as in the mass matrix",
         ),
         ("first = 0", "first = 3", "expected the index of a coordinate, 0 to 2"),
         (
@@ -316,7 +316,7 @@ fn errors_of_matrices_name_the_entry() {
         ("pattern.mtx", "= \"pattern.mtx\": line 1: pattern: expected real or integer entries"),
         ("double.mtx", "= \"double.mtx\": line 4: 1 1 3: this entry is given twice"),
         ("short.mtx", "= \"short.mtx\": it has 1 entries; expected 2, as given with its sizes"),
-        ("three.mtx", "has 3 rows and 3 columns; expected as many of each as mass has rows, 2"),
+        ("three.mtx", "has 3 rows and 3 columns; expected 2 of each, as in the mass matrix"),
         ("none.mtx", "cannot be read: it is not there"),
         ("/M.mtx", "expected a path below the file's folder"),
     ] {

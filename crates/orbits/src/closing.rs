@@ -3,13 +3,13 @@
 //! A variation is a small change of the motion. Along an eigenvector of the monodromy matrix a
 //! period multiplies it by the multiplier μ: it closes with the factor μ.
 //!
-//! The equations of an orbit have the derivatives A(1), in which a change of the first event's
-//! time moves the start and the end alike. For a change that is multiplied by μ from start to end,
-//! the derivatives are A(μ) = A(1) + (μ - 1) B; they are singular if μ is a multiplier. Events at
-//! given times are linear maps of the state, so A(μ) has entries of size one however unstable the
-//! orbit is. The determinant of A(-1) has the sign of ∏ (1 + μ). The eigenvalues of the pencil
-//! A(1), B keep digits that the monodromy matrix, a product over the flights, loses for all
-//! multipliers except the largest.
+//! The equations of an orbit have the derivatives A(1): a change of the first event's time moves
+//! the start and the end alike. If a change is multiplied by μ from start to end, the derivatives
+//! are A(μ) = A(1) + (μ - 1) B; they are singular if μ is a multiplier. Events at given times are
+//! linear maps of the state, so A(μ) has entries of size one even for a very unstable orbit. The
+//! determinant of A(-1) has the sign of ∏ (1 + μ). The eigenvalues of the pencil A(1), B are
+//! accurate for all multipliers. The monodromy matrix, a product over the flights, is accurate for
+//! the largest one only.
 
 use super::cycle::Cycle;
 use super::orbit::{eigenvalues, sort};
@@ -21,7 +21,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// Factor at which the pencil is inverted. No multiplier equals this number by theory, and the
 /// unit circle is near it.
 const SHIFT: f64 = 1.93;
-/// Largest modulus up to which the monodromy matrix is used: beyond it, rounding leaves fewer than
+/// Modulus limit of multipliers from the monodromy matrix: beyond it, rounding leaves fewer than
 /// ten digits of a multiplier near the unit circle.
 const BLURS: f64 = 1e6;
 /// Largest modulus of a multiplier from the equations. Rounding makes the infinite eigenvalues of

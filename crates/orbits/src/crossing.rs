@@ -22,8 +22,8 @@ const ROUNDING: f64 = 1e-12;
 /// Tolerance for the unfolding at a crossing, in units of the equations: rounding.
 const KEPT: f64 = 1e-8;
 
-/// The bordered measure of a matrix, and the product of its left vector with the parameter's
-/// column.
+/// The singularity measure of a matrix from its bordered system, and the product of the bordered
+/// system's left vector with the parameter's column.
 pub(super) fn conditions(
     matrix: &DMatrix<f64>,
     column: &DVector<f64>,

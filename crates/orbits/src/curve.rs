@@ -18,8 +18,9 @@ const CONDITION_STEPS: usize = 20;
 /// rounding.
 pub(super) const STEP_ROUNDING: f64 = 1e-12;
 
-/// Size of a Newton step, rad, below which a step longer than half of the previous one counts as
-/// rounding. With many fast impacts the equations determine fewer digits of the phases.
+/// Limit of a Newton step, rad, below which a step longer than half of the previous one counts as
+/// rounding. If an orbit has many fast impacts, the equations determine fewer digits of the
+/// phases.
 pub(super) const STEP_STALLED: f64 = 1e-9;
 
 /// Largest Newton step towards a point given by a further condition; longer steps are shortened.
@@ -45,7 +46,7 @@ pub(super) trait Equations {
         STEP_ROUNDING
     }
 
-    /// Size of a Newton step below which a step longer than half of the previous one is only
+    /// Limit of a Newton step below which a step longer than half of the previous one is only
     /// rounding.
     fn stalled(&self) -> f64 {
         STEP_STALLED
@@ -77,7 +78,7 @@ pub(super) fn correct(
 ) -> Result<CurvePoint, Obstacle> {
     let mut u = predicted.clone();
     let mut known: Option<DMatrix<f64>> = None;
-    // Number of steps after which all further ones may be rounding ([`Equations::stalled`]): the
+    // After this number of steps all further ones may be rounding ([`Equations::stalled`]): the
     // correction has converged there.
     let (mut stalled, mut before) = (None, f64::INFINITY);
     for steps in 1..=STEPS {

@@ -4,8 +4,8 @@
 //! An event at a given time is a linear map of the augmented state, also if it changes the
 //! velocities. The motion over a word therefore follows from its start and its event times. It is
 //! an orbit if it returns to its start and each event function is zero at its event's time.
-//! Sensitivities to start and times are computed with the motion. They do not grow with
-//! instability, because the times are fixed. Fixed times of the word (a knot that changes a
+//! Sensitivities to start and times are computed with the motion. Instability does not make the
+//! sensitivities grow, because the times are fixed. Fixed times of the word (a knot that changes a
 //! contact, a sample) have no event function; other knots of signals are not events of the word.
 
 use super::corners::Piece;

@@ -8,7 +8,7 @@ use vibro_numerics::sorting::sort_by;
 /// Fraction of the test's smallest value at the ends below which its predicted extremum may hide a
 /// pair of zeros; half of the value allows for an error of the parabola.
 const DIP: f64 = 0.5;
-/// Largest number of positions that are tried. Each improves the parabola.
+/// Cap on the tried positions. Each improves the parabola.
 const LOOKS: usize = 3;
 /// Smallest distance of a new position from known ones, as a fraction of the step.
 const APART: f64 = 1e-3;

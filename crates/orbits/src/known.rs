@@ -9,7 +9,7 @@ use crate::curve::correct;
 use crate::curve::zero;
 use nalgebra::DVector;
 
-/// Largest distance from the chord, as a fraction of the distance to the nearer end, at which
+/// Distance limit from the chord, as a fraction of the distance to the nearer end. Within it,
 /// Newton's method at a parameter value has found the piece's own orbit. A curve bends less than
 /// this within a step; another branch that crosses the piece at one of its ends is further away.
 const NEAR: f64 = 0.5;

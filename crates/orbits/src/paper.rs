@@ -18,7 +18,7 @@
 //! threads nor on interruptions: batches have a constant size (`grower`), and finished parts of a
 //! tree are kept bit for bit (`crate::stored`). Second, the equations of motion and the impact law
 //! are taken from the closed forms (`vibro_impact::steady`), never from the simulator, which is
-//! the oracle of the tests (docs/design.md, "What stands once").
+//! the oracle of the tests (docs/design.md, "Oracles and shared code").
 //!
 //! A new type of special point needs a [`Label`], a test function in `test_functions` (a zero) or
 //! an announcement in `grazing` (a touch), its departure in `switching`, and, if it has a curve in

@@ -10,8 +10,8 @@ use nalgebra::DVector;
 const REPETITION: f64 = 1e-6;
 
 impl Problem {
-    /// The point with the same values in the equations of the word repeated `times` times.
-    /// Requires a point on an orbit.
+    /// The point of the same orbit in the equations of the word repeated `times` times. The given
+    /// point must be on an orbit.
     pub(super) fn repeated(
         &self,
         place: &Place,

@@ -73,9 +73,9 @@ pub(super) trait Follow {
     type Of;
     /// An end of a path at which other branches begin.
     type End;
-    /// Fraction of the longest step below which a step grows if it was no costlier than a longer
-    /// one. Near a touch, rounding makes Newton's method take the same number of iterations at any
-    /// length: without this growth the curve would crawl.
+    /// Fraction of the longest step for short steps. A shorter step grows if it was no costlier
+    /// than a longer one. Near a touch, rounding makes Newton's method take the same number of
+    /// iterations at any length: without this growth the curve would crawl.
     const SHORT: f64;
 
     /// The position of a departure.

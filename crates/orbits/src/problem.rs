@@ -22,8 +22,8 @@ use vibro_studies::carried;
 
 /// Tolerance for convergence with accumulating impacts, as the relative size of a Newton step.
 const CHATTER_ROUNDING: f64 = 1e-10;
-/// Size of a Newton step below which it may be rounding: an event whose function hardly rises has
-/// only half of the digits.
+/// Limit of a Newton step that may be rounding: an event whose function hardly rises has only half
+/// of the digits.
 const STALLED: f64 = 1e-7;
 /// Limit of a flight's shortening in one Newton step, as a fraction of the flight.
 const SHORTENING: f64 = 0.5;

@@ -27,7 +27,7 @@ pub(super) struct Record {
     pub states: Vec<Vec<f64>>,
     /// The drive's common period, s.
     pub period: f64,
-    /// Time of a knot with a jump of prescribed bodies that moves others, s.
+    /// Knot time of a jump of prescribed bodies that moves others, s.
     pub jump: Option<f64>,
     /// Smallest and largest value of each state variable.
     pub extents: Vec<(f64, f64)>,

@@ -54,7 +54,7 @@ pub struct WordSearch {
 }
 
 impl WordSearch {
-    /// Largest number of returns; each starts a search for an orbit, which asks first whether to
+    /// Cap on the returns; each starts a search for an orbit, which asks first whether to
     /// continue.
     pub fn most_returns(&self) -> usize {
         WINDOWS as usize * (1 + self.starts as usize)
@@ -246,7 +246,8 @@ impl<'a> Seeker<'a> {
                 (d.bodies[*body].name.clone(), own)
             };
             let bodies: BTreeMap<String, BodyStart> = of.iter().enumerate().map(&mut body).collect();
-            // The bounds limit elongations; a start has inner displacements.
+            // The bounds are for elongations; a start has the inner displacements of springs
+            // instead.
             let mut z = vec![0.0; system.signals.size];
             for (k, own) in of.iter().enumerate() {
                 z[k] = bodies[&d.bodies[*own].name].s.unwrap_or(0.0);

@@ -1,9 +1,9 @@
 //! The two words of an orbit that touches a contact: with and without the contact's events.
 //!
-//! A visit is a run of events in which a contact leaves its state and returns to it. At the touch
-//! a visit has no duration, and the impact of a rigid stop has no speed, so both words describe
-//! the orbit. A visit of several events makes the equations of its word singular there, because
-//! its event functions are equal to first order.
+//! A visit is a run of events: a contact leaves its state and returns to it. At the touch a visit
+//! has no duration, and the impact of a rigid stop has no speed, so both words describe the orbit.
+//! A visit of several events makes the equations of its word singular there, because its event
+//! functions are equal to first order.
 
 use super::conditions::{Condition, off_gap};
 use super::cycle::{Cycle, Leg};

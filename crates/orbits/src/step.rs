@@ -14,8 +14,8 @@ use crate::path_options::PathOptions;
 use crate::test_functions::{SignedLog, determinant, pair_test};
 use vibro_machine::mode::Watch;
 
-/// Time before a fixed time, as a fraction of the period, within which a run of impacts that
-/// cannot be followed further has met the fixed time.
+/// Time before a fixed time, as a fraction of the period. If a run of impacts cannot be followed
+/// further within it, the run has met the fixed time.
 const NEAR_END: f64 = 1e-5;
 /// Step lengths that are tried if shorter ones fail.
 const JUMPS: [f64; 4] = [1e-3, 3e-3, 1e-2, 3e-2];

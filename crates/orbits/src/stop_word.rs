@@ -353,7 +353,7 @@ mod tests {
         let (least, one) = word.reduced(&phases, true, 1e-9);
         assert_eq!((least.to_string(), least.closing(), least.half_periods()), ("U".into(), -1, 1));
         assert_eq!(one, [0.4]);
-        // With loads an orbit may repeat but is not symmetric.
+        // Under loads an orbit may repeat but is not symmetric.
         assert_eq!(word.reduced(&phases, false, 1e-9).0, OrbitWord::new("UL", 1, 2).unwrap());
         let unequal: Vec<f64> = phases.iter().map(|p| p + 0.01 * p.sin()).collect();
         assert_eq!(word.reduced(&[&unequal[..2], &phases[2..]].concat(), true, 1e-9).0, word);

@@ -154,7 +154,7 @@ impl Timed {
             && self.ticks.iter().map(|tick| tick.later(periods)).eq(other.ticks.iter().copied())
     }
 
-    /// Number of the common period, counted from 0, that contains the first tick.
+    /// Index of the common period, counted from 0, with the first tick.
     pub fn turn(&self) -> i64 {
         self.ticks.first().map_or(0, |tick| tick.number.div_euclid(tick.per_period.max(1)))
     }

@@ -17,8 +17,8 @@ pub(super) struct Traced<E> {
     pub ends: [PathEnd<E>; 2],
 }
 
-/// Order in which the branches of a machine are followed from two departures, and the points that
-/// take the stability of a piece.
+/// Traversal of the branches of a machine from two departures, and the points that take the
+/// stability of a piece.
 pub(super) struct Order {
     /// Whether the reversed path of the first departure comes first, instead of the second's.
     pub is_back_first: bool,

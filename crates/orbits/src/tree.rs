@@ -31,10 +31,10 @@ const KNOWN_STEPS: [f64; 2] = [1e-2, 1e-3];
 /// Distance from a branch point within which a fold is not labelled: it is only the extremum of
 /// the parameter on the side branch.
 const TURN: f64 = 1e-4;
-/// Number of branches followed in parallel. A constant, so that the result does not depend on the
-/// number of threads.
+/// Number of branches followed in parallel. It is constant, so that the result does not depend on
+/// the number of threads.
 const BATCH: usize = 4;
-/// Number of branches at which the growth ends; the last batch may exceed it.
+/// The growth ends at this number of branches; the last batch may exceed it.
 const MOST: usize = 400;
 
 /// Options of a tree.
@@ -42,13 +42,13 @@ const MOST: usize = 400;
 pub struct TreeOptions {
     /// Start of every motion that does not continue another one.
     pub start: Start,
-    /// Number of parameter values at which motions are simulated until they settle: with the
-    /// parameter rising, with it falling and, if `depth` is positive, from `start`.
+    /// Number of parameter values with settled motions: with the parameter rising, with it falling
+    /// and, if `depth` is positive, from `start`.
     pub seeds: usize,
     /// Number of returns discarded at each value; fewer if the motion settles before.
     pub discard: u32,
     /// Largest number of branch switches in a row, at period doublings, branch points and touches
-    /// of rigid stops. With 0, only the branches of settled orbits are followed.
+    /// of rigid stops. If it is 0, only the branches of settled orbits are followed.
     pub depth: u32,
     /// Options for following a branch.
     pub path: PathOptions,
@@ -322,7 +322,7 @@ impl Grower<'_> {
                 continue;
             }
             (branch.id, branch.depth, branch.parent) = (self.branches.len(), depth, parent);
-            // If all points coincide, other branches meet in this orbit. They are queued with the
+            // If all points coincide, other branches meet at this orbit. They are queued with the
             // parent of this branch, which is not kept.
             let point = branch.points.first().filter(|_| is_departure && branch.is_point());
             match point.map(|point| branch.orbit(point)) {

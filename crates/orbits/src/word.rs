@@ -20,7 +20,7 @@ pub struct Letter {
     /// The cause of the event.
     pub cause: Cause,
     /// The reports of the event: impacts in their order, then changes of elements. Times and
-    /// speeds are from the motion in which the event was found.
+    /// speeds are from the original motion.
     pub events: Vec<Event>,
     /// For the first impact of a run that accumulates: how the run ends.
     pub chatter: Option<Chatter>,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Error; each message says what is wrong and what to do.
+/// Error; each message names the fault and its remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

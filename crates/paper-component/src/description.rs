@@ -11,7 +11,7 @@ use fmi_doors::description::{self, Description, Item, Type, TypeKind, Unit, Unkn
 pub(crate) struct Table {
     pub(crate) edition: Edition,
     pub(crate) numbering: Numbering,
-    /// Settings from which the start values are taken.
+    /// Settings that supply the start values.
     pub(crate) start: Settings,
     /// Name of the state whose derivative a variable is, by the rules of the version.
     pub(crate) derivative: fn(&variables::Variable) -> Option<&'static str>,

@@ -28,7 +28,11 @@ pub fn of_file(text: &str, file: &str, dofs: &Dofs) -> Result<Vec<usize>> {
         words.map(move |word| (format!("{file}:{}", i + 1), word))
     });
     let found = of_words(words, dofs)?;
-    if found.is_empty() { Err(Error::new(file, "it names no node")) } else { Ok(found) }
+    if found.is_empty() {
+        Err(Error::new(file, "it names no node; expected one or more nodes"))
+    } else {
+        Ok(found)
+    }
 }
 
 fn of_words<'t>(words: impl Iterator<Item = (String, &'t str)>, dofs: &Dofs) -> Result<Vec<usize>> {

@@ -1,4 +1,5 @@
-//! Products of tall dense matrices. Those of nalgebra are not blocked in this build.
+//! Products of tall dense matrices by `faer`, since the products of nalgebra are not blocked in
+//! this build.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};

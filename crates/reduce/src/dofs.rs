@@ -115,7 +115,7 @@ impl Dofs {
         for (i, dof) in list.iter().enumerate() {
             if let Some(first) = places.insert(dof.clone(), i) {
                 let problem =
-                    format!("rows {} and {} have this name; expected one row a dof", first + 1, i + 1);
+                    format!("rows {} and {} have this name; expected one row for each dof", first + 1, i + 1);
                 return Err(Error::new(format!("dof {dof}"), problem));
             }
         }

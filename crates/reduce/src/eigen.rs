@@ -18,7 +18,8 @@ const CONVERGED: f64 = 1e-11;
 /// Ratio of norms after and before orthogonalisation below which a vector counts as dependent on
 /// earlier vectors.
 const DEPENDENT: f64 = 1e-11;
-/// Relative gap above which two eigenvalues count as separate; the count is taken in such a gap.
+/// Relative gap above which two eigenvalues count as separate; the count is taken within such a
+/// gap.
 const GAP: f64 = 1e-7;
 /// Largest number of searches for missing eigenvalues; a sixfold eigenvalue takes two.
 const ROUNDS: usize = 12;
@@ -207,7 +208,9 @@ pub fn lowest(problem: &Problem, wanted: usize, check: Check) -> Result<Modes> {
             }
             rounds += 1;
             if rounds > ROUNDS || count < separated {
-                let problem = format!("{separated} were found below {between:.6e}, but {count} were counted");
+                let problem = format!(
+                    "{separated} eigenvalues were found below {between:.6e} (rad/s)², but a count by inertia gives {count}; try another number of modes"
+                );
                 return Err(Error::new("eigenvalues", problem));
             }
             more = (count - separated).min(2 * BLOCK);

@@ -15,7 +15,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// Number of right-hand sides above which the cores share a solution.
+/// The cores share a solution above this number of right-hand sides.
 const SHARED: usize = 16;
 /// Largest memory of one factor, bytes.
 const MOST_MEMORY: usize = 32 << 30;
@@ -57,7 +57,7 @@ pub(crate) fn cores() -> Par {
 fn memory(request: StackReq) -> Result<MemBuffer> {
     MemBuffer::try_new(request).map_err(|_| {
         let bytes = request.size_bytes() >> 20;
-        Error::new("factorisation", format!("needs {bytes} MiB of memory, which this computer does not give"))
+        Error::new("factorisation", format!("requires {bytes} MiB of memory, more than is available; use a smaller model, or a computer with more memory"))
     })
 }
 
@@ -65,7 +65,9 @@ fn memory(request: StackReq) -> Result<MemBuffer> {
 fn numbers(count: usize) -> Result<Vec<f64>> {
     let mut values = Vec::new();
     if count.saturating_mul(8) > MOST_MEMORY || values.try_reserve_exact(count).is_err() {
-        let problem = format!("the factor of the matrix has {count} numbers, too many for this computer");
+        let problem = format!(
+            "the factor of the matrix has {count} numbers, too many for the memory of this computer; use a smaller model"
+        );
         return Err(Error::new("factorisation", problem));
     }
     values.resize(count, 0.0);
@@ -202,7 +204,9 @@ impl Analysis {
         factor.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, MemStack::new(&mut buffer));
         let wrong = (a.times(&solved) - a.times(&x)).norm() / (a.norm() * x.norm());
         if wrong.is_nan() || wrong > COUNTED {
-            let problem = format!("its factor solves to {wrong:.1e} only; expected {COUNTED:.0e}");
+            let problem = format!(
+                "the relative residual of the factorisation is {wrong:.1e}; expected at most {COUNTED:.0e}"
+            );
             return Err(Error::new("count of the eigenvalues", problem));
         }
         Ok(negative_pivots(&self.diagonal(&values), &below))

@@ -37,7 +37,7 @@ pub struct Matrix {
     pub listed: Listed,
     /// Names of the rows.
     pub names: Names,
-    /// Smallest diagonal entry that counts as a penalty, which clamps its dof.
+    /// Lower limit of a penalty: a larger diagonal entry clamps its dof.
     pub penalty: f64,
 }
 
@@ -81,11 +81,17 @@ pub fn model(stiffness: Matrix, mass: Matrix, dofs: Option<(String, Vec<Dof>)>) 
         }
         (Names::Rows(one), Names::Rows(other), None) => numbered(&stiffness, &mass, *one.max(other))?,
         (_, _, Some((file, _))) => {
-            let problem = format!("{} names its dofs itself; leave this file out", stiffness.file);
+            let problem = format!(
+                "the names of dofs are already in {} or {}; omit this file",
+                stiffness.file, mass.file
+            );
             return Err(Error::new(file, problem));
         }
         _ => {
-            let problem = format!("names its dofs, but the other matrix does not: {}", mass.file);
+            let problem = format!(
+                "only one of this file and {} contains the names of dofs; expected two matrices of one program",
+                mass.file
+            );
             return Err(Error::new(&stiffness.file, problem));
         }
     };
@@ -147,7 +153,7 @@ fn rows_reach(matrix: &Matrix, file: &str, count: usize) -> Result<()> {
         return Ok(());
     }
     let problem = format!(
-        "its last row is {most}, but {file} names {count} dofs; expected stiffness of each, unless it is cut off"
+        "its last row is {most}, but {file} names {count} dofs; expected a stiffness for each dof; the file may be truncated"
     );
     Err(Error::new(&matrix.file, problem))
 }

@@ -43,7 +43,7 @@ pub fn rows(text: &str, dofs: &Dofs, clamped: &Dofs, what: &str) -> Result<Vec<(
     };
     let (own, held) = (dofs.of_node(node), clamped.of_node(node));
     if own.is_empty() && !held.is_empty() {
-        return Err(refused(format!("all dofs of node {node} are clamped")));
+        return Err(refused(format!("all dofs of node {node} are clamped; expected a node with a free dof")));
     }
     if own.is_empty() {
         return Err(refused(format!("{node}: {}", dofs.nearest_node(node))));
@@ -55,7 +55,7 @@ pub fn rows(text: &str, dofs: &Dofs, clamped: &Dofs, what: &str) -> Result<Vec<(
         }
         let named: Vec<&str> = own.iter().map(|(direction, _)| direction.name()).collect();
         Err(refused(match clamped.place(&Dof::new(node, direction)) {
-            Some(_) => format!("dof {node}.{} is clamped", direction.name()),
+            Some(_) => format!("dof {node}.{} is clamped; expected a free dof", direction.name()),
             None => format!(
                 "node {node} has no dof in {}; expected some of {}",
                 direction.name(),
@@ -108,7 +108,10 @@ pub fn check(interfaces: &[Interface], dofs: &Dofs) -> Result<()> {
         }
         for (_, row) in &one.dofs {
             if rows.contains(row) {
-                let problem = format!("dof {} is in another interface node too", dofs.list()[*row]);
+                let problem = format!(
+                    "dof {} also belongs to another interface node; expected each dof once",
+                    dofs.list()[*row]
+                );
                 return Err(Error::new(what, problem));
             }
             rows.push(*row);

@@ -127,7 +127,7 @@ fn weight_of(text: &str, model: &Model) -> Result<(Direction, f64)> {
             model.directions().iter().map(|d| d.name()).filter(|d| !d.is_empty()).collect();
         let problem = match names.is_empty() {
             true => "the model has no directions; give the names of its dofs by --dofs".into(),
-            false => format!("expected one of {}, or with -", names.join(", ")),
+            false => format!("expected one of {}, also with a minus sign, such as -z", names.join(", ")),
         };
         Error::new(format!("--gravity {text}"), problem)
     })

@@ -33,13 +33,13 @@ impl Model {
         let (rows, names) = (stiffness.count(), dofs.len());
         if mass.count() != rows || names != rows {
             let problem = format!(
-                "stiffness has {rows} rows, mass {}, and there are {names} names of dofs; expected the same numbers",
+                "stiffness has {rows} rows, mass {}, and there are {names} names of dofs; expected equal numbers",
                 mass.count()
             );
             return Err(Error::new("matrices", problem));
         }
         if rows == 0 {
-            return Err(Error::new("matrices", "they have no rows"));
+            return Err(Error::new("matrices", "they have no rows; expected one row for each dof"));
         }
         Ok(Self { stiffness, mass, dofs, clamped: Dofs::default(), remarks: Vec::new() })
     }
@@ -64,7 +64,7 @@ impl Model {
         rows.iter().for_each(|&row| is_clamped[row] = true);
         let kept: Vec<usize> = (0..self.dofs.len()).filter(|&row| !is_clamped[row]).collect();
         if kept.is_empty() {
-            return Err(Error::new("--clamp", "all dofs are clamped"));
+            return Err(Error::new("--clamp", "all dofs are clamped; expected one or more free dofs"));
         }
         let gone: Vec<usize> = (0..self.dofs.len()).filter(|&row| is_clamped[row]).collect();
         let both = [self.clamped.list(), self.dofs.kept(&gone).list()].concat();

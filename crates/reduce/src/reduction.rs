@@ -12,11 +12,11 @@ use std::f64::consts::PI;
 
 /// Largest number of coordinates of a machine.
 pub const MOST_COORDINATES: usize = 500;
-/// Relative eigenvalue below which a combination of shapes counts as dependent.
+/// Relative tolerance, as an eigenvalue, for a dependent combination of shapes.
 const DEPENDENT: f64 = 1e-12;
-/// Relative change of a static shape below which its refinement ends: rounding.
+/// Relative tolerance of the refinement of a static shape: rounding.
 const REFINED: f64 = 1e-15;
-/// Number of elastic free modes for a Craig-Bampton body, which give its first frequency.
+/// Number of elastic free modes for the first frequency of a Craig-Bampton body.
 const COMPARED: usize = 6;
 
 /// Method of reduction.
@@ -131,7 +131,9 @@ fn modes(problem: &Problem, wanted: usize) -> Result<(Modes, usize)> {
     let rigid = problem.rigid.min(count);
     modes.values[..rigid].fill(0.0);
     if let Some(value) = modes.values.iter().find(|value| **value < 0.0) {
-        let text = format!("the stiffness matrix has a negative eigenvalue, {value:.3e}; expected none");
+        let text = format!(
+            "the stiffness matrix has a negative eigenvalue, {value:.3e}; expected a positive semidefinite matrix"
+        );
         return Err(Error::new("stiffness", text));
     }
     Ok((modes, rigid))

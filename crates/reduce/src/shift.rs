@@ -81,7 +81,7 @@ fn shifted<'m>(
     }
     Err(Error::new(
         "stiffness",
-        "the first elastic eigenvalue is not found: K or M is singular beyond rigid-body modes",
+        "the first elastic eigenvalue was not found: K or M is singular beyond rigid-body modes",
     ))
 }
 
@@ -135,13 +135,16 @@ fn check_mass(mass: &Symmetric, name: &dyn Fn(usize) -> String) -> Result<()> {
     }
     for (j, own) in diagonal.iter().enumerate() {
         if let Some((i, _)) = mass.column(j).find(|(_, x)| *own == 0.0 && *x != 0.0) {
-            let problem = format!("its mass is 0, but it is coupled to {} by mass", name(i));
+            let problem = format!(
+                "its mass is 0, but it is coupled to {} by mass; expected a positive semidefinite mass matrix",
+                name(i)
+            );
             return Err(Error::new(format!("dof {}", name(j)), problem));
         }
     }
     let with: Vec<usize> = (0..mass.count()).filter(|&i| diagonal[i] > 0.0).collect();
     if with.is_empty() {
-        return Err(Error::new("mass", "no dof has mass"));
+        return Err(Error::new("mass", "no dof has mass; expected a positive entry on the diagonal"));
     }
     if mass.is_diagonal() {
         return Ok(());

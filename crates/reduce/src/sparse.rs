@@ -4,8 +4,8 @@ use crate::{Error, Result};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// Relative difference below which two entries across the diagonal are equal but for rounding of printed
-/// numbers, as in the matrices of a machine's file.
+/// Relative tolerance for the rounding of printed entries across the diagonal, as in the matrices
+/// of a machine's file.
 pub const SYMMETRY: f64 = 1e-9;
 
 /// Entry of a matrix.
@@ -132,7 +132,7 @@ impl Symmetric {
         }
     }
 
-    /// Refuses entries that differ from their pair's mean. With `both`, the file lists both.
+    /// Refuses entries that differ from their pair's mean. If `both` is true, the file lists both.
     fn check_symmetry(&self, entries: &[Entry], both: bool, name: &dyn Fn(usize) -> String) -> Result<()> {
         if !both {
             return Ok(());

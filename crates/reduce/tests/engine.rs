@@ -221,7 +221,7 @@ fn invariant_options_that_do_not_fit_are_refused_by_words() {
         (&|job| job.interfaces = vec!["2nd=11".into()], "begins with a letter"),
         (
             &|job| job.interfaces = vec!["a=11".into(), "b=11.x".into()],
-            "dof 11.x is in another interface node",
+            "dof 11.x also belongs to another interface node",
         ),
         (&|job| job.clamp = vec!["1,2000".into()], "2000: no such node"),
         (&|job| job.clamp = vec!["none.csv".into()], "none.csv: No such file"),

@@ -1,9 +1,9 @@
 //! Many described machines on all cores: the impact damper with a rubber buffer over 1000 gaps,
 //! 200 drive periods each.
 //!
-//! `cargo run --release -p vibro-studies --example many_assemblies` measures once. With the
-//! argument `serve` it measures once per input line, so that `benches/python_package.py` can
-//! alternate with it.
+//! The command `cargo run --release -p vibro-studies --example many_assemblies` measures once. If
+//! the argument `serve` is given, it measures once per input line, so that
+//! `benches/python_package.py` can alternate with it.
 
 use rayon::prelude::*;
 use std::error::Error;

@@ -1,9 +1,9 @@
 //! Many machines side by side on all cores: the default machine over 1000 forces, 400 drive
 //! periods each.
 //!
-//! `cargo run --release -p vibro-studies --example many_motions` measures once. With the argument
-//! `serve` it measures once per input line, so that `benches/python_package.py` can alternate with
-//! it.
+//! The command `cargo run --release -p vibro-studies --example many_motions` measures once. If the
+//! argument `serve` is given, it measures once per input line, so that `benches/python_package.py`
+//! can alternate with it.
 
 use std::error::Error;
 use std::io::{BufRead, Write};

@@ -33,11 +33,11 @@ pub trait AxisName: Clone + Sized {
     /// The parameter with a name.
     ///
     /// # Errors
-    /// If there is no such parameter.
+    /// If no parameter has this name.
     fn named(name: String) -> Result<Self>;
     /// The name as text.
     fn text(&self) -> String;
-    /// Checks a value as far as the name alone allows.
+    /// Checks a value without knowledge of the machine.
     ///
     /// # Errors
     /// For a value that is not allowed.

@@ -83,14 +83,13 @@ pub trait BasinAttractor: Plain {
 /// Basins over a plane of starts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basins<A> {
-    /// The attractors, in the order in which the cells reach them.
+    /// The attractors, numbered by their first cell.
     pub attractors: Vec<A>,
     /// Cells, row by row of constant y from the lowest.
     pub cells: Vec<BasinCell>,
     /// Reason why the first ended motion ended.
     pub ended: Option<String>,
-    /// Smallest and largest coordinate of each body over all motions that came to rest; empty if
-    /// none did.
+    /// Range of each body's coordinate over all motions that came to rest; empty if none did.
     pub rest: Vec<[f64; 2]>,
 }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Drive periods over which a motion is observed.
 pub const OBSERVED: u32 = 128;
 
-/// Longest period that is recognized, in drive periods. [`OBSERVED`] contains four such periods.
+/// Upper limit of recognized periods, in drive periods. [`OBSERVED`] contains four such periods.
 pub const LONGEST: u32 = 32;
 
 /// Tolerance of a return: largest change of a coordinate (units of L and L ω10) over a period.

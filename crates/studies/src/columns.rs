@@ -43,7 +43,7 @@ pub struct NamedEvent {
     /// Closing speed, rate, force of friction or of a slider, value of a block's output, or
     /// whether a friction element or a cap acts (1 or 0).
     pub value: Option<f64>,
-    /// Number of stops that took part in an impact.
+    /// Number of stops with an impact.
     pub stops: Option<usize>,
 }
 

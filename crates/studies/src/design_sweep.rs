@@ -72,7 +72,7 @@ pub trait DesignMachine: Clone + Send + Sync {
     fn name(name: &Self::Name) -> String;
     /// Whether two names denote the same quantity.
     fn is_same_quantity(a: &Self::Name, b: &Self::Name) -> bool;
-    /// A value of a parameter with the unit in which it is shown.
+    /// A parameter's value with its unit of display.
     fn with_unit(&self, name: &Self::Name, value: f64) -> String;
     /// The machine with other values, SI.
     ///

@@ -103,7 +103,7 @@ pub enum Error {
     /// A settled motion is not a periodic orbit with impacts only.
     #[error("the settled motion {reason}")]
     NoPeriodicMotion {
-        /// What the motion does instead, with advice.
+        /// The observed motion, with advice.
         reason: String,
     },
     /// The [store](crate::parts::PartStore) of finished parts failed.

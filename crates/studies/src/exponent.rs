@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 /// Threshold for the sign of an exponent, per unit of the dimensionless time τ. If the drive's
-/// frequency is less than ω10, the unit is the time in which the drive turns by 1 rad. Over 1500
-/// periods, estimates of a zero exponent are within a few 1e-4.
+/// frequency is less than ω10, the unit is the drive's time for 1 rad. Over 1500 periods,
+/// estimates of a zero exponent are within a few 1e-4.
 pub const ZERO_EXPONENT: f64 = 1e-3;
 /// Distance of an exponent from the threshold, in standard errors, beyond which its sign is
 /// decided. LEAST_GROWTH must be exceeded as well.
 pub(crate) const CONFIDENCE: f64 = 6.0;
 
-/// Smallest logarithm of the variation's growth or decay that decides a sign. On a torus the
+/// Growth or decay of the variation, as a logarithm, needed to decide a sign. On a torus the
 /// length of the variation stays within some powers of ten for ever.
 pub(crate) const LEAST_GROWTH: f64 = 20.0;
 

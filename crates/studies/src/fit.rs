@@ -179,7 +179,8 @@ pub struct Fitted {
     pub lost: Vec<String>,
     /// Number of simulations.
     pub simulations: u32,
-    /// Time up to which the motion is near the record, s; the last time if it always is.
+    /// End of the agreement with the record, s: the last time with a motion near the record, or
+    /// the record's end.
     pub near_until: f64,
     /// Sum of losses, in units of the squared standard deviations.
     pub cost: f64,

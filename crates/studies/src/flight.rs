@@ -31,7 +31,7 @@ const PART: f64 = 0.5;
 /// term is then smaller by the factor 0.7²⁶ < 1e-4.
 const CURVED_PART: f64 = 0.7;
 
-/// Number of stretches of a flight above which variations are carried by a matrix, by squaring.
+/// Length of a flight, in stretches, above which variations are carried by a matrix, by squaring.
 const MANY: f64 = 64.0;
 /// Largest size of an augmented state for this matrix: products cost the cube of the size.
 const LARGE: usize = 160;
@@ -64,7 +64,7 @@ pub struct Flow {
     pub lambda: Vec<Sparse>,
     /// Event functions that end the mode, each negative inside it.
     pub watched: Vec<(Watch, StateRow)>,
-    /// With curved forces: the flow of the engine, whose series has them.
+    /// The engine's flow, for curved forces, which its series contains.
     curved: Option<FlowTable>,
 }
 
@@ -217,8 +217,8 @@ impl Flow {
         }
     }
 
-    /// State after a span of either sign, and its derivative with respect to the state at the start:
-    /// exp(A t) without curved forces.
+    /// State after a span of either sign, and its derivative with respect to the state at the
+    /// start: exp(A t) without curved forces.
     pub fn transition(&self, z: &[f64], span: f64) -> (Vec<f64>, DMatrix<f64>) {
         let Some(table) = &self.curved else {
             let matrix = self.propagator(span);
@@ -318,7 +318,7 @@ fn curved_stretches(
     state
 }
 
-/// Number of rows up to which a product is summed in place: a library's product first packs its
+/// Matrix size up to which a product is summed in place: a library's product first packs its
 /// factors, which takes longer than such a small product.
 const SMALL: usize = 32;
 

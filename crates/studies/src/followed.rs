@@ -12,7 +12,7 @@ use vibro_machine::{Error, Motion};
 /// Limit of the events in an advance: an initial number, and an addition for each sub-step of its
 /// flights. The engine's own limit does not count across pauses.
 const WORK: (f64, f64) = (20_000.0, 64.0);
-/// Number of stretches of a flight that are always observed.
+/// Length of a flight, in stretches, up to which every stretch is observed.
 const USUAL: f64 = 64.0;
 /// Number of further stretches observed in a whole motion, some seconds of work. A machine with a
 /// body far faster than all others needs more; this body is mostly at rest during them.
@@ -47,7 +47,7 @@ pub struct Followed {
     pub extremes: Extremes,
     /// Duration of flights with only their ends observed, s.
     pub left_out: f64,
-    /// Number of stretches that may still be observed.
+    /// Number of further stretches to observe.
     left: f64,
     mode: Option<Mode>,
     flows: Flows,

@@ -4,11 +4,11 @@ use crate::exponent::{CONFIDENCE, ExponentSign, LEAST_GROWTH, LargestExponent};
 
 /// Returns during which a variation aligns with the fastest direction before its growth counts.
 pub const ALIGN: usize = 32;
-/// Smallest number of blocks with a meaningful scatter, and the number from which blocks would be
+/// Limits of the number of blocks: fewer have no meaningful scatter, and with more each block is
 /// too short to be independent.
 const LEAST_BLOCKS: usize = 8;
 const MOST_BLOCKS: usize = 64;
-/// Smallest number of returns that decides a sign.
+/// Number of returns needed to decide a sign.
 const LEAST_RETURNS: usize = 64;
 
 /// Logarithms of a variation's growth, by return.
@@ -87,7 +87,7 @@ impl Growth {
         LargestExponent { value: self.value(), error: self.scatter().hypot(bias), periods }
     }
 
-    /// Sign of the exponent at a threshold, 1/s, as far as it is known.
+    /// Sign of the exponent relative to a threshold, 1/s, if it is known.
     pub fn sign(&self, threshold: f64) -> ExponentSign {
         if self.is_lost() {
             return ExponentSign::Negative;
@@ -113,8 +113,8 @@ mod tests {
     /// ρ)/(1 - ρ) times the variance for independent numbers.
     #[test]
     fn closed_form_errors_of_correlated_growth_cover_the_mean_at_their_rate() {
-        // 95 % of normal means lie within two standard errors. With few blocks a few more lie
-        // outside.
+        // About 95 % of normal means are within two standard errors. If there are few blocks, a
+        // few more means are outside.
         const COVERED: std::ops::RangeInclusive<usize> = 176..=200;
         let mut seed = 1u64;
         let mut uniform = || {

@@ -1,7 +1,7 @@
 //! Simulated motion over a plane of two parameters: period, impacts and class (an isoperiodic
 //! diagram).
 //!
-//! Every point has a motion of its own. The motions of some rows are a part.
+//! Every point has a motion of its own. A part of the study consists of one or more rows.
 
 use crate::axis::{ParameterAxis, check_cells, parts_of_plane, rows_of_part};
 use crate::design_sweep::{DesignMachine, Plain};
@@ -22,7 +22,7 @@ pub struct IsoperiodicRequest<M: DesignMachine> {
     pub start: M::Start,
     /// Drive periods discarded before a motion is observed.
     pub discard: u32,
-    /// Drive periods or returns over which the largest exponents are computed, if they are.
+    /// Drive periods or returns for the largest exponents; `None` without exponents.
     ///
     /// For the 3-DOF machine this is the largest number of drive periods for motions with impacts
     /// and without a period; the computation ends when the class is decided, and an undecided

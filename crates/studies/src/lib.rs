@@ -15,7 +15,7 @@
 //! description, and its value over a window. The limits and thresholds of verdicts come from
 //! docs/theory.md, section 17; change them together with their reasons there.
 //!
-//! | module | what it computes | tested against |
+//! | module | content | tested against |
 //! |---|---|---|
 //! | [`parts`] | long studies, divided and continued | divided work against whole work |
 //! | [`settled()`] | attractors, classes, largest exponents | known motions; the paper's machine |

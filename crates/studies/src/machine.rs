@@ -12,7 +12,7 @@ use vibro_machine::{Assembly, Motion, file};
 use vibro_machine::{Refusal, Start};
 use vibro_numerics::quantities::{Unit, quantity_in};
 
-/// Described machine with its section and the units in which its parameters were written.
+/// Described machine with its section and the units of its written parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Written", into = "Written")]
 pub struct Machine {
@@ -20,7 +20,7 @@ pub struct Machine {
     pub description: Description,
     /// Rule of the section.
     pub section: SectionRule,
-    /// Unit in which each parameter is shown, if not in SI.
+    /// Display unit of each parameter that is not shown in SI.
     pub units: BTreeMap<String, String>,
     /// Text of each value that differs from the file, by parameter.
     pub changes: BTreeMap<String, String>,
@@ -53,7 +53,7 @@ impl TryFrom<Written> for Machine {
     }
 }
 
-/// Largest violation of a gap that counts as rounding, relative to the terms of e - gap.
+/// Tolerance for the rounding of a gap's violation, relative to the terms of e - gap.
 const ROUNDING: f64 = 1e-12;
 
 impl Machine {
@@ -106,13 +106,13 @@ impl Machine {
         self.description.parameter(name).map_or("1", |p| p.unit)
     }
 
-    /// Unit in which a parameter was written, if it was.
+    /// Unit of a parameter in the machine's file, if the file gives one.
     pub fn written_unit(&self, name: &str) -> Option<&'static Unit> {
         let symbol = self.units.get(name)?;
         quantity_in(self.si_unit(name), &format!("1 {symbol}"))?.unit
     }
 
-    /// Unit in which a parameter is shown: its factor (units per SI unit) and its symbol.
+    /// Display unit of a parameter: its factor (units per SI unit) and its symbol.
     pub fn unit(&self, name: &str) -> (f64, String) {
         match (self.written_unit(name), self.si_unit(name)) {
             (Some(unit), _) => (unit.number(1.0), unit.symbol()),
@@ -191,7 +191,7 @@ pub(crate) fn is_between_stops(motion: &Motion) -> bool {
     })
 }
 
-/// The present state of a motion, from which [`Machine::motion_on`] continues with other parameter
+/// The present state of a motion, as the start of [`Machine::motion_on`] with other parameter
 /// values. It contains all bodies, since other arms may change which coordinates are free.
 pub fn now(motion: &Motion) -> Start {
     let body = |(i, body): (usize, &Body)| {

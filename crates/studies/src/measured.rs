@@ -66,16 +66,16 @@ pub(crate) fn spread_of(numbers: &[f64], is_extreme: bool) -> f64 {
     scatter.max(way)
 }
 
-/// Smallest number of parts that shows a drift.
+/// Number of parts needed to show a drift.
 const DRIFT_PARTS: usize = 5;
 
 /// Largest ratio of successive steps of a drift.
 const STEP_GROWTH: f64 = 1.01;
 
-/// Largest ratio of steps for which the rest of a drift is extrapolated.
+/// Cap on the ratio of successive steps for which the rest of a drift is extrapolated.
 const SLOWEST_DECAY: f64 = 0.9;
 
-/// Size of a drift, relative to the value, up to which it is ignored.
+/// Tolerance for a drift, relative to the value; a smaller drift is ignored.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// Drift of a value that is monotone over the parts with steps that do not grow: the change so far

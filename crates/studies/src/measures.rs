@@ -23,7 +23,7 @@ use vibro_machine::refusal::advice;
 use vibro_machine::system::Part;
 use vibro_machine::{Assembly, Element, Motion, Quantity};
 
-/// Number of returns over which the exponent is counted.
+/// Number of counted returns for the exponent.
 const EXPONENT_RETURNS: u32 = 400;
 
 /// Measure by name. Serialized as its name.
@@ -140,7 +140,7 @@ fn stop(d: &Description, name: &str) -> Option<usize> {
 }
 
 impl Measure {
-    /// The quantity from which the measure is computed, if there is one.
+    /// The quantity behind the measure, if there is one.
     pub fn quantity(&self) -> Option<&QuantityName> {
         match self {
             Self::Amplitude(q) | Self::Rms(q) | Self::PeakToPeak(q) | Self::Maximum(q) => Some(q),

@@ -2,7 +2,7 @@
 //! that it approaches, and the growth of variations over a period.
 //!
 //! If the return map moves a state by r and has the derivative M, the state's distance from the
-//! fixed point is (1 - M)⁻¹ r. This reveals a slow approach, in which successive returns may be
+//! fixed point is (1 - M)⁻¹ r. The distance reveals a slow approach: successive returns may be
 //! arbitrarily close to each other while the orbit is far away. Neutral directions are left out.
 //! For an autonomous machine the shift in time is left out, too.
 
@@ -21,18 +21,18 @@ use vibro_numerics::sorting::sort_by;
 
 /// Tolerance for the rounding of a state, in units of `f64::EPSILON`.
 const ROUNDINGS: f64 = 64.0;
-/// Largest fraction of a state's size that counts as rounding.
+/// Cap on the rounding of a state, as a fraction of its size.
 const MOST_ROUNDING: f64 = 1e-7;
 /// Singular value below which there is a family of orbits.
 const SINGULAR: f64 = 1e-12;
-/// Size of a multiplier's logarithm below which its exponent is zero. This size exceeds the
-/// rounding errors of a defective multiplier 1.
+/// Tolerance for a zero exponent: the size of the multiplier's logarithm. It exceeds the rounding
+/// errors of a defective multiplier 1.
 pub const MARGINAL: f64 = 1e-6;
 /// A multiplier below this fraction of the derivative's largest entry is rounding.
 const LEAST_MULTIPLIER: f64 = 1e-10;
 /// Largest number of sweeps of the Schur decomposition per multiplier.
 const SWEEPS: usize = 200;
-/// Relative size below which a rate or a change of a signal counts as zero.
+/// Relative tolerance for a zero rate and for a zero change of a signal.
 const EXACT: f64 = 1e-9;
 
 /// Metric of changes of a motion's state. Its units are the sizes of the recorded elongations and
@@ -71,9 +71,9 @@ pub fn shift(motion: &Motion) -> Option<Vec<f64>> {
 
 /// Change of the coordinates, and of the states of first order, that keeps the elongations of
 /// springs and stops constant while the signals change as in `change`, a change of the augmented
-/// state. With `rates`, `change` is the state itself, and the result is the velocities for which
-/// the elongations' rates are zero. A uniformly moving prescribed body carries other bodies along
-/// in this way. `None` if there is no such change.
+/// state. If `rates` is true, `change` is the state itself, and the result is the velocities at
+/// which the elongations' rates are zero. A uniformly moving prescribed body carries other bodies
+/// along in this way. `None` if no such change exists.
 pub fn carried(system: &System, change: &[f64], rates: bool) -> Option<DVector<f64>> {
     let n = system.coordinates;
     let springs = system.springs.iter().filter(|s| s.stiffness != 0.0).map(|s| &s.elongation);
@@ -250,8 +250,8 @@ impl Multipliers {
     }
 }
 
-/// (1 - M)⁻¹ r outside the neutral directions. `None` if r has a part beyond rounding in a
-/// direction in which M is 1.
+/// (1 - M)⁻¹ r outside the neutral directions. `None` if r has a part beyond rounding along a
+/// direction that M does not change.
 fn offset(m: &DMatrix<f64>, basis: &[DVector<f64>], r: &DVector<f64>, rounding: f64) -> Option<DVector<f64>> {
     let mut a = DMatrix::identity(m.nrows(), m.ncols()) - m;
     basis.iter().for_each(|b| a += b * b.transpose());

@@ -1,7 +1,7 @@
 //! Studies of the paper's machine alone: its parameters and groups by name, its motions side by
 //! side, its closed forms, and the verdicts that use its mirror symmetry.
 //!
-//! | module | what it computes | tested against |
+//! | module | content | tested against |
 //! |---|---|---|
 //! | [`ParameterSet`] | parameters and dimensionless groups by name | conversion there and back |
 //! | [`stroboscopic`] | states at whole drive periods in units of L and L ω10 | – |

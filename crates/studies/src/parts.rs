@@ -71,7 +71,7 @@ pub trait PartStore: Sync {
         self.load(index).is_some()
     }
 
-    /// Number of the parts 0 … `count` - 1 that are not stored.
+    /// Number of parts 0 … `count` - 1 still to be computed.
     fn missing(&self, count: usize) -> usize {
         (0..count).filter(|&index| !self.contains(index)).count()
     }

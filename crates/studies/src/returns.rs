@@ -26,11 +26,11 @@ const ROUNDING_PART: f64 = 1e-4;
 /// Distance of an event from a section, relative to the interval, within which it may come on
 /// either side.
 const BESIDE: f64 = 1e-6;
-/// Smallest number of returns that show a drift; fewer may change in one direction by chance.
+/// Number of returns needed to show a drift; fewer may change in one direction by chance.
 const FEW: usize = 16;
 /// Number of kinds for lengths, angles and their rates. Each number of a block is a further kind.
 const COMMON: usize = 4;
-/// Samples between two returns from which sizes are found.
+/// Number of samples between two returns for finding sizes.
 const SAMPLES: u32 = 8;
 
 /// Functionals that must repeat.
@@ -39,8 +39,8 @@ pub struct Functionals {
     rows: Vec<StateRow>,
     /// Kind of each row: elongation or rate, of translation or rotation.
     kinds: Vec<usize>,
-    /// For the rate of an element with stiffness: the index of its elongation, and the frequency,
-    /// rad/s, by which rounding of the elongation becomes rounding of the rate.
+    /// For the rate of an element with stiffness: the index of its elongation, and the factor,
+    /// rad/s, between the rounding of the elongation and that of the rate.
     stiff: Vec<Option<(usize, f64)>>,
     /// Frequencies, Hz, whose phases must repeat.
     phases: Vec<f64>,
@@ -251,8 +251,8 @@ impl ReturnRecord {
         own.fold(0.0, f64::max)
     }
 
-    /// Sizes of lengths, angles, rates and spins. Each is at least the size that the other of its
-    /// pair implies at the frequency of the returns.
+    /// Sizes of lengths, angles, rates and spins. A length and its rate, and an angle and its spin,
+    /// give each other a least size by the frequency of the returns.
     pub fn sizes(&self) -> [f64; 4] {
         let omega = TAU / self.interval();
         let [length, angle, rate, spin] = [0, 1, 2, 3].map(|kind| self.size_of(kind));
@@ -290,7 +290,8 @@ impl ReturnRecord {
         self.distance(&changes, &vec![0.0; changes.len()], &self.scales())
     }
 
-    /// Smallest period up to [`LONGEST`] after which states return, relative to their sizes.
+    /// Period after which states return, relative to their sizes: the smallest one, up to
+    /// [`LONGEST`].
     pub fn period(&self, near: f64) -> Option<u32> {
         let scales = self.scales();
         least_period(&self.returns, |a, b| {

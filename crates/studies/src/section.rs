@@ -11,18 +11,18 @@ use vibro_machine::elements::NamedSignal;
 use vibro_machine::motion::{Event, EventKind, Reached};
 use vibro_machine::refusal::advice;
 
-/// Relative tolerance within which frequencies are multiples of one another.
+/// Relative tolerance for a whole ratio of frequencies.
 const COMMENSURATE: f64 = 1e-9;
 /// Largest number of periods of the slowest harmonic in a common period.
 const MOST_PERIODS: u32 = 1000;
-/// Longest allowed time between two events that define the section, s.
+/// Time limit between two events of the section, s.
 const WITHIN: f64 = 100.0;
 
 /// Offset of a shifted section from whole periods, as a fraction of the period. Its value is not
 /// near a ratio of small integers.
 const BESIDE: f64 = 0.381_966_011_250_105;
 
-/// Rule by which the section is chosen.
+/// Rule for the choice of the section.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SectionRule {
     /// Whole common periods of all harmonics and repeated signals. Without these the events of the
@@ -67,7 +67,7 @@ pub enum Section {
     Shifted(f64, f64),
     /// Impacts or first touches of a stop.
     Stop(usize),
-    /// Times at which a friction element begins to stick.
+    /// The events at which a friction element begins to stick.
     Friction(usize),
 }
 
@@ -133,8 +133,8 @@ impl Section {
     /// The section of a machine.
     ///
     /// # Errors
-    /// [`Error::Described`] if the rule does not give a section; the message lists what is
-    /// allowed.
+    /// [`Error::Described`] if the rule does not give a section; the message lists the possible
+    /// sections.
     pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
         match rule {

@@ -26,18 +26,16 @@ use vibro_machine::{Assembly, Motion};
 const STEADY: f64 = 1e-9;
 /// Returns between two checks whether a motion has settled.
 const LOOK: u32 = 4;
-/// Factor by which the followed time must grow before the derivative of the period is computed
-/// again.
+/// Growth factor of the followed time between two computations of a period's derivative.
 const AGAIN: f64 = 1.25;
 /// Smallest distance of distinct states of an orbit, in units of the distance from the orbit.
 const APART: f64 = 20.0;
-/// Largest number of returns over which an exponent is counted before its sign is left open, if
-/// returns are the slowest rate of the motion. This number decides that an exponent is zero, by
-/// [`ZERO_EXPONENT`].
+/// Cap on the returns counted for an exponent, if returns are the slowest rate of the motion; then
+/// the sign stays open. This number also decides that an exponent is zero, by [`ZERO_EXPONENT`].
 const MOST_RETURNS: u32 = 3_300;
-/// Largest factor by which that number grows if a natural oscillation is slower.
+/// Cap on the growth of [`MOST_RETURNS`] if a natural oscillation is slower.
 const SLOWER: f64 = 4.0;
-/// Largest number of returns for which an undecided motion is followed.
+/// Cap on the returns of an undecided motion.
 const PROLONGED: u32 = 8_192;
 /// Returns between two checks of an exponent's sign.
 const BLOCK: u32 = 8;
@@ -67,7 +65,7 @@ pub struct Settled {
     pub states: Vec<Vec<f64>>,
     /// Sizes of the numbers in `states`, SI.
     pub scales: Vec<f64>,
-    /// Time after the section at which `states` are taken, s.
+    /// Time between the section and `states`, s.
     pub shift: f64,
 }
 
@@ -147,8 +145,7 @@ impl<'a> Follower<'a> {
         let parts = (2..=returns).filter(|factor| returns.is_multiple_of(*factor));
         let mut apart = parts.map(|factor| self.record.return_distance(returns / factor));
         let is_whole = apart.all(|apart| apart > APART * period.distance);
-        // A motion that stays long on an orbit from which neighbours depart is exactly on it, for
-        // example by symmetry.
+        // A motion that stays long on an unstable orbit is exactly on it, for example by symmetry.
         let growth = period.multiplier.map_or(0.0, f64::ln);
         let turns = self.record.returns.len() as f64 / f64::from(returns);
         let stays = near <= STEADY && turns * growth > PARTED;
@@ -238,8 +235,8 @@ fn slowest(motion: &Motion, interval: f64) -> f64 {
     own.map(|frequency| TAU * frequency).fold(TAU / interval, f64::min)
 }
 
-/// Growth of a variation from now on, until its sign is decided and it has been counted over
-/// `least` returns, or over the largest number of returns.
+/// Growth of a variation. It is counted until its sign is decided and at least `least` returns
+/// have passed, or up to the largest number of returns.
 fn growth(follower: &mut Follower<'_>, least: u32, threshold: f64) -> Result<Growth> {
     let motion = &mut *follower.motion;
     let assembly = motion.assembly().clone();
@@ -321,9 +318,9 @@ fn periodic_exponent(
     Ok(LargestExponent { value, error: (value - before).abs(), periods: returns })
 }
 
-/// The attractor of a motion from now on. `exponents` is the smallest number of returns over which
-/// the exponent of a motion without a period is counted; its sign decides the class. If
-/// `exponents` is given, the exponent of a periodic motion is computed as well.
+/// The attractor that a motion approaches. If a motion has no period, its exponent is counted over
+/// at least `exponents` returns, and its sign decides the class. If `exponents` is given, the
+/// exponent of a periodic motion is computed as well.
 ///
 /// # Errors
 /// As [`Section::advance`].

@@ -2,9 +2,9 @@
 //!
 //! The direction numbers come from S. Joe and F. Y. Kuo, "Constructing Sobol sequences with better
 //! two-dimensional projections", SIAM J. Sci. Comput. 30 (2008) 2635–2654, file
-//! `new-joe-kuo-6.21201`, for as many dimensions as a machine has parameters. The points are in
-//! the order of the Gray code (I. A. Antonov, V. M. Saleev, 1979). The table is written here,
-//! since the available crates scramble in single precision or are no longer maintained.
+//! `new-joe-kuo-6.21201`, one dimension for each parameter of the machine. The points are in the
+//! order of the Gray code (I. A. Antonov, V. M. Saleev, 1979). The table is written here, since
+//! the available crates scramble in single precision or are no longer maintained.
 
 /// Largest number of dimensions.
 pub const DIMENSIONS: usize = 13;

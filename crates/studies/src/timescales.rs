@@ -1,5 +1,5 @@
-//! Time over which a motion must be observed: after the last change of the signals, for several
-//! periods of the machine's slowest natural oscillation.
+//! Necessary time of observation: after the last change of the signals, for several periods of the
+//! machine's slowest natural oscillation.
 
 use super::oscillations::oscillations;
 use super::section::Section;
@@ -13,11 +13,11 @@ use vibro_machine::elements::NamedSignal;
 /// Smallest length of a window, and of the discarded time before it, in periods of the slowest
 /// natural oscillation.
 const SLOWEST: f64 = 4.0;
-/// Largest factor by which a window may be longer than requested.
+/// Cap on the growth of a requested window.
 const MOST: f64 = 100.0;
 /// Smallest number of events in a window.
 const EVENTS: u32 = 8;
-/// Largest factor by which the window is prolonged to contain [`EVENTS`] events.
+/// Cap on the prolongation of a window that contains fewer than [`EVENTS`] events.
 const TIMES: u32 = 10;
 
 /// Period of the slowest natural oscillation, s; 0 without one.
@@ -101,8 +101,7 @@ impl Passed {
 }
 
 /// The last step, end of a sweep or end of a record of all signals: its time, s, and its
-/// description. Steps and records of repeated signals do not count. `None` if there is no such
-/// change.
+/// description. Steps and records of repeated signals do not count. `None` without such a change.
 fn last_change(d: &Description) -> Option<(f64, String)> {
     let of = |NamedSignal { name, signal, .. }: NamedSignal| {
         let ends = signal.sweeps.iter().map(|sweep| sweep.duration).reduce(f64::max);
@@ -141,7 +140,7 @@ pub fn runs_on(d: &Description, time: f64) -> Option<String> {
 }
 
 /// Description of the last change of a signal if it comes after `discard` returns from a start at
-/// the time `begin`, s. With a section of events the time of these returns is not known in
+/// the time `begin`, s. If the section is at events, the time of these returns is not known in
 /// advance, and a change at any time counts.
 pub(super) fn runs_on_beyond(d: &Description, section: &Section, begin: f64, discard: u32) -> Option<String> {
     match section {

@@ -15,14 +15,15 @@ use vibro_machine::system::System;
 /// Number of stretches of a flight between two checks of a variation's length. The length changes
 /// by at most a factor of e¹⁰⁰ between two checks.
 const STRETCHES: f64 = 50.0;
-/// Range of lengths in which a variation is not rescaled. The square of such a length cannot
+/// Range of lengths; a variation outside of it is rescaled. The square of such a length cannot
 /// overflow before the next check, [`STRETCHES`] stretches later.
 const SCALED: std::ops::Range<f64> = 1e-100..1e100;
-/// Relative length below which the remainder of a variation is rounding, and is set to zero.
+/// Tolerance for the remainder of a variation, relative to its length; a smaller one is set to
+/// zero.
 const HELD: f64 = 1e-12;
 
-/// Units of the state variables: coordinates, rates and inner states. They define the length of a
-/// variation.
+/// Units of the state variables: coordinates, rates and inner states. The units define the length
+/// of a variation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric(pub Vec<f64>);
 
@@ -151,8 +152,8 @@ pub struct Variation {
 }
 
 impl Variation {
-    /// A variation with components along all states, less those that the mode's contacts
-    /// constrain.
+    /// A variation with components along all states, without the part constrained by the mode's
+    /// contacts.
     pub fn new(system: &System, mode: &Mode, metric: Metric, neutral: &Neutral) -> Self {
         let mut v = vec![0.0; system.signals.size];
         for (k, (x, unit)) in v.iter_mut().zip(&metric.0).enumerate() {

@@ -6,17 +6,17 @@
 
 use crate::class::{LONGEST, least_period};
 
-/// Number of parts into which a window is divided to find the spread of its values, if it has at
-/// least that many drive periods.
+/// Number of parts of a window for the spread of its values, if it has at least that many drive
+/// periods.
 const PARTS: u32 = 6;
-/// Number of first returns that are stored individually.
+/// Number of first returns stored individually.
 const LOOKED: usize = 4 * LONGEST as usize;
-/// Number of blocks at which blocks are joined in pairs.
+/// Cap on the number of blocks; at the cap they are joined in pairs.
 const BLOCKS: usize = 3 * LOOKED;
-/// Relative difference up to which the values of two returns are equal.
+/// Relative tolerance for equal values of two returns.
 const NEAR: f64 = 1e-6;
-/// Relative difference of repeated values up to which the transient has ended, so that further
-/// returns add nothing.
+/// Relative tolerance of repeated values for the end of the transient. Further returns add
+/// nothing.
 const STEADY: f64 = 1e-9;
 /// Values up to this fraction of the largest value of their kind are rounding.
 const NOTHING: f64 = 1e-12;
@@ -37,7 +37,7 @@ pub(crate) struct Parts<W> {
     size: usize,
     /// The incomplete block with its number of returns.
     begun: Option<(W, usize)>,
-    /// Number of returns after which the values repeat; `None` until it is known.
+    /// Period of the values, in returns; `None` until it is known.
     period: Option<usize>,
 }
 
@@ -122,7 +122,7 @@ pub(crate) fn whole<W: Observation>(parts: &[W]) -> W {
     whole
 }
 
-/// Number of returns after which all values repeat, relative to their sizes.
+/// Period of all values, in returns, with a tolerance relative to their sizes.
 fn period<W: Observation>(returns: &[W], near: f64) -> Option<usize> {
     let all: Vec<[Vec<f64>; 3]> = returns.iter().map(Observation::numbers).collect();
     let mut sizes = all.first()?.clone();

@@ -1,5 +1,5 @@
-//! Units in which a machine's file writes its numbers. They apply to numbers without a unit that
-//! are given elsewhere.
+//! Units of the numbers in a machine's file. These units also apply to numbers given elsewhere
+//! without a unit.
 
 use super::{Machine, Start};
 use crate::error::Result;
@@ -14,7 +14,7 @@ use vibro_machine::refusal::Refusal;
 use vibro_numerics::quantities::{Quantity, Unit, quantity_in};
 
 impl Machine {
-    /// Reads a machine's file, with the units in which it writes its parameters.
+    /// Reads a machine's file, including the written units of its parameters.
     ///
     /// # Errors
     /// As [`vibro_machine::file::read`].
@@ -103,7 +103,7 @@ impl Machine {
         Ok(unit)
     }
 
-    /// If `text` contains a unit, reads and shows the parameter in this unit from now on.
+    /// If `text` contains a unit, makes it the parameter's unit for reading and display.
     pub fn note_unit(&mut self, name: &str, text: &str) {
         let Ok(parameter) = self.description.parameter(name) else { return };
         if let Some(unit) = quantity_in(parameter.unit, text.trim()).and_then(|q| q.unit) {
@@ -112,7 +112,7 @@ impl Machine {
     }
 }
 
-/// Units in which the text of a machine's file writes its parameters.
+/// Written units of the parameters in the text of a machine's file.
 fn units(text: &str, d: &Description) -> BTreeMap<String, String> {
     let Ok(root) = DeTable::parse(text) else { return BTreeMap::new() };
     let unit = |name: &str, si: &str| {
@@ -219,7 +219,7 @@ mod tests {
         harmonics = [{ amplitude = "7 mN", frequency = "6 rad/s" }]
     "#;
 
-    /// A number without a unit is read in the unit in which the text writes the parameter.
+    /// A number without a unit is in the parameter's written unit.
     #[test]
     fn a_bare_number_is_in_the_unit_of_the_files_number() {
         let machine = Machine::parse(TEXT, "m.toml", &no_records).unwrap();

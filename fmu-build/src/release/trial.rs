@@ -12,7 +12,7 @@ use vibro_impact::{Parameters, Simulator, State};
 
 static SCRIPT: &str = include_str!("try_wheel.py");
 
-/// Number of half seconds that the script runs.
+/// Duration of the script, in half seconds.
 const HALF_SECONDS: u32 = 600;
 
 /// Installs a wheel of a folder and compares its results with the native library. Returns the

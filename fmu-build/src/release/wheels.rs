@@ -122,7 +122,7 @@ fn definitions() -> Result<String> {
 /// The function with which Python loads the native module.
 pub const ENTRY: &str = "PyInit__native";
 
-/// Folder in which wheels are compiled.
+/// Build folder of wheels.
 fn built() -> PathBuf {
     target().join("dist/cargo")
 }

@@ -1,4 +1,4 @@
-"""Times at which a motion is reported."""
+"""Reporting times of a motion."""
 
 from __future__ import annotations
 

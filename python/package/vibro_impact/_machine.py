@@ -408,10 +408,10 @@ class Machine(MachineDescription):
         of
             The measure that is kept for each orbit, such as ``amplitude.box.s``; by default the amplitude of the first free body.
         seeds
-            Number of parameter values at which motions are simulated until they settle: with the parameter increasing, with it decreasing, and, if
+            Number of parameter values with settled motions: with the parameter increasing, with it decreasing, and, if
             `depth` is positive, from `start`. Branches begin at the orbits on which these motions settle.
         depth
-            Largest number of branch switches in a row, at bifurcations and at touches of rigid stops. A branch that continues another one with
+            Cap on the branch switches in a row, at bifurcations and at touches of rigid stops. A branch that continues another one with
             different events, e.g. after the touch of a compliant stop, does not count as a switch.
         start, settle, section
             As in :meth:`orbit`.

@@ -29,7 +29,7 @@ _VALUES = 11
 
 @dataclasses.dataclass(frozen=True)
 class DesignMotion:
-    """A motion of the best design, at those values of the parameters in `over` at which its output is worst."""
+    """A motion of the best design, at the values of the parameters in `over` with the worst output."""
 
     kind: str
     "Class: 1T, 2T, ..., quasi-periodic, chaotic."
@@ -40,7 +40,7 @@ class DesignMotion:
     bar: tuple[float, float]
     "Ends of the error bar."
     starts: int
-    "Number of starts that lead to this motion."
+    "Number of starts of this motion."
     start: Start
     "A start that leads to this motion; empty for the machine's own start."
     requested: bool
@@ -146,7 +146,7 @@ def design(
     minimize, maximize
         The output to minimise or maximise for the worst motion, such as ``amplitude.box.s``; :attr:`Machine.measures` lists all.
     over
-        The worst value of a design is taken over these parameters. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, where
+        Parameters for the worst value of a design. A tuple ``(from, to)`` or ``(from, to, count)`` is an interval, where
         peaks between the values are searched too; a list gives separate values.
     subject_to
         Constraints that every motion of a design must satisfy, such as ``"impact.speed.steel <= 0.5 m/s"``.
@@ -158,7 +158,7 @@ def design(
     periods, settle, section
         As in :meth:`Machine.measure`.
     again
-        Largest total number of periods that are simulated to measure the best designs again, over longer times.
+        Cap on the simulated periods for measuring the best designs again, over longer times.
     start
         As in :meth:`Machine.simulate`, or a list of starts: every design is run from each of them.
     progress

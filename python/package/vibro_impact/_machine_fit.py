@@ -87,13 +87,13 @@ class Fit(Result):
     simulations: int
     "Number of simulations."
     near_until: float
-    "Time up to which the fitted motion is near the record, s; the last time if it always is."
+    "End of the agreement between the fitted motion and the record, s; the last time if they always agree."
     persistence: float
     "Correlation of successive residuals within a column, over all columns."
     segments: list[Segment]
     "Segments after the first, each with its own initial state; empty for a single motion."
     lost: list[str]
-    "Reasons why derivatives do not exist from some time on; finite differences replace them."
+    "Reasons why derivatives cease to exist at some time; finite differences replace them."
     at_bounds: dict[str, float]
     "Parameters at an end of their range, with that end; their errors are one-sided."
     places: list[str]

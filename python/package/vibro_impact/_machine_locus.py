@@ -78,7 +78,7 @@ def ranges_of(machine: MachineDescription, name: str, given: dict[str, Any]) -> 
     others = [other for other in given if other != name]
     if len(given) != 2 or len(others) != 1:
         raise TypeError(
-            f"ranges {list(given)}: expected the branch's parameter and a second one, each with (from, to), e.g. "
+            f"ranges {list(given)}: expected the branch's parameter and a second one, each with a range, such as "
             f"{{{name!r}: (from, to), 'stop.steel.gap': ('1 mm', '8 mm')}}"
         )
     return (name, _range(machine, name, given[name])), (others[0], _range(machine, others[0], given[others[0]]))
@@ -88,7 +88,7 @@ def _range(machine: MachineDescription, name: str, given: Any) -> tuple[float, f
     try:
         low, high = given
     except (TypeError, ValueError):
-        raise TypeError(f"{name} = {given!r}: expected (from, to), e.g. ('1 mm', '8 mm')") from None
+        raise TypeError(f"{name} = {given!r}: expected a range (from, to) such as ('1 mm', '8 mm')") from None
     return number(f"{name}[0]", machine._in_si(name, low)), number(f"{name}[1]", machine._in_si(name, high))
 
 

@@ -154,7 +154,7 @@ class Branch(Result):
     closed: bool
     "Whether the branch ends where it begins."
     parent: Optional[tuple[int, int]]
-    "Branch and point from which this branch begins; None if it begins at a settled motion."
+    "Branch and point at the start of this branch; None if it begins at a settled motion."
     value: Floats
     "Parameter along the branch, shape (n,), SI."
     period: Floats

@@ -54,7 +54,7 @@ class Run(Result):
     parameters: list[str] = dataclasses.field(default_factory=list)
     "Parameters with respect to which derivatives are available."
     lost: dict[str, str] = dataclasses.field(default_factory=dict)
-    "Parameters whose derivatives do not exist from some time on, with time, element and reason."
+    "Parameters whose derivatives cease to exist at some time, with time, element and reason."
     _derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
     _event_derivatives: Optional[tuple[Floats, NDArray[np.bool_]]] = dataclasses.field(default=None, repr=False)
 
@@ -111,7 +111,7 @@ class Ends(Result):
     values: Floats
     "Values, shape (n, k), SI."
     error: Optional[NDArray[Any]] = None
-    "With ``errors='row'`` the reason why a motion has no end state and its values are masked; otherwise None."
+    "Reason why a motion has no end state and its values are masked, if ``errors='row'`` is given; otherwise None."
 
     def __getitem__(self, name: str) -> Floats:
         return column_of(self.columns, self.values, name)

@@ -61,7 +61,7 @@ class Basins(Result):
     y: Floats
     "Centres of the cells on the vertical axis, shape (ny,), SI."
     attractors: tuple[Attractor, ...]
-    "Attractors in the order in which the cells reach them; all motions without a period count as one attractor of their class."
+    "Attractors, numbered by their first cell; all motions without a period count as one attractor of their class."
     cells: NDArray[np.int32]
     """Index of the attractor that the motion from each cell's centre reaches, shape (ny, nx). Without an attractor: -1 if the start violates a
     rigid stop, -2 if the motion is undecided, -3 if it ends, -4 if it comes to rest."""
@@ -151,7 +151,7 @@ def _range(machine: MachineDescription, name: str, given: Any) -> tuple[str, flo
     try:
         first, last, cells = given
     except (TypeError, ValueError):
-        raise TypeError(f"{name} = {given!r}: expected (from, to, cells), e.g. ('-4 mm', '4 mm', 60)") from None
+        raise TypeError(f"{name} = {given!r}: expected (from, to, cells) such as ('-4 mm', '4 mm', 60)") from None
     name = name[5:] if name.startswith("body.") else name
     low, high = (dict(numbers_of(machine, {name: value}))[name] for value in (first, last))
     if not low < high:

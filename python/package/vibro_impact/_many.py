@@ -41,7 +41,7 @@ class PaperEnds(Result):
     v: Floats
     "Velocities, shape (n, 3), m/s."
     error: Optional[NDArray[Any]] = None
-    "With ``errors='row'`` the reason why a motion has no end state and its values are masked; otherwise None."
+    "Reason why a motion has no end state and its values are masked, if ``errors='row'`` is given; otherwise None."
 
     @property
     def states(self) -> Floats:

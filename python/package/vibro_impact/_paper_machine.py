@@ -57,7 +57,7 @@ class PaperMachine(ParameterValues):
     A machine without a spring between box and ground (``box_k=0``) has no groups; starts and studies in units of groups are refused.
 
     Constant forces ``load_box``, ``load_block``, ``load_secondary`` (N) are parameters too: gravity on a vertical machine is
-    ``load_block=-9.81 * block_m``. They break the machine's symmetry, so the closed forms refuse them.
+    ``load_block=-9.81 * block_m``. Constant forces break the machine's symmetry, so the closed forms refuse them.
 
     Two machines are equal if their physical parameters are equal, including the loads.
 
@@ -293,7 +293,7 @@ class PaperMachine(ParameterValues):
         tries
             Number of guesses of the phases for Newton's method. If several orbits have the word, the first stable one is returned, or the first if
             none is stable. If only an orbit of a shorter word, passed several times, or a symmetric orbit is found, it is returned, and its
-            ``passages`` say how often.
+            ``passages`` count its traversals.
         symmetric
             Whether the word is half of a symmetric orbit and closes with opposite sign, after an odd number of half drive periods.
 
@@ -358,7 +358,7 @@ class PaperMachine(ParameterValues):
         of
             The displacement whose maxima are kept, as in :meth:`bifurcation`.
         seeds
-            Number of parameter values at which motions are simulated until they settle, with the parameter increasing and decreasing. Branches begin
+            Number of parameter values with settled motions, for an increasing and for a decreasing parameter. Branches begin
             at the orbits on which these motions settle.
         depth
             Largest number of branch switches in a row.
@@ -571,7 +571,7 @@ load.drive = {{ on = "box", amplitude = {value["drive_amplitude"]}, frequency = 
         Parameters
         ----------
         sheet
-            Which of the two solutions: ``"upper"``, with the larger amplitude, or ``"lower"``.
+            Choice of the solution: ``"upper"``, with the larger amplitude, or ``"lower"``.
 
         Raises
         ------

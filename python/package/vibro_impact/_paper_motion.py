@@ -30,7 +30,7 @@ ENERGY = np.dtype([("mechanical", "f8"), ("input", "f8"), ("damped", "f8"), ("im
 
 
 class Load:
-    """A measured force on one body, interpolated by straight lines or monotone cubics; zero before the first sample and from the last on.
+    """A measured force on one body, interpolated by straight lines or monotone cubics; zero before the first sample and after the last one.
 
     The motion is exact for the interpolant. An immutable value.
 

@@ -49,7 +49,7 @@ class PaperOrbit(Result):
     periods: int
     "Period in drive periods."
     passages: int
-    "Number of times that the requested word passes the orbit: more than 1 if the word is not an orbit of its own."
+    "Traversals of the orbit by the requested word: more than 1 if the word repeats the word of a shorter orbit."
     phases: Floats
     "Phases of the drive at the impacts, shape (n,), rad."
     speeds: Floats
@@ -188,7 +188,7 @@ def find_branches(
     seeds, depth, settle = options
     seeds, depth = whole("seeds", seeds, 1, 10_000), whole("depth", depth, 0, 40)
     settle = whole("settle", settle, 0, 10_000_000)
-    # With a depth, random starts find isolated branches that motions along the range miss.
+    # If a depth is given, random starts find isolated branches that motions along the range miss.
     starts = 0 if depth == 0 else 512
     with Bar(progress, 0, "branches") as bar:
         found = _native.paper_branches(machine._system, name, low_high, _WEIGHTS[of], seeds, depth, settle, starts, bar.report)

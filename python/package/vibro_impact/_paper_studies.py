@@ -30,7 +30,7 @@ class PaperDirection(Result):
     value: Floats
     "Parameter, shape (n,), in its unit, ascending."
     kind: NDArray[np.str_]
-    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled if undecided; refused if there is no motion."
+    "Class, shape (n,): 1T, 2T, ..., quasi-periodic, chaotic; periodic, settling; not settled if undecided; refused without a motion."
     period: NDArray[np.int32]
     "Period in drive periods, shape (n,); 0 if there is none up to 32."
     impacts: Floats
@@ -130,7 +130,7 @@ class PaperBasins(Result):
     y: Floats
     "Centres of the cells on the vertical axis, shape (ny,)."
     attractors: tuple[PaperAttractor, ...]
-    "Attractors in the order in which the cells reach them."
+    "Attractors, numbered by their first cell."
     cells: NDArray[np.int32]
     """Index of the attractor that the motion from each cell's centre reaches, shape (ny, nx). Without an attractor: -1 for a start outside the
     stops, -2 if the motion has not settled, -3 if it is on a chaotic or quasi-periodic attractor, but which one is undecided."""
@@ -170,7 +170,7 @@ def _range(name: str, given: Any, machine: ParameterValues) -> tuple[int, float,
     try:
         first, last, cells = given
     except (TypeError, ValueError):
-        raise TypeError(f"{name} = {given!r}: expected (from, to, cells), e.g. (-2, 2, 100)") from None
+        raise TypeError(f"{name} = {given!r}: expected (from, to, cells) such as (-2, 2, 100)") from None
     ends = [coordinates(name, {own: end}) for end in (first, last)]
     low, high = (end.si[index] if own in SI_COORDINATES else end.scaled[index] for end in ends)
     if low is None or high is None or not low < high:

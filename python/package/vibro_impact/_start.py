@@ -24,7 +24,7 @@ class Start(Mapping[str, float]):
 
     @property
     def time(self) -> float:
-        """The initial time, s, from which drives and other signals continue."""
+        """The initial time of the drives and other signals, s."""
         return self._numbers["time"]
 
     @property

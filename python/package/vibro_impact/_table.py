@@ -39,7 +39,7 @@ class Table(Result):
     unsettled: NDArray[Any]
     "Name of a measure that was still drifting while it was measured, or ``the motion``; None if all had settled."
     error: Optional[NDArray[Any]]
-    "With ``errors='row'`` the reason why a motion has no measures, otherwise None."
+    "Reason why a motion has no measures, if ``errors='row'`` is given; otherwise None."
     axes: Optional[tuple[str, ...]]
     "For a sweep, the parameter that varies along each dimension."
     units: dict[str, str] = dataclasses.field(repr=False)

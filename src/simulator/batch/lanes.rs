@@ -28,12 +28,12 @@ use std::ops::ControlFlow;
 use substep::{Progress, SearchedIntervals};
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Number of sub-steps in a lane after which cos θ and sin θ are computed again from the extended
-/// phase. Until then they collect no more round-off than the other coordinates, which are never
+/// Number of sub-steps in a lane between two computations of cos θ and sin θ from the extended
+/// phase. In between they collect no more round-off than the other coordinates, which are never
 /// renewed.
 const RENEWAL: u32 = 64;
-/// Smallest number of lanes of a vector with which lanes are faster. On machines with fewer lanes
-/// all motions are advanced alone.
+/// Number of lanes of a vector above which lanes are faster. On machines with fewer lanes all
+/// motions are advanced alone.
 const FEWEST_LANES: usize = 4;
 
 /// Work of one thread, compiled once for each instruction set.
@@ -93,7 +93,7 @@ struct Rounds<'a> {
     systems: Box<LaneSystems>,
     states: Box<LaneStates>,
     searched: Box<SearchedIntervals>,
-    /// States at the centres of the intervals in which samples lie.
+    /// States at the centres of the intervals that contain samples.
     samples: Box<Centres>,
     starts: Box<SubstepStarts>,
     /// Lanes that have a motion.

@@ -1,10 +1,10 @@
 //! Many independent motions in one call, side by side in the machine's vectors where that is
 //! faster.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `mod.rs` | [`advance_queue`] and, for motions that all exist at once, [`advance_together`] |
-//! | `queue.rs` | where motions come from, what is reported of them, how the lanes were used |
+//! | `queue.rs` | sources of motions, reports of motions, use of the lanes |
 //! | `lanes.rs` | the loop over sub-steps, and how a motion enters, leaves and comes back to its lane |
 //! | `lanes/rows.rs` | the motions' numbers, the same number of all motions side by side |
 //! | `lanes/substep.rs` | one sub-step of all lanes |
@@ -79,14 +79,14 @@ pub fn advance_queue_by(way: Way, simulators: &mut [Simulator], queue: &mut dyn 
 ///
 /// On machines with AVX2 or AVX-512 the motions lie side by side in the vectors. Compared with
 /// `advance_to` for one motion after another, one or two motions take longer, about three or more
-/// take less time, and eight or more take less than half the time, unless the motions rest for much
-/// of their time. Motions that keep their energy accounts or are under loads are advanced one by
-/// one.
+/// take less time, and eight or more take less than half the time, unless the motions rest for
+/// much of their time. Motions that keep their energy accounts or are under loads are advanced one
+/// by one.
 ///
-/// The results are as accurate as those of `advance_to`, and the impacts are proved in an
-/// equivalent way. The results are not bit-identical with those of `advance_to`: the operations
-/// have another order, and differences in the last digits grow like any difference in a motion with
-/// impacts. The result depends neither on the other motions nor on their order or number.
+/// The results are as accurate as after `advance_to`, and the impacts are proved in an equivalent
+/// way. The bits may differ from the bits after `advance_to`: the operations have another order,
+/// and differences in the last digits grow like any difference in a motion with impacts. The
+/// result depends neither on the other motions nor on their order or number.
 ///
 /// ```
 /// use vibro_impact::simulator::advance_together;

@@ -18,18 +18,18 @@ pub struct Plan {
     pub reports: Option<Reports>,
 }
 
-/// Reports of a motion: its state at regular times, all its events and, if asked for, the local
+/// Reports of a motion: its state at regular times, all its events and, on request, the local
 /// maxima of a displacement. Reports do not change the bits of a motion, except that they switch
 /// its energy accounts off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reports {
     /// Origin of the samples: sample k, counted from 1, is taken at `origin + k step`, s, if that
-    /// is after the motion's start and not after its end. With an infinite `origin` no samples are
+    /// is after the motion's start and not after its end. If `origin` is infinite, no samples are
     /// taken.
     pub origin: f64,
     /// Time between two samples, s; greater than zero.
     pub step: f64,
-    /// Number of the first sample. With [`u32::MAX`] no sample is taken until an
+    /// Number of the first sample. If it is [`u32::MAX`], no sample is taken until an
     /// [event](MotionQueue::event) sets the number of the next one.
     pub first: u32,
     /// Weights of x1, x2 and x3 in the displacement whose maxima are reported; `None` for no
@@ -94,7 +94,7 @@ pub struct LaneUse {
     pub occupied: u64,
     /// Sub-steps done in lanes.
     pub substeps: u64,
-    /// Times that a motion was passed to the code for a single motion, for one sub-step or more.
+    /// Number of transfers of a motion to the code for a single motion, for one sub-step or more.
     pub handed_over: u64,
 }
 

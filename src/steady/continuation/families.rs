@@ -19,9 +19,9 @@ fn symmetry_breaking_test(multipliers: &[Complex<f64>]) -> f64 {
     multipliers.iter().map(|m| m + 1.0).product::<Complex<f64>>().re
 }
 
-/// Real part of the product of `factor` over all pairs. With 1-μᵢμⱼ it is t_NS of docs/theory.md
-/// (81), zero where a complex pair is on the unit circle; with λᵢ+λⱼ it is zero where a complex
-/// pair of eigenvalues is on the imaginary axis.
+/// Real part of the product of `factor` over all pairs. For the factor 1-μᵢμⱼ it is t_NS of
+/// docs/theory.md (81), zero where a complex pair is on the unit circle. For the factor λᵢ+λⱼ it
+/// is zero where a complex pair of eigenvalues is on the imaginary axis.
 fn product_over_pairs(
     values: &[Complex<f64>],
     factor: impl Fn(Complex<f64>, Complex<f64>) -> Complex<f64>,
@@ -71,7 +71,7 @@ impl Family for OrbitFamily {
         solution.is_clear()
     }
 
-    /// There is no test for a multiplier 1, which occurs only at the fold.
+    /// A multiplier 1 needs no test, since it occurs only at the fold.
     fn tests(solution: &ExactOrbit) -> [f64; 3] {
         let m = solution.multipliers();
         [symmetry_breaking_test(&m), product_over_pairs(&m, |a, b| 1.0 - a * b), 1.0]

@@ -57,7 +57,7 @@ impl<F: Family, M: Fn(f64) -> Result<F>> Scan<M> {
         Ok(inside)
     }
 
-    /// Intervals of the range in which the quadratic has real roots.
+    /// Intervals of the range with real roots of the quadratic.
     pub fn intervals(&self, from: f64, to: f64) -> Result<Vec<Interval>> {
         let n = self.nodes;
         let discriminant = |v: f64| (self.family)(v).map(|f| f.discriminant());

@@ -15,15 +15,15 @@ pub struct Clearance {
 
 impl Clearance {
     /// Proof for flights of at most `pieces` Taylor pieces. `contact` is the distance between the
-    /// flight's start and its stop, in gaps; `forced` is the box's amplitude under the force alone,
-    /// in gaps.
+    /// flight's start and its stop, in gaps; `forced` is the box's amplitude under the force
+    /// alone, in gaps.
     pub fn new(contact: f64, pieces: u32, forced: f64) -> Self {
         let limit = 1.0 + PENETRATION_ROUNDING + contact + 16.0 * f64::EPSILON * forced;
         Self { limit, of_pieces: f64::EPSILON * f64::from(pieces), size: 0.0 }
     }
 
-    /// Whether the proof holds for the next piece, in which `w` (gaps) is a polynomial and the box
-    /// starts at `x1` (gaps).
+    /// Whether the proof holds for the next piece. `w` (gaps) is its polynomial, and `x1` (gaps)
+    /// the start of the box.
     pub fn holds(&mut self, w: &Polynomial, x1: f64) -> bool {
         self.size = self.size.max(1.0 + x1.abs());
         let limit = self.limit + self.of_pieces * self.size;

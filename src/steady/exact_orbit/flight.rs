@@ -14,8 +14,8 @@ pub type Vector6 = nalgebra::Vector6<f64>;
 /// that it needs more, the work would be too large and the orbit too sensitive.
 const MOST_PIECES: u32 = 1 << 16;
 
-/// Largest response that does not count as resonance, in units of L per unit of impulse or force.
-/// Above it cancellation leaves the amplitudes fewer than four digits.
+/// Resonance limit of the response, in units of L per unit of impulse or force. Above it
+/// cancellation leaves the amplitudes fewer than four digits.
 const LARGEST_RESPONSE: f64 = 1e12;
 
 /// 1/((k+1)(k+2)).
@@ -158,7 +158,8 @@ impl Flight {
         Ok(flight)
     }
 
-    /// Smallest power of two of Taylor pieces into which a span of the phase must be divided.
+    /// Necessary number of Taylor pieces for a span of the phase: the smallest sufficient power of
+    /// two.
     fn doubled_pieces(&self, span: f64) -> u32 {
         let mut pieces = 1;
         while span * self.rate > RATE_STEP * f64::from(pieces) && pieces < 1 << 31 {

@@ -2,7 +2,7 @@
 //!
 //! `model.rs` has the law of the simulator. The law is written twice on purpose: the exact orbit
 //! is an oracle for the simulator and therefore shares only the parameters with it
-//! (docs/design.md, "What stands once").
+//! (docs/design.md, "Oracles and shared code").
 
 use super::flight::{Flight, Vector6};
 
@@ -29,9 +29,9 @@ impl Flight {
         z
     }
 
-    /// Change of the state just after an impact per unit of phase by which the impact is delayed,
-    /// J f⁻ - f⁺ of docs/theory.md (78) and (104). `approach` and `departure` are the rates of the
-    /// state just before and just after the impact; `forced` is added to the w'' of `approach`.
+    /// Change of the state just after an impact per unit of phase delay of the impact, J f⁻ - f⁺
+    /// of docs/theory.md (78) and (104). `approach` and `departure` are the rates of the state
+    /// just before and just after the impact; `forced` is added to the w'' of `approach`.
     pub fn delay(&self, approach: &Vector6, forced: f64, departure: &Vector6) -> Vector6 {
         self.kicked(approach - departure, approach[4] - approach[3] + forced)
     }

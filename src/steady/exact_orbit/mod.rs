@@ -3,9 +3,9 @@
 //!
 //! Such an orbit repeats itself with the opposite sign after half a period: s(t + π/ω1) = -s(t).
 //! Its impulsive part starts from p G⁺, where G⁺ is the periodic response to alternating unit
-//! impulses, docs/theory.md (72); the force adds the harmonic response H, (71). The impact law then
-//! gives a quadratic in the impulse p, (74), and the phase δ of the force at the impact, (75).
-//! There is no small parameter, and double precision is the only truncation.
+//! impulses, docs/theory.md (72); the force adds the harmonic response H, (71). The impact law
+//! then gives a quadratic in the impulse p, (74), and the phase δ of the force at the impact,
+//! (75). The theory has no small parameter, and double precision is the only truncation.
 
 mod clearance;
 mod flight;
@@ -72,8 +72,8 @@ impl OrbitFamily {
         self.circle().coefficients()
     }
 
-    /// Discriminant b² - 4ac of the quadratic, docs/theory.md (76): zero at the fold, negative if
-    /// there is no solution.
+    /// Discriminant b² - 4ac of the quadratic, docs/theory.md (76): zero at the fold, negative
+    /// without a solution.
     pub fn discriminant(&self) -> f64 {
         self.circle().discriminant()
     }

@@ -11,7 +11,7 @@ use nalgebra::{Complex, SMatrix};
 use std::f64::consts::{PI, TAU};
 use vibro_numerics::bernstein::{Polynomial, raise_to_maximum};
 
-/// Relative difference of phases that counts as rounding.
+/// Relative tolerance for the rounding of phases.
 const PHASE_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Deflation threshold of the QR sweeps.
@@ -161,8 +161,8 @@ impl ExactOrbit {
         self.si(&self.after)
     }
 
-    /// State at phase θ (rad) of the drive F10 sin θ; at an impact, the state just after it. On the
-    /// orbit, θ = ω1 t + [`Parameters::drive_phase`].
+    /// State at phase θ (rad) of the drive F10 sin θ; at an impact, the state just after it. On
+    /// the orbit, θ = ω1 t + [`Parameters::drive_phase`].
     pub fn state(&self, theta: f64) -> State {
         self.walk().state(theta)
     }
@@ -195,9 +195,9 @@ impl ExactOrbit {
     }
 
     /// Whether |w| ≤ L between the impacts, proved by Bernstein bounds of the Taylor pieces over
-    /// half a period, of which the other half is the mirror image. The proof holds up to 1e-12 L
-    /// and the rounding of the orbit. The rounding is larger if a mode is thousands of times faster
-    /// than the drive or a box without damper is near resonance. If the proof fails for a root, the
+    /// half a period; the other half is the mirror image. The proof holds up to 1e-12 L and the
+    /// rounding of the orbit. The rounding is larger if a mode is thousands of times faster than
+    /// the drive or a box without damper is near resonance. If the proof fails for a root, the
     /// root does not belong to an orbit of the system, whose block meets a stop earlier.
     pub fn is_clear(&self) -> bool {
         self.clear
@@ -239,8 +239,8 @@ impl ExactOrbit {
         self.clear && self.spectral_radius() < 1.0
     }
 
-    /// Bifurcation that the largest multiplier indicates. It has already occurred if the multiplier
-    /// is outside the unit circle.
+    /// Bifurcation that the largest multiplier indicates. It has already occurred if the
+    /// multiplier is outside the unit circle.
     pub fn bifurcation(&self) -> Bifurcation {
         Bifurcation::of(self.multipliers[0])
     }

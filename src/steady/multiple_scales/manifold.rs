@@ -130,8 +130,8 @@ impl Manifold {
         c > 0.0 && self.w_max(c) <= 1.0
     }
 
-    /// Largest C that the geometric test allows, by Brent's method. It is 1 at κ = 0, about 6.07
-    /// at κ = 0.75.
+    /// Upper limit of C by the geometric test, by Brent's method. It is 1 at κ = 0, about 6.07 at
+    /// κ = 0.75.
     ///
     /// Where the largest W equals 1, it rises with C, so there is only one such C. The search
     /// starts at the C of docs/theory.md (49).

@@ -1,10 +1,10 @@
 //! Multiple scales with the sawtooth function (paper, sections 3 and 4; docs/theory.md, sections 6
 //! and 7).
 //!
-//! With η = Ω1 τ - ψ and Z the sawtooth, the steady state is U ≈ B sin η, X2 ≈ (1-ε+ε²) C Z(η-Φ),
-//! X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3), docs/theory.md (32) and (33). Each
-//! fixed point of the slow flow is a root of a C² + b C + c = 0 (44). The error is O(ε) in every
-//! amplitude.
+//! Let η = Ω1 τ - ψ and let Z be the sawtooth. The steady state is U ≈ B sin η, X2 ≈ (1-ε+ε²) C
+//! Z(η-Φ), X1 ≈ B sin η - (ε-ε²) C Z(η-Φ), X3 ≈ A3 sin(Ω1 τ - ψ3), docs/theory.md (32) and (33).
+//! Each fixed point of the slow flow is a root of a C² + b C + c = 0 (44). The error is O(ε) in
+//! every amplitude.
 //!
 //! Beyond the paper, the eigenvalues of the slow flow have a closed form (51). It shows that on
 //! the right branch of the manifold, with damping, only the upper root of the quadratic is a
@@ -152,7 +152,7 @@ impl MultipleScales {
         self.quadratic.coefficients()
     }
 
-    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative if there is no solution.
+    /// Discriminant b² - 4ac of the quadratic: zero at the fold, negative without a solution.
     pub fn discriminant(&self) -> f64 {
         self.quadratic.discriminant()
     }

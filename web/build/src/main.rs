@@ -62,7 +62,7 @@ struct Arguments {
     scalar: bool,
 }
 
-/// Build errors; each message says what to do.
+/// Build errors; each message includes the remedy.
 #[derive(Debug, thiserror::Error)]
 enum Error {
     /// A required tool is not installed.
@@ -70,7 +70,7 @@ enum Error {
     Missing {
         /// The tool.
         what: &'static str,
-        /// What to install.
+        /// The command or page that installs it.
         advice: &'static str,
     },
     /// A program failed.

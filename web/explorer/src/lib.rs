@@ -1,10 +1,11 @@
-//! The library's functions for the live page: numbers in, arrays of numbers out.
+//! The library's functions for the live page. Arguments are numbers, results are arrays of
+//! numbers.
 //!
 //! The library does all computations. This crate turns names, numbers and states into calls of
 //! `vibro-impact` and `vibro-studies`, and results into rows of numbers. Arrays are copied into
 //! JavaScript: at most a few hundred kilobytes per picture, in less than a tenth of a millisecond.
 //!
-//! | module | what the page does with it |
+//! | module | use in the page |
 //! |---|---|
 //! | `set` | the fields and sliders: parameters by name, their ranges and errors |
 //! | `machine` | the moving machine, histories, phase portrait, Poincaré section |

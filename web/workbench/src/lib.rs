@@ -4,7 +4,7 @@
 //! The libraries do all computations; this crate only provides the interface. The page calls it in
 //! workers, so that a long call never blocks the page.
 //!
-//! | module | what the page does with it |
+//! | module | use in the page |
 //! |---|---|
 //! | `file` | reads a machine, reports its problems by line, and edits its parameters in place |
 //! | `completion` | completions at the cursor |

@@ -16,7 +16,7 @@ pub struct DerivativeRecord {
     rows: Vec<(f64, Vec<Option<f64>>)>,
     /// For each event its kind and the derivatives of its time, by parameter.
     events: Vec<(EventKind, Vec<Option<f64>>)>,
-    /// Parameters for which derivatives do not exist from some time on, with the reason.
+    /// Parameters without derivatives after some time, with the reason.
     lost: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ impl DerivativeRecord {
         Ok(Self { parameters: names.into_iter().map(String::from).collect(), rows, events, lost })
     }
 
-    /// One line for each parameter for which derivatives do not exist from some time on.
+    /// One line for each parameter without derivatives after some time.
     pub fn lost(&self) -> &[String] {
         &self.lost
     }

@@ -306,7 +306,7 @@ fn contacts(record: &MotionRecord) -> Vec<String> {
     d.stops.iter().enumerate().filter_map(line).collect()
 }
 
-/// Number of events of each kind, and which of them are not in the file.
+/// Number of events of each kind, and the kinds that are not in the file.
 fn events(record: &MotionRecord, knots: bool) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for event in &record.events {

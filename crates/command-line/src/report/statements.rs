@@ -14,7 +14,7 @@ use vibro_studies::{MotionClass, ZERO_EXPONENT};
 
 /// Tolerance of the ends of windows in f10: the paper gives them to 0.1.
 const END: f64 = 0.1;
-/// Smallest share of regular values at which a window of the paper counts as found.
+/// A window of the paper counts as found if at least this share of its values is regular.
 const MOSTLY: f64 = 0.85;
 /// Ratio of smallest to largest amplitude below which a modulation is strong.
 const STRONG: f64 = 0.6;
@@ -241,7 +241,7 @@ fn order(points: &[Option<SweepPoint>], from: f64, to: f64) -> Vec<(f64, MotionC
     met
 }
 
-/// The period doublings in which the symmetric motion with two impacts per period ends.
+/// The period doublings at the end of the symmetric motion with two impacts per period.
 fn doublings(found: &Findings) -> Vec<Doubling> {
     let Some(orbits) = found.orbits else { return Vec::new() };
     let branches = &orbits.tree.branches;

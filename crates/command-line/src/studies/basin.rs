@@ -40,7 +40,7 @@ const UNDECIDED: Colour = OTHERS[2];
 const FURTHER: Colour = OTHERS[3];
 const REST: Colour = OTHERS[4];
 
-/// Largest number of attractors that are listed.
+/// Cap on the listed attractors.
 const SHOWN: usize = 101;
 
 /// Largest size of a row of the table, bytes.
@@ -271,8 +271,7 @@ mod tests {
 
     #[test]
     fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
-        /// Smallest ratio of two luminances, with stray light (WCAG), that the eye can
-        /// distinguish.
+        /// Ratio of two luminances, with stray light (WCAG), that the eye can just distinguish.
         const APART: f64 = 1.02;
         let mut light: Vec<f64> =
             PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();

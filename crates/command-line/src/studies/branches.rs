@@ -11,8 +11,8 @@ use vibro_orbits::{Branch, Label, OrbitPoint, Special};
 
 /// Longest period with its own colour.
 pub(super) const COLOURED: usize = FAMILY.len();
-/// Largest number of special points at which the picture marks all of them; more marks would cover
-/// the branches.
+/// Cap on the marked special points; the picture marks none of a larger number, since they would
+/// cover the branches.
 const MARKED: usize = 150;
 
 /// Marks of special points.

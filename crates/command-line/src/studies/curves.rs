@@ -7,7 +7,7 @@ use vibro_figures::canvas::palette::{BLACK, FAMILY};
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
 use vibro_orbits::{Label, LocusEnd, LocusPoint};
 
-/// A curve and the special point from which it was followed.
+/// A curve and its first special point.
 #[derive(Clone, Debug)]
 pub struct LocusCurve<S> {
     /// File and row of the special point, as FILE:ROW.
@@ -22,7 +22,7 @@ pub struct LocusCurve<S> {
     pub also: Vec<usize>,
 }
 
-/// The special point from which a curve was followed, for tables and pictures.
+/// The special point at the start of a curve, for tables and pictures.
 pub trait CurveStart {
     /// Names of the additional columns, in three groups: after the column `word`, after the two
     /// parameter columns, and before the column `row`.
@@ -60,8 +60,8 @@ pub(super) struct Texts<'a> {
     pub told: &'a dyn Fn([f64; 2]) -> [String; 2],
 }
 
-/// The study of curves over two parameters. `problems` names each special point from which no
-/// curve could be followed, with the reason.
+/// The study of curves over two parameters. `problems` names each special point without a curve,
+/// with the reason.
 pub(super) fn study<S: CurveStart>(
     curves: &[LocusCurve<S>],
     problems: &[String],

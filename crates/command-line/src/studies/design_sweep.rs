@@ -45,6 +45,7 @@ pub fn design_sweep<M: Labelled>(
         index += 1;
         Ok(())
     })?;
+    // Rows arrive in the order of the designs; the remarks list them by rank.
     best.sort_by_key(|(place, _)| *place);
     let figure = picture::figure(set, request, &found, choice.as_ref());
     let what = format!("{} of {}", outputs_in_words(request), designs_in_words(request));
@@ -75,7 +76,7 @@ fn designs_in_words<M: Labelled>(request: &SweepRequest<M>) -> String {
     }
 }
 
-/// Method by which the motions were measured, for captions.
+/// Method of the measurements, for captions.
 fn method<M: Labelled>(set: &M, request: &SweepRequest<M>, choice: Option<&Choice>) -> String {
     let kind = match &request.designs {
         Designs::Grid(_) => "a grid",

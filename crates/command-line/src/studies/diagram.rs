@@ -51,7 +51,7 @@ pub trait ShownDiagram: DiagramMachine + Labelled {
     fn cells(point: &Self::Point) -> [Vec<String>; 2];
 }
 
-/// Description of the method by which a diagram was computed.
+/// Description of a diagram's method of computation.
 pub(super) fn method<M: ShownDiagram>(request: &DiagramRequest<M>) -> String {
     let up_to = if M::SETTLES_EARLY { "Up to " } else { "" };
     let chained = match (request.anew, request.start == M::Start::default()) {
@@ -126,7 +126,7 @@ pub fn diagram<M: ShownDiagram>(
     let drawn = if request.at_section { "values at the section" } else { "local maxima" };
     let directions = if request.anew { "each value from the same start" } else { "both directions" };
     let told = |value: f64| machine.with_unit(&request.axis.name, value);
-    // With `anew` there is one direction.
+    // If `anew` is set, there is one direction.
     let remarks = remarks(&parameter, diagram, (!request.anew).then_some(&apart[..]), &told);
     Ok(Study {
         tables: vec![

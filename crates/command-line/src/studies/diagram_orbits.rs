@@ -17,7 +17,7 @@ use vibro_orbits::{
 use vibro_studies::diagram::{DescribedPoint, DiagramRequest};
 use vibro_studies::{Diagram, Machine, Maxima, Settled, Watcher, settled};
 
-/// Smallest and largest number of values per direction at which branches are started.
+/// Limits of the number of values per direction that start branches.
 const SEEDS: (usize, usize) = (24, 200);
 
 /// The family of machines over the axis of a diagram.

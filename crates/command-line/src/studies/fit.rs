@@ -15,7 +15,7 @@ use vibro_studies::{Machine, significant};
 pub const AT_BOUND: &str = "is at an end of its range: its error holds to one side only";
 /// Largest number of points in a curve.
 const POINTS: usize = 2000;
-/// Largest number of the record's columns that are drawn.
+/// Cap on the drawn columns of the record.
 const DRAWN: usize = 4;
 
 /// Study of a fit: `residuals.csv` for columns, `residuals-contacts.csv` for contacts, and a

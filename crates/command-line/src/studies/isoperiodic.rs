@@ -40,7 +40,7 @@ pub trait ShownPlane: PlaneMachine + Labelled {
 
     /// The motion at a point, if any.
     fn motion(point: &Self::Point) -> Option<ClassifiedMotion>;
-    /// Cells of the [`COLUMNS`](Self::COLUMNS); empty if there is no motion.
+    /// Cells of the [`COLUMNS`](Self::COLUMNS); empty without a motion.
     fn cells(point: &Self::Point) -> Vec<Cow<'static, str>>;
     /// Description of how exponents were computed, for captions.
     fn exponents_in_words(periods: u32) -> String;

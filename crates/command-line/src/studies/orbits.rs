@@ -37,7 +37,7 @@ pub(super) fn measured(branches: &[Branch], measure: &Measure) -> Vec<Vec<f64>> 
     branches.par_iter().map(|b| b.points.iter().map(|p| value(b, p)).collect()).collect()
 }
 
-/// Factor from SI to the unit in which a picture shows values, and the unit's symbol.
+/// A picture's unit of display: its factor from SI and its symbol.
 pub(super) fn shown_unit(unit: &str, largest: f64) -> (f64, String) {
     match unit {
         "m" if largest < SMALL => (1e3, "mm".to_owned()),
@@ -102,8 +102,8 @@ fn point_table(family: &Family, all: &[Branch], (measure, tops): (&Measure, &[Ve
     })
 }
 
-/// Table of the special points, each with a neighbouring orbit of its branch, from which a curve
-/// over two parameters starts.
+/// Table of the special points, each with a neighbouring orbit of its branch as the start of a
+/// curve over two parameters.
 pub(super) fn special_table(family: &Family, all: &[Branch]) -> Result<Vec<u8>> {
     let own = [
         "value_error",

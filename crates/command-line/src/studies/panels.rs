@@ -16,8 +16,8 @@ const COLUMNS: usize = 1300;
 const STEPS: [f64; 3] = [0.005, 0.03, 0.2];
 const SHADES: [Colour; 4] = [Colour(120, 120, 120), Colour(85, 85, 85), Colour(45, 45, 45), Colour(0, 0, 0)];
 /// Colours of rare and of frequent maxima of the falling direction, at values where it settles on
-/// another motion than the rising direction. They are lighter than any shade, so that they differ
-/// in greyscale too.
+/// another motion than the rising direction. Both colours are lighter than any shade, so that they
+/// differ in greyscale too.
 const FALLING: [Colour; 2] = [Colour(150, 205, 240), SKY];
 
 /// Stroke of the curves over which others are drawn.

@@ -12,9 +12,9 @@ use vibro_studies::{
     Machine, Measure, PoincareRequest, QuantityName, Section, SectionPoint, columns, common_period,
 };
 
-/// Relative distance within which two points of the picture count as one.
+/// Relative tolerance of equal points in the picture.
 const SAME: f64 = 1e-6;
-/// Number of distinct points up to which they are counted.
+/// Cap on the count of distinct points.
 const COUNTED: usize = 64;
 
 /// A quantity of a point that an axis can show.

@@ -34,7 +34,7 @@ impl Causality {
     }
 }
 
-/// Times at which a variable changes.
+/// Variability: the times of a variable's changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variability {
     /// Constant after initialization.
@@ -123,9 +123,9 @@ pub struct Variable {
     pub kind: Kind,
     /// Name of its declared type.
     pub declared_type: Option<Text>,
-    /// Smallest value that may be set.
+    /// Lower limit of a set value.
     pub min: Option<f64>,
-    /// Largest value that may be set.
+    /// Upper limit of a set value.
     pub max: Option<f64>,
     /// Start value. A variable that can be set has one. Booleans are 0 and 1.
     pub start: Option<f64>,

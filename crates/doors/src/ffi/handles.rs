@@ -3,7 +3,7 @@
 
 use super::Fault;
 
-/// Values of one type that a host holds by handle. They are freed when this collection is dropped.
+/// Values of one type that a host holds by handle. Dropping the collection frees them.
 #[derive(Debug)]
 pub struct Handles<T> {
     /// Boxed, since their addresses are the handles.

@@ -48,8 +48,8 @@ fn of_address(address: usize) -> Option<PathBuf> {
     // SAFETY: dladdr takes any address, and writes an `Info` to a variable of this type.
     let found = unsafe { libc::dladdr(address as *const core::ffi::c_void, &mut info) } != 0
         && !info.dli_fname.is_null();
-    // SAFETY: if a library was found, `dli_fname` is a C string that lives as long as the library
-    // is loaded.
+    // SAFETY: if a library was found, `dli_fname` is a C string, valid until the library is
+    // unloaded.
     found.then(|| PathBuf::from(OsStr::from_bytes(unsafe { CStr::from_ptr(info.dli_fname) }.to_bytes())))
 }
 

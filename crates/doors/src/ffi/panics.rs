@@ -24,7 +24,7 @@ type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Sync + Send>;
 static PREVIOUS: OnceLock<Hook> = OnceLock::new();
 static INSTALL: Once = Once::new();
 
-/// Keeps panics inside [`guarded`] calls from being printed, from the first instance on.
+/// Keeps panics inside [`guarded`] calls from being printed, once the first instance exists.
 pub fn silence() {
     if std::thread::panicking() {
         return; // a hook cannot be changed now; a later instance will

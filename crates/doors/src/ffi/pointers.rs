@@ -200,7 +200,7 @@ impl Handle<'_> {
     /// null).
     ///
     /// # Errors
-    /// Errors of `new`; [`Fault::Pointer`] if there is no variable.
+    /// Errors of `new`; [`Fault::Pointer`] without a variable.
     pub fn replace<E: From<Fault>>(self, new: impl FnOnce(usize) -> Result<usize, E>) -> Result<(), E> {
         let variable = self.variable.ok_or(Fault::Pointer { argument: self.argument })?;
         *variable = ptr::without_provenance_mut(new(variable.addr())?);

@@ -2,7 +2,7 @@
 //!
 //! The macro [`export_fmi2!`](crate::export_fmi2) makes the functions for one component. It is
 //! expanded in the component's library, which exports the functions by name. It declares each
-//! function as in the C prototype of the standard, and adds the kind of each argument. By these
+//! function as in the C prototype of the standard, and adds the kind of each argument. From these
 //! kinds the function checks handle, state, pointers and counts, turns pointers into safe types
 //! and calls the [`Instance`]. The outcome becomes a status and a log message. This module makes
 //! no decisions about the model. A panic does not leave a function: it becomes `fmi2Fatal` and
@@ -300,7 +300,7 @@ macro_rules! export_fmi2 {
                 |instance, _| instance.get_any($crate::fmi2::instance::INTEGER, vr, &mut |i, x| value.put(i, x as ::core::ffi::c_int));
             fmi2GetBoolean, GetBoolean(array vr: u32[nvr], value nvr: usize, out value: $crate::fmi2::types::FmiBoolean[nvr])
                 |instance, _| instance.get_any($crate::fmi2::instance::BOOLEAN, vr, &mut |i, x| value.put(i, (x != 0.0).into()));
-            /// There are no String variables, so any reference is an error.
+            /// Fails for any reference, since no variable is a String.
             fmi2GetString, GetString(array vr: u32[nvr], value nvr: usize, out value: *const ::core::ffi::c_char[nvr])
                 |instance, _| instance.get_any($crate::fmi2::instance::STRING, vr, &mut |i, _| value.put(i, c"".as_ptr()));
             fmi2SetReal, SetReal(array vr: u32[nvr], value nvr: usize, array value: f64[nvr])
@@ -309,7 +309,7 @@ macro_rules! export_fmi2 {
                 |instance, _| instance.set_any($crate::fmi2::instance::INTEGER, vr, &|i| value[i].into());
             fmi2SetBoolean, SetBoolean(array vr: u32[nvr], value nvr: usize, array value: $crate::fmi2::types::FmiBoolean[nvr])
                 |instance, _| instance.set_any($crate::fmi2::instance::BOOLEAN, vr, &|i| value[i].into());
-            /// There are no String variables, so any reference is an error.
+            /// Fails for any reference, since no variable is a String.
             fmi2SetString, SetString(array vr: u32[nvr], value nvr: usize, array value: *const ::core::ffi::c_char[nvr])
                 |instance, _| instance.set_any($crate::fmi2::instance::STRING, vr, &|_| 0.0);
 
@@ -389,7 +389,7 @@ macro_rules! export_fmi2 {
             /// `fmi2LastSuccessfulTime`.
             fmi2GetRealStatus, GetRealStatus(value s: ::core::ffi::c_int, out value: f64[1])
                 |instance, _| value.give(instance.real_status(s));
-            /// There is no status of this type.
+            /// Fails for any status, since none is an Integer.
             fmi2GetIntegerStatus, GetIntegerStatus(value s: ::core::ffi::c_int, out value: ::core::ffi::c_int[1])
                 |instance, _| instance.no_status(s);
             /// `fmi2Terminated`.

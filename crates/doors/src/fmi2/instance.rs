@@ -1,6 +1,5 @@
 //! The functions of FMI 2.0 as calls of the component. Before each of them the C interface calls
-//! [`guard`](Instance::guard), which alone checks whether the function is allowed in the present
-//! state.
+//! [`guard`](Instance::guard), which alone checks the function against the present state.
 
 use super::problem::{CallProblem, Outcome};
 use super::states::{self, Function, Stage};
@@ -68,7 +67,7 @@ impl<C: Component> Instance<C> {
         Ok(Self { common: instance::CommonInstance::new(&request, status::enabled_at_start(logging_on))? })
     }
 
-    /// Refuses `function` in a state in which it is not allowed (FMI 2.0, 3.2.3 and 4.2.4).
+    /// Refuses `function` if the present state forbids it (FMI 2.0, 3.2.3 and 4.2.4).
     ///
     /// # Errors
     /// [`CallProblem::State`].

@@ -16,7 +16,7 @@ pub type Outcome<C, T = ()> = Result<T, CallProblem<<C as Model>::Problem>>;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CallProblem<P: Refusal> {
-    /// The call is not allowed in this state (FMI 2.0, 3.2.3 and 4.2.4).
+    /// The present state forbids the call (FMI 2.0, 3.2.3 and 4.2.4).
     #[error("cannot be called in state {stage:?} of {}{}", interface.name(), way_on(*stage, early))]
     State {
         /// The call.
@@ -65,7 +65,7 @@ impl<P: Refusal> From<Fault> for CallProblem<P> {
     }
 }
 
-/// Text on how a host can continue from a state in which few calls are allowed.
+/// Advice to a host in a state with few permitted calls.
 fn way_on(stage: Stage, early: &EarlyEnd) -> String {
     match stage {
         Stage::StepFailed => {

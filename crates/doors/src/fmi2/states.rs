@@ -1,4 +1,4 @@
-//! The functions allowed in each state: the two state machines as one table (FMI 2.0, 3.2.3 and
+//! The permitted functions of each state: the two state machines as one table (FMI 2.0, 3.2.3 and
 //! 4.2.4).
 
 use crate::allowed::function_table;
@@ -155,7 +155,7 @@ mod tests {
     use super::*;
     use crate::allowed::assert_is_the_standards;
 
-    /// Functions allowed in addition to the standard, in `StepFailed`.
+    /// Functions permitted in addition to the standard, in `StepFailed`.
     const BESIDE: [Function; 6] = [
         Function::SetReal,
         Function::SetInteger,

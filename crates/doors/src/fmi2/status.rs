@@ -49,8 +49,8 @@ impl StatusKind {
     }
 }
 
-/// Categories enabled at instantiation. With debug logging all are enabled; otherwise the ones
-/// that a user should always see (FMI 2.0, 2.1.3): warnings, errors and fatal errors.
+/// Categories enabled at instantiation: all of them if debug logging is on, otherwise the ones
+/// that a user should always see (FMI 2.0, 2.1.3), which are warnings, errors and fatal errors.
 pub fn enabled_at_start(logging_on: bool) -> Categories {
     if logging_on {
         return Categories::ALL;

@@ -4,7 +4,7 @@
 //!
 //! The macro [`export_fmi3!`](crate::export_fmi3) makes the functions for one component. It is
 //! expanded in the component's library, which exports the functions by name. It declares each
-//! function as in the C prototype of the standard, and adds the kind of each argument. By these
+//! function as in the C prototype of the standard, and adds the kind of each argument. From these
 //! kinds the function checks handle, state, pointers and counts, turns pointers into safe types
 //! and calls the [`Instance`]. The outcome becomes a status and a log message. This module makes
 //! no decisions about the model. A panic does not leave a function: it becomes `fmi3Fatal` and

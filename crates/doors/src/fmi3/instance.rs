@@ -1,6 +1,5 @@
 //! The functions of FMI 3.0 as calls of the component. Before each of them the C interface calls
-//! [`guard`](Instance::guard), which alone checks whether the function is allowed in the present
-//! state.
+//! [`guard`](Instance::guard), which alone checks the function against the present state.
 
 use super::problem::{CallProblem, Outcome};
 use super::states::{Function, Stage};
@@ -36,7 +35,7 @@ pub const fn none(name: &'static str) -> Bases {
     Bases::new(name, &[])
 }
 
-/// Arguments of the host's callback. They determine the calls that the host may make in it.
+/// Arguments of the host's callback; these determine the calls that the host may make in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
     /// `intermediateUpdateTime`, s.
@@ -105,7 +104,7 @@ impl<C: Component> Instance<C> {
         }
     }
 
-    /// Refuses `function` in a state in which it is not allowed (FMI 3.0.2, 2.3, 3.2 and 4.2).
+    /// Refuses `function` if the present state forbids it (FMI 3.0.2, 2.3, 3.2 and 4.2).
     ///
     /// # Errors
     /// [`CallProblem::State`].

@@ -39,7 +39,7 @@ pub struct Progress<C: Component> {
     inputs: Vec<[f64; 4]>,
     /// Purpose of the last call of the callback.
     asked: Asked,
-    /// Time at which the host wants the step to end, s.
+    /// End of the step wanted by the host, s.
     until: Option<f64>,
 }
 
@@ -158,7 +158,8 @@ impl<C: Component> Instance<C> {
         Ok((progress, turn))
     }
 
-    /// Reads the required inputs as set, and uses them as their values from index `n` on.
+    /// Reads the required inputs as set, and uses them as their values for all later times, the
+    /// first of index `n`.
     fn read_inputs(&mut self, progress: &mut Progress<C>, n: usize) -> Outcome<C> {
         let inputs = &mut progress.inputs;
         Ok(self.common.component.get(FLOAT64, &self.required, |i, value| inputs[i][n..].fill(value))?)

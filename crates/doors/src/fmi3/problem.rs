@@ -15,7 +15,7 @@ pub type Outcome<C, T = ()> = Result<T, CallProblem<<C as Model>::Problem>>;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CallProblem<P: Refusal> {
-    /// The call is not allowed in this state (FMI 3.0.2, 2.3, 3.2 and 4.2).
+    /// The present state forbids the call (FMI 3.0.2, 2.3, 3.2 and 4.2).
     #[error("cannot be called in state {stage:?} of {}{}{}", interface.name(), led_there(*failed), way_on(*stage))]
     State {
         /// The state of the instance.
@@ -61,7 +61,7 @@ fn led_there(failed: Option<Function>) -> String {
     failed.map_or_else(String::new, |function| format!(", after an error in {}", function.name()))
 }
 
-/// Text on how a host can continue from a state in which few calls are allowed.
+/// Advice to a host in a state with few permitted calls.
 fn way_on(stage: Stage) -> &'static str {
     match stage {
         Stage::Terminated => ": restore a saved state or reset the instance",

@@ -1,11 +1,11 @@
-//! The functions allowed in each state: the common states and the states of Model Exchange and
+//! The permitted functions of each state: the common states and the states of Model Exchange and
 //! Co-Simulation as one table (FMI 3.0.2, 2.3, 3.2 and 4.2).
 
 use crate::allowed::function_table;
 use crate::life::Phase;
 
 /// The states of both state machines, named as in the standard. Configuration Mode and
-/// Reconfiguration Mode never occur, since there are no structural parameters.
+/// Reconfiguration Mode never occur, since no parameter is structural.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Just instantiated or reset.
@@ -124,10 +124,10 @@ function_table! {
     DeserializeFMUState:             ANY_EXCHANGE,  ANY_COSIMULATION;
     GetDirectionalDerivative:        N | E | C | T, N | E | S | T;
     GetAdjointDerivative:            N | E | C | T, N | E | S | T;
-    // Never: there are no structural parameters.
+    // Never permitted: no parameter is structural.
     EnterConfigurationMode:          0,             0;
     ExitConfigurationMode:           0,             0;
-    // Never: there are no input clocks.
+    // Never permitted: no variable is an input clock.
     GetIntervalDecimal:              0,             0;
     GetIntervalFraction:             0,             0;
     GetShiftDecimal:                 0,             0;

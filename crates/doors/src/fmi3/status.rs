@@ -11,8 +11,8 @@ pub fn enabled_at_start(logging_on: bool) -> Categories {
     if logging_on { Categories::ALL } else { Categories::NONE }
 }
 
-/// A message in the format of the host's logger, in which # starts the reference of a variable.
-/// Each # is therefore doubled (FMI 3.0.2, 2.3.1).
+/// A message in the format of the host's logger. The logger reads # as the start of a variable's
+/// reference, so each # is doubled (FMI 3.0.2, 2.3.1).
 pub fn finished(message: &str) -> CString {
     c_text(&message.replace('#', "##"))
 }

@@ -133,7 +133,7 @@ pub(crate) fn whole_step<H: Hybrid>(
     Ok(StepOutcome { time: h.time(), event, early })
 }
 
-/// Runs a step in which taking over the set values may have been an event.
+/// Runs a step whose new set values may have caused an event.
 #[inline]
 fn whole<H: Hybrid>(
     h: &mut H,

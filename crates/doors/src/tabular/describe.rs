@@ -7,7 +7,7 @@ use crate::messages::log_categories;
 
 impl<T: Tabular> FromTable<T> {
     /// The contents of `modelDescription.xml` for both versions. Author, licence and similar texts
-    /// are empty and may be filled in.
+    /// are empty; the caller may add them.
     ///
     /// # Panics
     /// If a row has a unit that is not made of the symbols of [`Row::parameter`].
@@ -106,8 +106,8 @@ impl Row {
 }
 
 /// The exponents of kg, m, s, A, K, mol, cd and rad in a unit. A unit is a product of factors
-/// separated by points; after at most one slash follow the factors of the denominator. A factor may
-/// have an exponent. `None` if a symbol is not known.
+/// separated by points; after at most one slash follow the factors of the denominator. A factor
+/// may have an exponent. `None` if a symbol is not known.
 fn exponents(unit: &str) -> Option<[i32; 8]> {
     let mut sum = [0; 8];
     let (above, below) = unit.split_once('/').unwrap_or((unit, ""));

@@ -10,8 +10,8 @@ use crate::model::Model;
 use crate::problem::Problem;
 use crate::values::Bases;
 
-/// Number of parts of a step. In each part an input that follows a polynomial is held at its value
-/// in the middle; the error is proportional to the square of the length of a part.
+/// Number of parts of a step. Each part holds a polynomial input at its value in the middle; the
+/// error is proportional to the square of the length of a part.
 const PARTS: f64 = 16.0;
 
 /// An input that follows a polynomial.

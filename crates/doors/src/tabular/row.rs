@@ -133,8 +133,8 @@ impl Row {
         Self { min, max, ..self }
     }
 
-    /// Checks that a motion can have reached a value. By rounding or by its motion, a state may be
-    /// outside the range of values that may be set.
+    /// Checks that a motion can have reached a value. Because of rounding or its motion, a state
+    /// may be outside the range of set values.
     pub(super) fn check_reached(&self, value: f64) -> Result<(), Problem> {
         let anything = Self { min: f64::MIN, max: f64::MAX, ..*self };
         match self.role {

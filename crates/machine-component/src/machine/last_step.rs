@@ -8,8 +8,8 @@ use vibro_machine::motion::{Hybrid, Reached};
 use vibro_machine::signals::Input;
 use vibro_machine::{Assembly, Differentiated, Error, Motion};
 
-/// Relative tolerance within which a replay reaches the same time. If a host ended a step between
-/// events, the replay has other sub-steps.
+/// Relative tolerance for the times of a replay. If a host ended a step between events, the replay
+/// has other sub-steps.
 const SAME_TIME: f64 = 8.0 * f64::EPSILON;
 
 /// Beginning of the last step, the inputs it took over, and its intended end.

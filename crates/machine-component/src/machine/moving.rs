@@ -257,7 +257,7 @@ pub struct Shown {
     pub(super) stops: Vec<(f64, f64, f64)>,
     /// State of each friction element.
     pub(super) frictions: Vec<f64>,
-    /// Number of corners that each spring has passed.
+    /// Number of passed corners of each spring.
     pub(super) lines: Vec<f64>,
     /// State of each spring in series.
     pub(super) sliders: Vec<f64>,

@@ -104,7 +104,7 @@ fn check_contact(stop: &Stop, contact: ContactLaw, problems: &mut Vec<Problem>) 
     if stop.stepped.is_some() {
         refuse(
             "a stiffness that steps in time cannot be combined with `exponent` or `dissipation`: use two stops \
-             side by side",
+             in parallel",
         );
     }
     match stop.law {

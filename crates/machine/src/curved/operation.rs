@@ -152,7 +152,7 @@ impl Operation {
         [by_first, 0.0]
     }
 
-    /// Size of the value and sizes of the derivatives, to which rounding errors are relative.
+    /// Sizes of the value and of the derivatives, for their relative rounding errors.
     #[inline(always)]
     pub fn sizes(&self, arguments: [f64; 2]) -> (f64, [f64; 2]) {
         if let Self::Polynomial(force) = self {

@@ -4,8 +4,8 @@
 
 use super::Operation;
 
-/// Largest number of coefficients of a series. With straight laws and rate times length 4, the
-/// first omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
+/// Cap on the coefficients of a series. For straight laws and rate times length 4, the first
+/// omitted term is below 4⁴⁰/40! < 2e-24 of the largest coordinate.
 pub const TERMS: usize = 40;
 
 /// Coefficients of an operation by order. In the majorant's series all are sizes.
@@ -42,8 +42,8 @@ fn power(a: &[f64; TERMS], w: &[f64; TERMS], (p, is_majorant): (f64, bool), k: u
 }
 
 /// Coefficients of order k of the operation's value w, of its slope g, and of a helper q. All
-/// lower orders are set. If `is_majorant` is true, the coefficients of order 1 and above are sizes,
-/// and no terms cancel.
+/// lower orders are set. If `is_majorant` is true, the coefficients of order 1 and above are
+/// sizes, and no terms cancel.
 #[inline(always)]
 pub(super) fn next(
     (operation, is_majorant): (&Operation, bool),

@@ -6,8 +6,8 @@ use super::{CurveSeries, Operation};
 /// Largest error of a series in the norm of (A6), relative to the largest term of the states. This
 /// is half the spacing of doubles at 1.
 const REMAINDER: f64 = 1e-16;
-/// Size of the last two terms, relative to the largest of the first three, at the span with which
-/// the search for the longest span begins.
+/// Size of the last two terms, relative to the largest of the first three, at the initial span of
+/// the search for the longest span.
 const LAST: f64 = 1e-17;
 /// Largest number of times a span is shortened.
 const SHORTENINGS: usize = 100;
@@ -16,7 +16,7 @@ pub(super) const ROOM: f64 = 1e-12;
 /// Largest exponent of the growth of an error within a span.
 const GROWTH: f64 = 20.0;
 
-/// Factor by which a span is shortened at an edge.
+/// Shortening factor of a span at an edge.
 const AT_EDGE: f64 = 0.5;
 /// Shortening of a span if an operation may not be defined throughout the span.
 const UNDEFINED: f64 = 0.7;
@@ -43,7 +43,7 @@ impl ArgumentTerms<'_> {
 const UNSEEN: f64 = 1e-16;
 /// Factor on a span that is too long for such a force.
 const OF_UNSEEN: f64 = 0.8;
-/// Part of the span that is proved for the states, below which such a force shortens it no further.
+/// Fraction of the span proved for the states, below which such a force shortens it no further.
 const LEAST_OF_UNSEEN: f64 = 1e-3;
 
 /// An operation with its series, and the norms of its rows and its column.
@@ -68,7 +68,7 @@ pub(crate) struct CurveTerms<'a> {
     /// Norm of the derivative of the operation's value by the states, over the tube; set by
     /// [`Remainder::bound`].
     pub(crate) steepness: f64,
-    /// Whether the operation is a side of a power with an edge. The motion beside the polynomial may
+    /// Whether the operation is a side of a power with an edge. The motion near the polynomial may
     /// pass the edge, where the power stays Lipschitz.
     pub(crate) is_sided: bool,
     /// Bound of the value of a power at its edge, which the series leaves out; set by
@@ -146,8 +146,8 @@ impl<'a> CurveTerms<'a> {
     }
 
     /// Σ |wₖ| partᵏ over k ≥ `last`, what operations at their edges leave out, and the norm of w's
-    /// derivative by the states within `margin` of the polynomial. `known` has the operations before
-    /// this one.
+    /// derivative by the states within `margin` of the polynomial. `known` has the operations
+    /// before this one.
     pub(super) fn tail_and_steepness(
         &self,
         known: &[Self],
@@ -305,8 +305,7 @@ impl Remainder<'_> {
                 part = part.min((LAST * size / self.norms[k]).powf(1.0 / k as f64));
             }
         }
-        // With this radius as the unit of time, the last terms are about as large as the first
-        // ones.
+        // In units of this radius, the last terms are about as large as the first ones.
         let radius = part * (1.0 / LAST).powf(1.0 / last as f64);
         self.prepare(part, radius);
         let mut proved = None;

@@ -17,8 +17,8 @@ const ALL: Polynomial = Polynomial { coefficients: [1.0; POWERS] };
 pub struct CurveSeries {
     /// First argument.
     x: [f64; TERMS],
-    /// Coefficients of x in reverse order, followed by zeros. With this copy, the sum for a
-    /// product of two series reads both factors in ascending order of memory.
+    /// Coefficients of x in reverse order, followed by zeros. They let the sum for a product of
+    /// two series read both factors in ascending order of memory.
     back: [f64; 2 * TERMS],
     /// For a polynomial: x², …, x⁵. For another operation: second argument, value, slope by the
     /// first argument, and a helper of the recurrence.
@@ -111,8 +111,8 @@ impl CurveSeries {
         force.coefficients.iter().zip(&self.powers).map(|(c, power)| c * power[k]).sum()
     }
 
-    /// Sets all powers of the argument of a polynomial at order `k`, also powers whose coefficients
-    /// are 0. Other operations are set as by [`next`](Self::next).
+    /// Sets all powers of the argument of a polynomial at order `k`, also powers whose
+    /// coefficients are 0. Other operations are set as by [`next`](Self::next).
     pub fn next_of_all(&mut self, operation: &Operation, k: usize, arguments: [f64; 2]) -> f64 {
         match operation {
             Operation::Polynomial(force) => {
@@ -166,13 +166,14 @@ impl CurveSeries {
         self.x
     }
 
-    /// Bound of the largest argument of a power at its edge: of x for a power of one side, of |x| for
-    /// others.
+    /// Bound of the largest argument of a power at its edge: of x for a power of one side, of |x|
+    /// for others.
     pub(crate) fn highest(&self, operation: &Operation, part: f64) -> f64 {
         if !matches!(operation, Operation::OneSided(_)) {
             return self.x[0].abs() + self.sum_of_sizes_beyond(part);
         }
-        // Negative terms only lower the argument: the force of a contact that ends is 0 from there on.
+        // Negative terms only lower the argument: the force of an ending contact is 0 after its
+        // edge.
         let mut power = 1.0;
         let terms = self.x[1..=LAST_ORDER].iter().map(|x| {
             power *= if self.backwards { -part } else { part };
@@ -181,7 +182,7 @@ impl CurveSeries {
         self.x[0] + terms.sum::<f64>()
     }
 
-    /// Bound of the part of a span, at most `part`, in which the argument of a power of one side is
+    /// Bound of the part of a span, at most `part`, whose argument of a power of one side is
     /// positive.
     pub(crate) fn inside(&self, operation: &Operation, part: f64) -> f64 {
         if !matches!(operation, Operation::OneSided(_)) {
@@ -279,7 +280,7 @@ pub struct PolynomialSizes {
     slope: Polynomial,
     /// Coefficient of the linear term of the majorant's derivative.
     linear: f64,
-    /// Size to which the rounding error of the argument at the start is relative.
+    /// Size for the relative rounding error of the argument at the start.
     shift: f64,
     value: CurveSeries,
     change: CurveSeries,

@@ -91,9 +91,9 @@ impl Tangent {
 /// How the stretch of a branch varies in a mode.
 enum Moves {
     No,
-    /// With the rate of the elongation.
+    /// Varies with the rate of the elongation.
     WithRate,
-    /// With the level of the slider of a contact, which slips in this direction.
+    /// Varies with the level of a contact's slider, which slips in this direction.
     WithLevel(f64),
 }
 

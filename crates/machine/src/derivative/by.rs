@@ -44,8 +44,8 @@ impl fmt::Display for By {
     }
 }
 
-/// Whether motions have derivatives with respect to a parameter. They have none for the period of
-/// a signal, nor for the sample times and delays of blocks.
+/// Whether motions have derivatives with respect to a parameter. The period of a signal has none,
+/// nor have the sample times and delays of blocks.
 ///
 ///
 /// ```

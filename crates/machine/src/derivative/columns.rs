@@ -55,7 +55,7 @@ impl Columns {
         own.zip(from.iter()).for_each(|(own, x)| *own = *x);
     }
 
-    /// Raises each number to the size of the other's number, if that is larger.
+    /// Sets each number to the size of the corresponding number of `other`, if that is larger.
     pub fn include(&mut self, other: &Self) {
         let all = self.numbers.iter_mut().zip(&other.numbers);
         all.for_each(|(most, x)| *most = if x.abs() > *most { x.abs() } else { *most });

@@ -26,7 +26,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// A motion with the derivatives of its values and of its events' times with respect to numbers of
-/// the machine and of its start. They are exact through impacts, contacts and sticking.
+/// the machine and of its start. The derivatives are exact through impacts, contacts and sticking.
 ///
 /// A column of derivatives is [`By`] a parameter, or by the initial state or time. Once a column
 /// has no derivative, [`derivative`](Self::derivative) returns `None` for it, and
@@ -119,7 +119,7 @@ impl Differentiated {
 
     /// Starts the motion at a time from a given state, as [`Motion::from_state`], with its
     /// derivatives. No parameter varies the state. A column that moves a rigid stop closed there,
-    /// or its gap, has no derivative: there is no start behind the stop. A motion [under
+    /// or its gap, has no derivative, since a start behind the stop is impossible. A motion [under
     /// way](Self::from_motion) follows the stop instead.
     ///
     /// The derivative of a spring's later state by its initial state is the transition matrix:

@@ -34,8 +34,8 @@ fn add_all<S: Simd>(simd: S, sums: &mut [f64], factor: f64, terms: &[f64]) {
     }
 }
 
-/// Multiplies a row of a matrix and of its variation. Computes `B` vectors, from `first` on, of
-/// the `each` vectors of a coordinate.
+/// Multiplies a row of a matrix and of its variation. Computes `B` vectors, the first of index
+/// `first`, of the `each` vectors of a coordinate.
 #[inline(always)]
 fn row_at<S: Simd, const B: usize>(
     simd: S,
@@ -236,8 +236,8 @@ impl VariedMode {
         }
     }
 
-    /// Whether to fly by rungs: they must take less work than series, and the work that they would
-    /// have saved so far must exceed the work of making them.
+    /// Whether flights use rungs. Rungs must take less work than series, and the total work that
+    /// rungs would have saved must exceed the work of making them.
     fn is_by_rungs(&self, time: f64) -> bool {
         let (size, parts) = (self.a.len(), time / (PART * self.length));
         if parts < 1.0 {

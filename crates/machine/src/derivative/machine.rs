@@ -77,7 +77,7 @@ pub(super) struct Instant<'m, 'a> {
 pub(super) struct Varied<'a> {
     pub p: usize,
     pub delta: &'a DVector<f64>,
-    /// Largest sizes of `delta` so far, which distinguish rounding from a variation.
+    /// Past maxima of the sizes of `delta`, which distinguish rounding from a variation.
     pub scale: &'a DVector<f64>,
 }
 
@@ -102,8 +102,8 @@ impl Machine {
         Ok(Self { assembly, system, columns, tangents })
     }
 
-    /// Returns the machine whose parameters vary from `time` on. The integrals of prescribed
-    /// motions continue from their present values.
+    /// Returns the machine whose parameters vary after `time`. The integrals of prescribed motions
+    /// continue from their present values.
     pub fn under_way(mut self, time: f64, z: &DVector<f64>) -> Self {
         let bodies = self.assembly.description.bodies.iter().enumerate();
         let prescribed = bodies.filter(|(_, body)| body.kind.is_prescribed()).map(|(i, _)| i).enumerate();
@@ -249,7 +249,7 @@ impl Machine {
     }
 
     /// Returns the event functions that are zero and stay zero to first order, or whose crossing
-    /// changes forces at once. With `begins`, returns all that are zero, unless forces are
+    /// changes forces at once. If `begins` is true, returns all that are zero, unless forces are
     /// continuous there.
     pub fn still<'m>(&self, at: &Instant<'m, '_>, begins: bool) -> Vec<&'m (Watch, Functional)> {
         let stays = |row: &StateRow| row.dot(at.rates).abs() <= TOUCH * self.speed_size(row, at);

@@ -83,8 +83,8 @@ impl From<&FlowTable> for Parts {
     }
 }
 
-/// Largest fraction of a contact's direction that another contact can contribute while the first
-/// contact counts as independent of it.
+/// Tolerance for an independent contact: the fraction of its direction that another contact can
+/// contribute.
 const SHARE: f64 = 1e-9;
 
 /// Returns the contacts of a mode that depend on others, and these others.

@@ -11,14 +11,14 @@ use nalgebra::{DMatrix, DVector};
 /// direction.
 const LOOSE: f64 = 1e-12;
 
-/// Computes the derivative of the coordinates q in equilibrium by parameter `p`. With the
-/// stiffness K of the mode and the closed stops' directions W,
+/// Computes the derivative of the coordinates q in equilibrium by parameter `p`. It solves, for
+/// the stiffness K of the mode and the closed stops' directions W,
 ///
 /// ```text
 /// K dq + W dλ = dF z + F dz - dW λ,    Wᵀ dq = -(dh z + h dz),
 /// ```
 ///
-/// where `delta` contains dz, the signals' derivatives. In directions in which nothing acts, dq is
+/// where `delta` contains dz, the signals' derivatives. Along directions without forces, dq is
 /// zero.
 pub(super) fn equilibrium(
     machine: &Machine,
@@ -168,7 +168,7 @@ fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
 fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVector<f64>, &Instant)) -> bool {
     let (system, tangent, by) = (&machine.system, &machine.tangents[p], machine.contact(contact, p).1);
     let (row, own) = match contact {
-        // A freewheel keeps its angle from the machine without displacements, whatever its rate.
+        // At rest a freewheel keeps the angle that it has at zero displacement, whatever its rate.
         Contact::Stop(_) if !system.keeps_place(contact) => return by.w.amax() == 0.0,
         Contact::Stop(i) => (&*system.stops[i].excess, &tangent.stops[i].excess),
         Contact::Friction(i) => {
@@ -183,8 +183,8 @@ fn is_unmoved(machine: &Machine, p: usize, contact: Contact, (delta, at): (&DVec
 
 /// Returns the contacts that keep their place at rest, with their index in the basis: closed
 /// stops, which must press, and, if one of them bears a force, sticking friction and engaged
-/// freewheels. Friction and freewheels keep w·q = 0 as without displacements, and must stay inside
-/// their limits.
+/// freewheels. For friction and freewheels w·q stays 0, its value at zero displacement, and their
+/// forces must stay inside the limits.
 fn held(machine: &Machine, p: usize, at: &Instant) -> Result<Vec<(usize, Contact)>, Lost> {
     let (mode, n) = (&at.mode.mode, machine.system.coordinates);
     let force = |k: usize| {

@@ -53,8 +53,8 @@ impl StopTangent {
     pub fn contact(rows: &StopRows, own: &ContactRows, by: Self, (law, dissipation): (StopLaw, f64)) -> Self {
         let zero = StateRow::zeros(by.excess.len());
         let rate = &rows.elongation.rate;
-        // xᵖ and xᵖ x' are coordinates; their derivatives are not part of the rows. With the exponent
-        // 1, x is a row.
+        // xᵖ and xᵖ x' are coordinates; their derivatives are not part of the rows. If the
+        // exponent is 1, x is a row.
         let power = if own.exponent == 1.0 { &by.excess } else { &zero };
         let places: [&StateRow; 3] = [&own.power, &own.product, rate];
         let parts = [
@@ -96,7 +96,8 @@ pub(super) struct BranchTangent {
     pub rate: StateRow,
     /// The derivative of a slider's level.
     pub level: StateRow,
-    /// The derivative of the row of the stretch's rate while the slider of a contact slips upwards.
+    /// The derivative of the row of the stretch's rate while the slider of a contact slips
+    /// upwards.
     pub sliding: StateRow,
 }
 

@@ -9,8 +9,8 @@ const REMAINDER: f64 = 1e-18;
 /// Size of the table of orders; no series needs this many.
 const MOST: usize = 64;
 
-/// Largest rate × time r that a power series covers, by number of orders. Its terms r^k/k! at
-/// least halve from the last order onwards.
+/// Limit of rate × time r for a power series, by number of orders. Its terms r^k/k! at least halve
+/// from the last order onwards.
 static REACH: LazyLock<[f64; MOST]> = LazyLock::new(|| {
     let mut factorial = 1.0;
     std::array::from_fn(|k| {

@@ -11,7 +11,7 @@ use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind, Impulse};
 use nalgebra::DVector;
 
-/// Relative rounding of a stretch that the start keeps.
+/// Relative tolerance for the rounding of a stretch kept by the start.
 const MOVED: f64 = 1e-12;
 
 /// Source of the initial state.

@@ -2,9 +2,9 @@
 
 use super::{Arms, DampingLimit, StopLaw};
 
-/// A contact with a finite normal stiffness. With x = e - gap, its normal force is N =
-/// max(0, stiffness x + damping e') where x >= 0 and 0 elsewhere. With a [`Tangent`], a spring and
-/// a slider act along the tangent, whose limit is the coefficient of friction times N
+/// A contact with a finite normal stiffness. Let x = e - gap. Its normal force is N = max(0,
+/// stiffness x + damping e') where x >= 0 and 0 elsewhere. A [`Tangent`] adds a spring and a
+/// slider along the tangent; the slider's limit is the coefficient of friction times N
 /// (docs/assembly-law.md, section 24).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {

@@ -149,7 +149,7 @@ fn check_sizes(of: &str, given: &Given, problems: &mut Vec<Problem>) {
     for (key, own) in squares.into_iter().chain([("gyroscopic", given.gyroscopic.as_ref())]) {
         let Some(own) = own.filter(|own| own.shape() != (n, n) || n == 0) else { continue };
         let text = format!(
-            "has {} rows and {} columns; expected as many of each as mass has rows, {n}",
+            "has {} rows and {} columns; expected {n} of each, as in the mass matrix",
             own.nrows(),
             own.ncols()
         );

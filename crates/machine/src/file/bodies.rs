@@ -10,7 +10,7 @@ use crate::parameters::has_unit;
 use crate::refusal::Problem;
 use toml::de::DeValue;
 
-/// Message that lists the keys of which a body needs exactly one.
+/// Message with the keys for the kind of a body, which needs exactly one of them.
 const KINDS: &str = "`mass` for a body that translates, `inertia` for a body that rotates, \
                      or `motion` for a prescribed motion";
 

@@ -23,7 +23,7 @@ pub struct Completion {
     pub allowed: String,
 }
 
-/// Part of the text that contains a place.
+/// Part of the text around a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Within {
     Header,
@@ -98,7 +98,7 @@ impl Place {
         own
     }
 
-    /// Number of bytes of the following text that belong to the word.
+    /// Number of bytes of the word in the following text.
     fn rest(&self, tail: &str) -> usize {
         let line = tail.lines().next().unwrap_or("");
         match self.quote {

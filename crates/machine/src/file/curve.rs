@@ -22,7 +22,7 @@ pub(super) fn read(reading: &mut Reading, table: &FileTable, dimension: Dimensio
         *coefficient = reading.number(&entry, kind, dimension);
         is_sound &= coefficient.is_some();
         if let Some(other) = EXCLUDED.into_iter().find(|other| table.has(other)) {
-            let text = format!("cannot be combined with `{other}`: use two springs side by side");
+            let text = format!("cannot be combined with `{other}`: use two springs in parallel");
             reading.refuse(&entry, text);
             is_sound = false;
         }
@@ -36,7 +36,7 @@ pub(super) fn stiffness(reading: &mut Reading, table: &FileTable, dimension: Dim
         let keys = CURVE.iter().map(|own| own.0).chain(powers::KEYS).chain(["force"]);
         let key = keys.into_iter().find(|key| table.has(key)).unwrap_or("points");
         let text = format!(
-            "a stiffness that steps in time cannot be combined with `{key}`: use two springs side by side"
+            "a stiffness that steps in time cannot be combined with `{key}`: use two springs in parallel"
         );
         reading.refuse(&entry, text);
         return None;

@@ -18,7 +18,7 @@ pub(super) const ACROSS: [&str; 2] = ["offset", "free_length"];
 pub(super) fn of_spring(reading: &mut Reading, table: &FileTable) -> Option<Option<Formula>> {
     let Some(entry) = reading.optional(table, "force") else { return Some(None) };
     if let Some(other) = EXCLUDED.into_iter().find(|other| table.has(other)) {
-        reading.refuse(&entry, format!("cannot be combined with `{other}`: use two springs side by side"));
+        reading.refuse(&entry, format!("cannot be combined with `{other}`: use two springs in parallel"));
         return None;
     }
     formula(reading, &entry, "= k1 * e + k3 * e^3").map(Some)
@@ -103,7 +103,7 @@ pub(super) fn across(
     }
     for key in ALONG {
         if let Some(other) = reading.optional(table, key) {
-            let text = "cannot be combined with `offset`: use two springs side by side";
+            let text = "cannot be combined with `offset`: use two springs in parallel";
             reading.refuse(&other, text);
             is_sound = false;
         }

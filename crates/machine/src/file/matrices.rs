@@ -60,7 +60,7 @@ fn csv(text: &str) -> Result<DMatrix<f64>, String> {
         return Err(row.refused(&format!("is beyond the limit; {expected}")));
     }
     let rows = table.rows.iter().map(|row| table.numbers(row, columns)).collect::<Result<Vec<_>, _>>()?;
-    of_rows(rows).ok_or_else(|| "it has no numbers".into())
+    of_rows(rows).ok_or_else(|| "it has no numbers; expected rows of finite numbers".into())
 }
 
 fn value(text: &str) -> Option<f64> {
@@ -172,13 +172,13 @@ fn of_columns<'l>(
     };
     for j in 0..a.ncols() {
         for i in first(j)..a.nrows() {
-            let (number, line) = lines.next().ok_or(" it has too few numbers")?;
+            let (number, line) = lines.next().ok_or(" it has too few numbers for the sizes given")?;
             let x = value(line).ok_or_else(|| format!("{number}: {line}: expected a finite number"))?;
             put(&mut a, (i, j), x, across);
         }
     }
     match lines.next() {
         None => Ok(a),
-        Some((number, _)) => Err(format!("{number}: it has too many numbers")),
+        Some((number, _)) => Err(format!("{number}: it has too many numbers for the sizes given")),
     }
 }

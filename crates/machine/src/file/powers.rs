@@ -35,7 +35,7 @@ pub(super) fn read(
     let kind = kinds::coefficient_of_power(exponent.unwrap_or(f64::NAN), of_rate);
     let coefficient = reading.required(table, "coefficient", &kind.allowed(dimension))?;
     if let Some(other) = excluded.iter().find(|other| table.has(other)) {
-        let text = format!("cannot be combined with `{other}`: use two springs side by side");
+        let text = format!("cannot be combined with `{other}`: use two springs in parallel");
         reading.refuse(&coefficient, text);
         return None;
     }
@@ -128,7 +128,7 @@ pub(super) fn contact(
     let stiffness = stiffness.and_then(|entry| match entry.value.is_table() {
         true => {
             let text = "a stiffness that steps in time cannot be combined with `exponent` or \
-                        `dissipation`: use two stops side by side";
+                        `dissipation`: use two stops in parallel";
             reading.refuse(&entry, text);
             None
         }

@@ -11,7 +11,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Largest number of letters of a value that a message quotes.
+/// Cap on the quoted letters of a value in a message.
 pub(super) const QUOTED: usize = 60;
 
 /// The byte at which each line of a text begins.
@@ -88,7 +88,8 @@ struct Written {
 /// The name or value whose completion is requested, see [`Allowed`]. No machine's text has it.
 pub(super) const ASKED: &str = "\u{f8ff}";
 
-/// Everything that the reader would accept in place of [`ASKED`], collected when it refuses it.
+/// Everything that the reader accepts at the place of [`ASKED`], collected when it refuses
+/// [`ASKED`].
 #[derive(Default)]
 pub(super) struct Allowed {
     /// Keys, or names and words as values.
@@ -112,7 +113,7 @@ pub(super) struct Reading<'a> {
     pub follow: Vec<(String, Expression)>,
     pub records: Records<'a>,
     pub problems: Vec<Problem>,
-    /// Dotted names of keys that misspelt keys probably mean.
+    /// Dotted names of the keys that were probably meant by misspelt ones.
     meant: HashSet<String>,
     pub allowed: Allowed,
 }

@@ -14,7 +14,9 @@ use vibro_numerics::quantities::Unit;
 /// # Errors
 /// Always.
 pub fn no_records(_: &str) -> io::Result<String> {
-    Err(io::Error::other("no files can be read from here"))
+    Err(io::Error::other(
+        "a text that is not in a file cannot refer to other files; write the values into the text",
+    ))
 }
 
 /// Returns a reader of records in a folder.

@@ -32,7 +32,7 @@ pub(super) struct Values {
     pub dimension: Dimension,
 }
 
-/// What may stand in place of a number that is a signal.
+/// Part of a message about a number that may also be a signal.
 const OR_SIGNAL: &str = ", or a signal such as { amplitude = 1.0, frequency = \"10 Hz\" }";
 
 /// Reads a signal: a number with or without a unit, or a table.
@@ -211,7 +211,7 @@ fn record(reading: &mut Reading, table: &FileTable, values: Values) -> Option<Op
         let is_sound = !table.has("interpolation") && !table.has("scale");
         return is_sound.then_some(None);
     };
-    // With a scale the values are plain numbers.
+    // If a scale is given, the values are plain numbers.
     let has_scale = table.has("scale");
     let values = if has_scale { Values { kind: kinds::PLAIN, ..values } } else { values };
     let knots = match found.value.as_str() {

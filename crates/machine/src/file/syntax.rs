@@ -126,8 +126,8 @@ fn begins(said: &str, all: &[&str]) -> bool {
     all.iter().any(|own| said.starts_with(own))
 }
 
-/// A value and its fault, if the library's message is about the value; `rest` is the line from the
-/// error on.
+/// A value and its fault, if the library's message is about the value; `rest` is the line after
+/// the start of the error.
 fn of_value(
     text: &str,
     at: usize,

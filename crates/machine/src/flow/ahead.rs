@@ -1,6 +1,6 @@
 //! Power series ahead of a state, for modes that keep no tables, as in machines of many
-//! coordinates. With many contacts a mode seldom occurs twice, and the power series of the actual
-//! state costs little more than products with tables.
+//! coordinates. If a machine has many contacts, a mode seldom occurs twice, and the power series
+//! of the actual state costs little more than products with tables.
 //!
 //! One series serves a sub-step. It ends a little after the next event that a parabola predicts
 //! for any watched functional, with orders up to a remainder that is provably rounding. The
@@ -154,9 +154,9 @@ pub struct Ahead {
     pub series: Series,
     /// Length of the span, s.
     pub span: f64,
-    /// With curved forces: the span of their series, s.
+    /// Span of the series of curved forces, s.
     pub(super) expanded: f64,
-    /// With curved forces: whether the series goes back in time.
+    /// Whether the series of curved forces goes back in time.
     pub(super) backwards: bool,
     /// Head of each watched functional.
     pub(super) heads: Vec<HeadAhead>,
@@ -254,7 +254,7 @@ impl Ahead {
         way
     }
 
-    /// Number of coefficients of these series that may be nonzero.
+    /// Number of possibly nonzero coefficients of these series.
     #[inline(always)]
     pub fn coefficients(&self) -> usize {
         self.series.orders + 1

@@ -23,8 +23,8 @@ pub(crate) const LAST_CURVE_ORDER: usize = LAST_ORDER;
 /// Rate times the longest span over which coefficients are computed. The proved span of the series
 /// may be longer or shorter.
 pub(crate) const CURVE_REACH: f64 = 4.0;
-/// The span of the computed coefficients may be 2³ times their radius of convergence. Beyond it they
-/// are computed again.
+/// The span of the computed coefficients may be 2³ times their radius of convergence. Beyond it
+/// they are computed again.
 const MOST_EXCESS: i64 = 3;
 
 /// Shortest part of a span that is proved with the coefficients of the whole span.
@@ -78,8 +78,8 @@ pub(crate) struct CurveInMode {
     is_unseen: bool,
     /// Whether the force acts in the mode: the operations of a stop do so beyond its gap.
     pub(crate) acts: bool,
-    /// Largest entry of φ's column, and sums of the sizes of the entries of the first argument's row:
-    /// of the velocities, and of the others. They have no weights.
+    /// Largest entry of φ's column, and sums of the sizes of the entries of the first argument's
+    /// row: of the velocities, and of the others. The sums have no weights.
     pub(crate) plain: [f64; 3],
 }
 
@@ -178,8 +178,8 @@ impl CurveInMode {
     }
 }
 
-/// A bound of the rate of z' = A z with the slopes of the curved forces, 1/s. `rate` is the norm of
-/// A, in the same norm. `slopes` returns the slopes of a force by its arguments.
+/// A bound of the rate of z' = A z with the slopes of the curved forces, 1/s. `rate` is the norm
+/// of A, in the same norm. `slopes` returns the slopes of a force by its arguments.
 #[inline(always)]
 fn with_slopes(rate: f64, curves: &[CurveInMode], slopes: impl Fn(&Curved) -> [f64; 2]) -> f64 {
     let (mut stiffness, mut damping) = (0.0, 0.0);
@@ -354,10 +354,10 @@ impl FlowTable {
         sides_ahead(&self.curves, &AtState { z, rates: &rates, weights, one: *one, rate: *rate, watched })
     }
 
-    /// Longest time, s, over which forces raise the sizes of rates: a sub-step. Curved forces
-    /// shorten it by their slopes at the largest sizes: over a longer time the sizes of rates would
-    /// raise the sizes of displacements, and these the slopes, without end. The slopes of other
-    /// operations than polynomials are taken at the state.
+    /// Time limit of a sub-step, s, for the growth of the sizes of rates by the forces. Curved
+    /// forces shorten it by their slopes at the largest sizes: over a longer time the sizes of
+    /// rates would raise the sizes of displacements, and these the slopes, without end. The slopes
+    /// of other operations than polynomials are taken at the state.
     pub fn length_for(&self, z: &[f64], sizes: &[f64]) -> f64 {
         if !self.is_curved() {
             return self.length;

@@ -15,8 +15,8 @@ use std::sync::{Arc, OnceLock};
 /// Number of rungs: lengths of up to 2⁴⁷ sub-steps.
 pub const RUNGS: usize = 48;
 
-/// Largest number of coordinates for which flows with stiff forces are doubled in double-double
-/// arithmetic. It takes ten times as long: milliseconds for each doubling.
+/// Limit of the number of coordinates for flows with stiff forces that are doubled in
+/// double-double arithmetic. It takes ten times as long: milliseconds for each doubling.
 const EXACT: usize = 40;
 
 /// A value for each length of 2^k sub-steps, made on first use. Most modes need no rung. The list

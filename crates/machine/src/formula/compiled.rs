@@ -4,7 +4,7 @@
 use super::{Function, Operator, Term};
 use crate::curved::{Operation, POWERS, Polynomial};
 
-/// Largest power of a polynomial that is one operation.
+/// Limit of the power of a polynomial in one operation.
 const LARGEST: usize = POWERS + 1;
 
 /// A term of a line.
@@ -149,8 +149,8 @@ impl Compiled {
         values
     }
 
-    /// For each operation with a domain, whether its argument is positive, at an elongation without
-    /// a rate.
+    /// For each operation with a domain, whether its argument is positive, at an elongation
+    /// without a rate.
     pub fn signs(&self, e: f64) -> Vec<bool> {
         let values = self.at(e, 0.0);
         let own = self.steps.iter().filter(|step| step.operation.has_domain());

@@ -18,7 +18,7 @@ const DEPENDENT: f64 = 1e-11;
 /// Rounding error of a force on a coordinate, relative to the sum of the absolute values of its
 /// terms: some tens of rounding errors of the solution.
 const ROUNDING: f64 = 1e-14;
-/// Number of neighbouring contacts over which rounding propagates.
+/// Range of the rounding of one contact, in neighbouring contacts.
 const NEIGHBOURS: usize = 2;
 
 /// The quadratic program of the contacts. Bounds may be infinite; for an equality both are.

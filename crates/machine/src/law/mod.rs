@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 /// of the sum of the largest magnitudes that its terms have had so far.
 pub const ZERO: f64 = 1e-13;
 
-/// Largest absolute value so far of each component of the augmented state, which defines the zero
+/// Past maximum of the size of each component of the augmented state, which defines the zero
 /// tolerance (docs/assembly-law.md (A18)).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sizes(#[serde(with = "crate::serialized")] pub DVector<f64>);

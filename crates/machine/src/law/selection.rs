@@ -76,8 +76,8 @@ enum Friction {
 enum Slider {
     /// Decided.
     Is(SliderState),
-    /// The force is at its level in this direction, or with 0 in both, and the rate of slip and its
-    /// derivatives are zero up to the present order.
+    /// The force is at its level in this direction, or with 0 in both, and the rate of slip and
+    /// its derivatives are zero up to the present order.
     AtLevel(f64),
     /// The slider of a contact at its edge, whose normal force is not decided.
     AtEdge,
@@ -102,9 +102,9 @@ pub struct Selection<'a> {
     stops: Vec<Stop>,
     frictions: Vec<Friction>,
     sliders: Vec<Slider>,
-    /// Contacts in the order in which their forces came to lie strictly inside their bounds. The
-    /// basis prefers these contacts: contacts that depend on them then keep a share that is a
-    /// bound or zero.
+    /// Contacts in the order of their forces' arrival strictly inside their bounds. The basis
+    /// prefers these contacts: contacts that depend on them then keep a share that is a bound or
+    /// zero.
     preferred: Vec<Contact>,
     /// Whether each friction has left its static level in this choice.
     released: Vec<bool>,
@@ -477,8 +477,8 @@ impl<'a> Selection<'a> {
         Mode { stops, frictions, sliders: self.slider_states(), basis }
     }
 
-    /// Returns the states of all branches; undecided sliders at their levels, whose rate of slip is
-    /// zero, are held.
+    /// Returns the states of all branches; undecided sliders at their levels, whose rate of slip
+    /// is zero, are held.
     fn slider_states(&self) -> Vec<SliderState> {
         let state = |slider: &Slider| match *slider {
             Slider::Is(state) => state,

@@ -68,7 +68,7 @@ impl Flags {
 struct Carried {
     /// The stretch of the contact's spring after the jump.
     stretch: f64,
-    /// The direction in which the slider is at its level; 0 if it is not.
+    /// The direction of a slider at its level; 0 below the level.
     direction: f64,
     /// The energy loss over the tangential stiffness.
     lost: f64,
@@ -107,8 +107,8 @@ pub(super) fn is_low(rebound: f64, acceleration: f64, least: f64) -> bool {
     rebound * rebound < 2.0 * acceleration * least
 }
 
-/// The order of an event function's zero, from its first nonzero derivative. By the law the
-/// derivative is negative: slightly positive values count as zero.
+/// The order of an event function's zero, from its first nonzero derivative. The law makes this
+/// derivative negative: slightly positive values count as zero.
 fn order_of(departure: Option<(usize, f64)>) -> usize {
     match departure {
         None => ORDERS,
@@ -247,8 +247,8 @@ impl Motion {
     }
 
     /// Moves the sliders of contacts in a jump, as if both elongations of each contact moved
-    /// steadily from their values before the jump (docs/assembly-law.md (A67)). Returns each contact's
-    /// slider with its energy loss, J.
+    /// steadily from their values before the jump (docs/assembly-law.md (A67)). Returns each
+    /// contact's slider with its energy loss, J.
     fn slide_contacts(&mut self, before: &BeforeJump) -> Vec<(usize, f64)> {
         let Self { assembly, hybrid, .. } = self;
         let (system, z) = (&assembly.system, &mut hybrid.z);
@@ -310,7 +310,7 @@ impl Motion {
                 Watch::Turns(i) => flags.limits[i] = true,
                 Watch::Changes(i) => {
                     let (stop, z) = (&system.stops[i], &hybrid.z);
-                    // A cap is reached only on the way in, even close to the edge. A stop that
+                    // A stop reaches a cap only on the way in, even close to the edge. A stop that
                     // counted as being at its edge would be entered again.
                     let cap = hybrid.mode.stops[i] == StopState::Capped
                         || (stop.is_elastogap() && stop.force.dot(z) > stop.spring.dot(z));

@@ -58,7 +58,7 @@ impl Motion {
         states
     }
 
-    /// Sets the continuous states, as many as [`states`](Self::states) returns.
+    /// Sets the continuous states, in the order and number of [`states`](Self::states).
     pub fn set_states(&mut self, states: &[f64]) {
         let Self { assembly, hybrid, .. } = self;
         let own = assembly.system.signals.one;

@@ -162,8 +162,8 @@ impl Motion {
         Ok(())
     }
 
-    /// Refuses a start in which a rigid stop has e > gap. The tolerance is the rounding of the
-    /// terms of e - gap, where `ways` adds to the coordinates' sizes.
+    /// Refuses a start with e > gap at a rigid stop. The tolerance is the rounding of the terms of
+    /// e - gap, where `ways` adds to the coordinates' sizes.
     pub(super) fn check_stops(&self, ways: &[f64]) -> Result<(), Error> {
         let (system, z) = (&self.assembly.system, &self.hybrid.z);
         for (i, stop) in system.stops.iter().enumerate().filter(|(_, stop)| stop.keeps_gap()) {

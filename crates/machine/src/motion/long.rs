@@ -35,9 +35,9 @@ impl Motion {
     }
 }
 
-/// Returns the longest rung that is shorter than `remaining` and in which no event function passes
-/// its limit. The bound value + slope t + bend t²/2 is convex: it is below the limit throughout if
-/// it is below at both ends. Writes z' to the scratch memory.
+/// Returns the longest rung that is shorter than `remaining` and free of passages: no event
+/// function passes its limit in it. The bound value + slope t + bend t²/2 is convex: it is below
+/// the limit throughout if it is below at both ends. Writes z' to the scratch memory.
 fn safe_rung(table: &FlowTable, hybrid: &Hybrid, remaining: f64, scratch: &mut Scratch) -> Option<usize> {
     let z = hybrid.z.as_slice();
     let Scratch { rates, second, .. } = scratch;

@@ -22,7 +22,7 @@ const MOST_OVERSHOOT_BOUNCES: f64 = 1e4;
 
 impl Motion {
     /// Returns the relative height below which bounces are not simulated. If impacts are detected
-    /// late, at a depth d, a ball falls d further at every impact. With restitution ε the height
+    /// late, at a depth d, a ball falls d further at every impact. For a restitution ε the height
     /// of its bounces then stays above d ε²/(1 - ε²).
     pub(super) fn least_bounce(&self, restitution: f64) -> f64 {
         if self.overshoot == 0.0 {

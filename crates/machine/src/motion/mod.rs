@@ -112,7 +112,7 @@ pub struct Hybrid {
     turns: u32,
     /// The event function that ended the last mode.
     last: Option<Watch>,
-    /// Contacts that keep e' at zero, but not e, with their e when they began to hold; sorted.
+    /// Contacts that keep only e' at zero, each with its e when it began to hold; sorted.
     standing: Vec<(Contact, f64)>,
     /// The pending event.
     due: Option<Due>,
@@ -302,10 +302,10 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Raises the sizes of rates by what forces would add while they move a coordinate by its own
-    /// size, for at most a sub-step without held contacts. The rate of a body that was at rest in
-    /// an earlier motion is only rounding and gives no size. Returns by coordinate the distance
-    /// moved in a sub-step, or until forces have reversed the motion.
+    /// Raises the sizes of rates to the rates that forces produce while they move a coordinate by
+    /// its own size, or during a sub-step without held contacts if that is shorter. The rate of a
+    /// body that was at rest in an earlier motion is only rounding and gives no size. Returns by
+    /// coordinate the distance moved in a sub-step, or until forces have reversed the motion.
     fn include_standing(&mut self) -> Vec<f64> {
         let (system, Hybrid { z, sizes, .. }) = (&self.assembly.system, &mut self.hybrid);
         let state = |stop: &crate::system::StopRows| match stop.restitution() {
@@ -352,8 +352,8 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Returns the state before the law at the start, at a time or at the last time event of its
-    /// instant. Samples at this time count as done or, with `fresh`, are still due.
+    /// Returns the state at the start before the law. The time is moved to the last knot or sample
+    /// of the same instant. Samples at this time count as done unless `fresh` is true.
     fn placed(assembly: Arc<Assembly>, time: f64, start: &[f64], fresh: bool) -> Result<Self, Error> {
         if !time.is_finite() {
             return Err(Error::OutOfRange {
@@ -550,5 +550,5 @@ impl Motion {
     }
 }
 
-/// Longest time over which forces count in the distances at a start, s.
+/// Time limit for forces in the distances at a start, s.
 const LONGEST: f64 = 1.0;

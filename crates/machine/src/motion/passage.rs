@@ -143,8 +143,8 @@ impl PassageSearch<'_> {
         }
     }
 
-    /// Returns the longest of `span`, `span`/2, … in which the travel of all watched stops is
-    /// within [`REACH`], but at least `span`/64.
+    /// Returns the longest of `span`, `span`/2, … during which all watched stops travel at most
+    /// [`REACH`], but at least `span`/64.
     #[inline(always)]
     pub(super) fn within_reach(&self, mut span: f64, heads: &[Group]) -> f64 {
         let least = span * 0.5f64.powi(HALVINGS);
@@ -558,9 +558,10 @@ fn turns_round<const N: usize>(begin: f64, c: &[f64; N], zero: f64) -> bool {
     begin + sum_behind(c, |x| x) <= 0.0 || slope <= 0.0 || slope * slope <= -2.0 * bend * zero
 }
 
-/// Returns the intervals of a sub-step in which an event function may pass zero, as bits; in the
-/// others it is proved to stay below. Between two samples at a distance h it lies within M h²/8 of
-/// their chord, where M bounds its second derivative. Its zero at the start has the order `order`.
+/// Returns the intervals of a sub-step with a possible zero of an event function, as bits. In the
+/// others the function is proved to stay below zero. Between two samples at a distance h it lies
+/// within M h²/8 of their chord, where M bounds its second derivative. Its zero at the start has
+/// the order `order`.
 #[inline(always)]
 fn near_intervals(order: usize, head: &Head, step: f64, samples: impl FnOnce() -> [f64; INTERVALS]) -> u8 {
     if order >= HIGH_ORDER {

@@ -14,9 +14,9 @@ const WORK: (u64, f64) = (20_000, 64.0);
 /// Default of the largest number of sub-steps in one call: some seconds for a few bodies. It is
 /// lower under a fuzzer, whose code is many times slower.
 pub(super) const MOST_WORK: u64 = if cfg!(fuzzing) { 200_000 } else { 20_000_000 };
-/// Number of sub-steps after which signals, which advance with the state, are computed again from
-/// the time; the rounding over all of them is like the rounding of one. A long step is tried after
-/// this number of whole sub-steps in a row.
+/// Number of sub-steps between two computations of signals from the time; in between the signals
+/// advance with the state. The rounding over all of these sub-steps is like the rounding of one. A
+/// long step is tried after this number of whole sub-steps in a row.
 const RENEW: u32 = 16;
 /// Largest number of events without progress of time, per event function and one more.
 const CHAIN: usize = 100;
@@ -196,8 +196,8 @@ impl Motion {
                     return Ok(Reached::Event);
                 }
             }
-            // Knots and resets of signals are finite in number and do not count as work.
-            // The length of a series with curved forces follows from its remainder. A flight without
+            // Knots and resets of signals are finite in number and do not count as work. The
+            // length of a series with curved forces follows from its remainder. A flight without
             // an event makes progress, however short its series are.
             let is_series = self.table().is_curved() && !is_event;
             work -= f64::from(u8::from(!is_knot && !is_series));
@@ -210,12 +210,13 @@ impl Motion {
         Err(self.too_stiff())
     }
 
-    /// Length of a sub-step without an event, s; with curved forces, the length of the last series.
+    /// Length of a sub-step without an event, s; with curved forces, the length of the last
+    /// series.
     pub(super) fn full_length(&self) -> f64 {
         if self.table().is_curved() { self.scratch.ahead.span } else { self.table().length }
     }
 
-    /// Advances by a sub-step towards `goal`, or to the event at which it ends. With `keeps`, the
+    /// Advances by a sub-step towards `goal`, or to the event at its end. If `keeps` is true, the
     /// signals at the goal keep their advanced values.
     #[inline(always)]
     fn substep(&mut self, goal: DoubleDouble, [at_knot, keeps]: [bool; 2]) -> Result<Option<Due>, Error> {

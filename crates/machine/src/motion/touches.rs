@@ -58,8 +58,8 @@ impl Motion {
 }
 
 impl PassageSearch<'_> {
-    /// Records the touches of a sub-step by tables, in the intervals in which an event function
-    /// may pass its limit (`near`). `goes_on` is true if the mode holds beyond `end`.
+    /// Records the touches of a sub-step by tables, in the intervals `near`, which may contain a
+    /// passage of a limit. `goes_on` is true if the mode holds beyond `end`.
     #[inline(never)]
     pub(super) fn note_touches(&self, near: &[u8], (end, goes_on): (StepPoint, bool), to: &mut Touches) {
         let (table, step) = (self.table, self.table.interval());

@@ -58,7 +58,7 @@ pub struct Crossing<'a> {
 impl Crossing<'_> {
     /// Carries variations over the event by the derivative of the impacts that the motion has had.
     /// If several stops are hit at one instant, the motion may have no derivative. The result is
-    /// then the derivative of the impacts in the order in which they happened.
+    /// then the derivative of the impacts in their actual order.
     pub fn carry<'v>(&self, system: &System, variations: impl IntoIterator<Item = &'v mut [f64]>) {
         let before = DVector::from_column_slice(self.states[0]);
         let (impacts, own) = (Impulse::all(system, self.events, &before), system.states());

@@ -1,12 +1,12 @@
-//! The equilibrium under curved forces, by Newton's method along a path on which the forces at
-//! zero displacement grow from zero (docs/assembly-law.md, section 23).
+//! The equilibrium under curved forces, by Newton's method along a path. Along the path the forces
+//! at zero displacement grow from zero (docs/assembly-law.md, section 23).
 //!
-//! With R(q) the force of springs, compliant contacts and loads on the coordinates, the path solves
-//! R(q) = (1 - s) R(0) for s from 0 to 1. Each step of Newton's method replaces the curved forces
-//! by their tangents, and solves the remaining piecewise linear problem. The length of the steps in
-//! s follows P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 5.1: a step is taken
-//! only if the second correction is at most a quarter of the first one. The point then lies on the
-//! same path, not on another one beyond a fold.
+//! Let R(q) be the force of springs, compliant contacts and loads on the coordinates. The path
+//! solves R(q) = (1 - s) R(0) for s from 0 to 1. Each step of Newton's method replaces the curved
+//! forces by their tangents, and solves the remaining piecewise linear problem. The length of the
+//! steps in s follows P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 5.1: a
+//! step is taken only if the second correction is at most a quarter of the first one. The point
+//! then lies on the same path, not on another one beyond a fold.
 
 use super::{Direction, Holding, RestContact, RestSpring, direction};
 use crate::curved::{Operation, Polynomial};
@@ -379,7 +379,8 @@ impl<'a> Curves<'a> {
         self.curves.iter().all(|own| own.stiffness >= 0.0 && own.row.terms().iter().all(rises))
     }
 
-    /// Whether the stiffness at a point is positive in all directions that closed stops leave free.
+    /// Whether the stiffness at a point is positive in all directions that closed stops leave
+    /// free.
     fn is_stable(&self, holding: &Holding, origin: &DVector<f64>, at: &Point, load: f64) -> bool {
         if self.is_monotone() {
             return true;

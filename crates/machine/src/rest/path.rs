@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 const ZERO: f64 = 1e-12;
 /// Largest number of pieces of the load path.
 const PIECES: usize = 10_000;
-/// Largest number of elements at their limits for which all combinations of sides are tried. Any
+/// Limit for the elements at their limits, up to which all combinations of sides are tried. Any
 /// further elements keep their sides.
 const AT_ONCE: usize = 12;
 

@@ -102,8 +102,7 @@ impl Builder {
         let steps = (!signal.steps.is_empty()).then(|| Pieces::of_steps(&signal.steps, repeat));
         let table = signal.table.as_ref().map(|record| Pieces::of_record(record, record.factor(), repeat));
         let holds = signal.table.as_ref().is_some_and(|t| t.interpolation == Interpolation::Hold);
-        // A repeated staircase has a piece from time 0 on, even without a jump: only jumps are
-        // knots.
+        // A repeated staircase has a piece at time 0, even without a jump: only jumps are knots.
         let knots = steps.iter().map(|steps| steps.changes(repeat.is_none()));
         for knots in knots.chain(table.iter().map(|table| table.changes(!holds))) {
             match repeat {

@@ -27,7 +27,7 @@ pub(super) enum Side {
 #[derive(Clone, Debug)]
 pub(super) struct Phase {
     sweep: Sweep,
-    /// ln(to/from), for a logarithmic sweep with different frequencies.
+    /// ln(to/from), for a logarithmic sweep between different frequencies.
     log: Option<DoubleDouble>,
 }
 

@@ -6,7 +6,7 @@ use crate::description::Sweep;
 use std::f64::consts::TAU;
 use vibro_numerics::double_double::DoubleDouble;
 
-/// Number of coefficients of a polynomial, which has [`ORDER`] derivatives in common with the
+/// Number of coefficients of a polynomial. The polynomial shares [`ORDER`] derivatives with the
 /// sweep at each end of its cell.
 const COEFFICIENTS: usize = 2 * ORDER;
 /// Largest order of integration.
@@ -18,7 +18,7 @@ const TURN: f64 = 0.125;
 /// Largest number of halvings of a sweep's duration; the cells are then 1e-15 of it.
 const HALVINGS: i32 = 50;
 
-/// Number of coordinates of a sweep that is integrated `order` times.
+/// Number of coordinates of a sweep integrated `order` times.
 pub(super) const fn count(order: usize) -> usize {
     COEFFICIENTS + order
 }
@@ -299,7 +299,7 @@ fn taylor(jet: &Jet, h: f64) -> Jet {
 
 /// The polynomial of degree 11 that has the Taylor coefficients of a function at 0 and at 1.
 fn hermite(begin: &Jet, end: &Jet) -> [f64; COEFFICIENTS] {
-    // p = Σ cₖ uᵏ + u⁶ q, where u⁶ q has the Taylor coefficients r at u = 1. With v = u - 1, q is
+    // p = Σ cₖ uᵏ + u⁶ q, where u⁶ q has the Taylor coefficients r at u = 1. Let v = u - 1; q is
     // (1 + v)⁻⁶ Σ rₖ vᵏ up to v⁵.
     let rest: Jet = std::array::from_fn(|k| {
         let own: f64 = (k..ORDER).map(|j| binomial(j, k) * begin[j]).sum();

@@ -199,7 +199,7 @@ impl PieceTangent {
 
 impl SignalTangent {
     /// Writes the derivative of the signals' coordinates at a time, just after its knots, into the
-    /// coordinates from `one` on.
+    /// coordinates, the first of index `one`.
     pub fn fill(&self, one: usize, time: f64, z: &[f64], to: &mut [f64]) {
         to[one..].fill(0.0);
         for &(cosine, omega) in &self.frequencies {

@@ -22,8 +22,8 @@ pub enum BranchLaw {
     Dashpot(f64),
     /// A slider with this slip force, N or N m.
     Slider(f64),
-    /// The slider of a contact: its limit is the coefficient of friction times the force of a stop,
-    /// by the stop's index.
+    /// The slider of a contact: its limit is the coefficient of friction times the force of a
+    /// stop, by the stop's index.
     Contact {
         /// Index of the stop.
         stop: usize,
@@ -98,8 +98,8 @@ impl BranchRows {
         }
     }
 
-    /// The rate of the slider in a direction in which it slips: σ e' - friction N' / stiffness, and
-    /// σ e' if the limit is constant.
+    /// The rate of the slider while it slips along a direction: σ e' - friction N' / stiffness,
+    /// and σ e' if the limit is constant.
     pub(crate) fn slip_rate(&self, direction: f64) -> Functional {
         let rate = direction * &self.elongation.rate;
         match &self.sliding {
@@ -135,8 +135,8 @@ pub(super) fn count(d: &Description) -> usize {
 }
 
 impl System {
-    /// Number of states: coordinates, their rates, states of first order. They come first in the
-    /// augmented state, before the signals.
+    /// Number of states: coordinates, their rates, states of first order. The states come first in
+    /// the augmented state, before the signals.
     pub fn states(&self) -> usize {
         self.signals.one
     }

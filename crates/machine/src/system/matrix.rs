@@ -31,12 +31,12 @@ impl System {
         a
     }
 
-    /// The matrix A of the mode in which no stop is pressed, no friction slips and no contact is
-    /// held, without the forces of stiff springs and of springs with sliders.
+    /// The matrix A of the mode without pressed stops, slipping friction and held contacts. It
+    /// leaves out the forces of stiff springs and of springs with sliders.
     pub(crate) fn base(&self) -> SparseMatrix {
         let forces = self.soft_forces();
         if self.is_diagonal {
-            // Sum before dividing, so that forces that cancel leave exact zeros.
+            // The sum comes before the division, so that cancelling forces leave exact zeros.
             let row = |k: usize| forces.entries(k).iter().map(move |&(j, x)| (j, x / self.mass[(k, k)]));
             return self.rows_of(|k, a| a.push_row(row(k)), (&[], &[]));
         }

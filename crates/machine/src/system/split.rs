@@ -59,7 +59,7 @@ struct Norm {
     scales: Vec<f64>,
     /// Weights of the states of first order.
     inner: Vec<f64>,
-    /// Largest weight of each signal with which it changes no velocity's rate by more than one.
+    /// Weight limit of each signal: it changes no velocity's rate by more than one.
     signals: Vec<f64>,
     /// The rate of the signals among themselves.
     rate: f64,
@@ -335,9 +335,9 @@ impl Norm {
         Self { inner: inner.collect(), scales, signals, rate }
     }
 
-    /// Returns the weight of state of first order `i`, from the row of its rate. With it, the
-    /// terms of the coordinates are at most as large as the state's own term, and the terms of the
-    /// velocities leave the signals their share.
+    /// Returns the weight of state of first order `i`, from the row of its rate. The weight makes
+    /// the terms of the coordinates at most as large as the state's own term, and leaves the
+    /// signals their share of the terms of the velocities.
     fn inner(scales: &[f64], i: usize, rate: &Functional) -> f64 {
         let n = scales.len();
         let sum = |first: usize| {

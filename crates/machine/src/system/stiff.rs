@@ -3,7 +3,7 @@
 //!
 //! A tie exerts no net force on its group: terms of the size k times a coordinate cancel. If each
 //! term were rounded separately, a force of 1e-16 k times the coordinate would remain on the
-//! group, in the same direction in many sub-steps. With a softer k', the motion's relative error
+//! group, with the same direction for many sub-steps. For a softer k', the motion's relative error
 //! would be 1e-16 k/k'. So a tie's force is evaluated once and then applied to both sides.
 
 use super::{Elongation, System};

@@ -45,9 +45,9 @@ pub(crate) struct MadeStop {
     pub law: StopLaw,
 }
 
-/// Returns the stops that elements make, in the order of [`System::stops`]: stops, contacts,
-/// further levels of their stiffnesses, levels of springs, corners of springs. With `along`, whose
-/// numbers are derivatives of the numbers of `d`, they have the derivatives of their numbers.
+/// Returns the stops of elements, in the order of [`System::stops`]: stops, contacts, further
+/// levels of their stiffnesses, levels of springs, corners of springs. If `along` is given, whose
+/// numbers are derivatives of the numbers of `d`, the stops have the derivatives of their numbers.
 pub(crate) fn made_stops(d: &Description, along: Option<&Description>) -> Vec<MadeStop> {
     let numbers = along.unwrap_or(d);
     let (mut all, mut levels, mut stiffnesses) = (Vec::new(), Vec::new(), 0..);

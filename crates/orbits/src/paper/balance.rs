@@ -11,9 +11,9 @@ use vibro_studies::Result;
 /// Constant loads on box, block and secondary oscillator, N: gravity, the tilt of the machine, an
 /// off-centre gap.
 ///
-/// They affect impacts only through the displacement w_s of the block in the box that they cause
-/// without impacts (docs/theory.md (100)). A gap whose middle is b above the centre is the machine
-/// under the loads (0, -k23 b, k23 b), docs/theory.md (97). A block without a spring has no static
+/// Constant loads affect impacts only through the displacement w_s of the block in the box without
+/// impacts (docs/theory.md (100)). A gap whose middle is b above the centre is the machine under
+/// the loads (0, -k23 b, k23 b), docs/theory.md (97). A block without a spring has no static
 /// displacement: it falls, and the load's acceleration acts on its flights instead (docs/theory.md
 /// (111)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -10,8 +10,8 @@ use crate::stop_word::OrbitWord;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix6, SMatrix};
 use vibro_impact::steady::exact_orbit::{Transition, Vector6};
 
-/// Smallest ratio of the diagonal entries of an LU decomposition of σI - M at which the matrix
-/// counts as regular: below this ratio the state has fewer than six digits.
+/// Ratio of the diagonal entries of an LU decomposition of σI - M below which the matrix counts as
+/// singular: the state would have fewer than six digits.
 const REGULAR: f64 = 1e-10;
 
 /// The row whose product with a state is w.
@@ -184,8 +184,9 @@ impl<'a> Cycle<'a> {
         closed
     }
 
-    /// Factor that makes the determinant of the residual's derivative independent of which
-    /// equations are solved for the state (docs/theory.md (112)): 1 unless the system is anchored.
+    /// Factor for the determinant of the residual's derivative: the product does not depend on the
+    /// choice of the equations for the state (docs/theory.md (112)). 1 unless the system is
+    /// anchored.
     pub fn anchor(&self, factor: f64) -> f64 {
         if self.system.anchor().is_some() {
             factor * self.sigma() * self.closed(&factor).determinant()

@@ -88,7 +88,7 @@ impl Family {
         spans.iter().try_for_each(|s| Span::new(s.name, s.from, s.to).map(drop))?;
         let family = Self { set: set.clone(), spans };
         let (from, to): (Vec<f64>, Vec<f64>) = family.spans.iter().map(|s| (s.from, s.to)).unzip();
-        // With two parameters the machines at the other two corners need not exist.
+        // If two parameters vary, the machines at the other two corners need not exist.
         family.system(&from)?;
         family.system(&to)?;
         Ok(family)

@@ -13,8 +13,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use vibro_numerics::roots::brent;
 use vibro_studies::Result;
 
-/// Number of equal parts of the range. The clearance is computed at their ends, which are also the
-/// points of a branch, together with touches and marks.
+/// Number of equal parts of the range. The ends of the parts, together with touches and marks, are
+/// the points of a branch, with the clearance at each.
 const NODES: usize = 200;
 
 /// Accuracy of a touch's position, as a fraction of the range.
@@ -24,13 +24,13 @@ const LOCATION: f64 = 1e-14;
 /// which the block is clear.
 const SIDE: f64 = 1e-6;
 
-/// Clearance of the block from the nearer stop, units of L; NaN if there is no motion without
-/// impacts.
+/// Clearance of the block from the nearer stop, units of L; NaN if a motion without impacts does
+/// not exist.
 fn clearance(family: &Family, value: f64) -> f64 {
     family.system(&[value]).ok().and_then(|s| s.clearance()).unwrap_or(f64::NAN)
 }
 
-/// Sign of the direction of the parameter in which the motion without impacts is clear of a touch.
+/// Direction of the parameter, as a sign, away from a touch of the motion without impacts.
 pub(super) fn towards_clear(family: &Family, u: &DVector<f64>) -> Option<f64> {
     let span = family.span();
     let value = family.values(u)[0];

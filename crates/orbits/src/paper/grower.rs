@@ -17,7 +17,7 @@ use crate::path_options::PathOptions;
 use crate::stop_word::OrbitWord;
 use crate::traced::Traced;
 
-/// Number of starts traced in parallel. A constant, so that the result does not depend on the
+/// Number of starts traced in parallel. It is constant, so that the result does not depend on the
 /// number of threads.
 const TOGETHER: usize = 16;
 

@@ -1,5 +1,5 @@
-//! Orbits from which a tree grows (docs/theory.md, section 14): orbits of settled motions with the
-//! parameter rising and falling, and orbits near which motions from spread starts pass.
+//! Seeds of a tree (docs/theory.md, section 14): orbits of settled motions with the parameter
+//! rising and falling, and orbits that motions from spread starts pass.
 
 use super::family::Family;
 use super::orbit::{Orbit, canonical};
@@ -19,7 +19,7 @@ use vibro_studies::sobol::coordinate;
 /// Drive periods over which the states of a settled motion are recorded.
 const VISITED: u32 = 64;
 /// Number of neighbouring values in each direction whose visited states make up the box of starts
-/// of a value. `WIDER` is the factor by which this box is widened.
+/// of a value. `WIDER` is the widening factor of this box.
 const NEIGHBOURS: usize = 2;
 const WIDER: f64 = 1.5;
 /// Largest distance of the block's start from the centre, as a fraction of the gap.
@@ -32,8 +32,8 @@ pub(super) const LONGEST: usize = 4;
 const RETURN: f64 = 0.04;
 /// Largest correction of a phase by Newton's method from a near return to an orbit, rad.
 const MOVE: f64 = 0.4;
-/// Number of parts of the range. Of orbits with the same word and stability that are closer than
-/// one part, only the first is kept, because the others mostly lie on its branch.
+/// Number of parts of the range. Only the first of several orbits with the same word and stability
+/// within one part is kept, because the others mostly lie on its branch.
 const RANGE_PARTS: f64 = 30.0;
 
 /// An orbit found by simulation: word, phases and parameter.

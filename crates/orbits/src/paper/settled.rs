@@ -25,8 +25,8 @@ const MOVE: f64 = 0.05;
 /// near a period doubling.
 const ALIKE: f64 = 1e-5;
 
-/// Largest number of impacts of a word that is tried after a shorter one. The work grows with the
-/// cube of this number and takes about a second here.
+/// Limit of the number of impacts of a word that is tried after a shorter one. The work grows with
+/// the cube of this number and takes about a second here.
 const MANY: usize = 512;
 
 /// Limits for following a motion until it returns.

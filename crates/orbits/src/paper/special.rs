@@ -10,7 +10,7 @@ use crate::stop_word::OrbitWord;
 use crate::test_functions::{SignedLog, is_on_circle};
 use nalgebra::DVector;
 
-/// Largest difference, rad, between two halves of an orbit that are equal except for rounding.
+/// Tolerance, rad, for the rounding between two equal halves of an orbit.
 const BIRTH: f64 = 1e-9;
 
 /// Step of the difference quotients of a test function. It affects how fast its zero converges,

@@ -72,7 +72,7 @@ impl FlightTouch {
     /// The words that list the touch. The first word lists it once in each repetition. A symmetric
     /// orbit touches both stops; its unfolded word lists the touch at one of them. If
     /// `repetitions` exceeds 1, further words have up to this number of repetitions and list the
-    /// touch in one of them. They belong to orbits of longer periods.
+    /// touch in one of them. Such words belong to orbits of longer periods.
     pub fn longer(&self, family: &Family, repetitions: u32) -> Vec<Touch> {
         let phases = &self.u.as_slice()[..self.shorter.len()];
         let index = if phases.is_empty() { 0 } else { self.flight + 1 };

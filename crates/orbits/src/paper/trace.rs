@@ -109,7 +109,7 @@ pub fn tree_in_parts(
 ///
 /// # Errors
 /// [`Error::Form`] if the longest step is not allowed or the value is outside the family's range;
-/// [`Error::NoOrbit`] if there is no orbit near `phases` at the value, or if that orbit passes a
+/// [`Error::NoOrbit`] if no orbit exists near `phases` at the value, or if that orbit passes a
 /// stop; the error of the machine at the value.
 pub fn branch(
     family: &Family,

@@ -9,8 +9,7 @@ use vibro_studies::Error;
 /// Extent and limits of a tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TreeOptions {
-    /// Number of parameter values at which motions settle, both with rising and with falling
-    /// values.
+    /// Number of parameter values with settled motions, for rising and for falling values each.
     pub seeds: usize,
     /// Number of drive periods for transients to die out.
     pub settle: u32,
@@ -29,7 +28,7 @@ pub struct TreeOptions {
     pub longest_step: f64,
     /// Largest number of points of a branch in one direction.
     pub most_points: usize,
-    /// Largest number of repetitions in words that list a touch in only one of them. With 1, words
+    /// Cap on the repetitions in words that list a touch in only one of them. If it is 1, words
     /// list the touch in every repetition.
     pub repetitions: u32,
     /// Values of the parameter at which each branch has a point, labelled UZ.

@@ -10,8 +10,8 @@ use vibro_numerics::sorting::sort_by;
 const STEPS: usize = 40;
 /// Width of a bracket at which a search ends, as a fraction of the step.
 const WIDTH: f64 = 1e-11;
-/// Largest value at a located point, relative to the values at the ends of the bracket, that
-/// counts as zero. A function that jumps stays above it.
+/// Zero tolerance at a located point, relative to the values at the ends of the bracket. A
+/// function that jumps stays above it.
 const ZERO: f64 = 1e-6;
 /// Distance of a point with singular equations from the two points that interpolate it, as a
 /// fraction of the step.
@@ -21,8 +21,8 @@ const APART: f64 = 1e-5;
 const JUMP: f64 = 1e-3;
 /// Remaining fractions of the distance to a fold-pitchfork point, for its extrapolation.
 const PARTS: [f64; 3] = [0.5, 0.25, 0.125];
-/// Largest remaining distance to a fold-pitchfork point at which a curve can no longer be
-/// followed, in curve units: the longest step.
+/// Remaining distance to a fold-pitchfork point, in curve units, that a curve may be unable to
+/// pass: the longest step.
 const REMAINS: f64 = 0.05;
 
 /// A point of a curve, with the values of the functions that vanish at special points.

@@ -88,7 +88,8 @@ fn marked(points: &[Located], mark: LocusEnd) -> Vec<[f64; 2]> {
 
 #[test]
 fn closed_form_no_point_of_a_parabola_is_outside_the_ranges() {
-    // The tangent lies under the parabola, so a step to a point just inside leads outside.
+    // The tangent lies under the parabola: a step along it ends inside the range, but the point of
+    // the parabola next to it may be outside.
     for k in 0..100 {
         let highest = 0.25 + 1e-3 * f64::from(k);
         let points = followed(Normal::Parabola(highest), &[0.2, 0.04]);

@@ -24,8 +24,8 @@ const PIECE: f64 = 0.5;
 /// would need more.
 const MAX_PIECES: f64 = 4096.0;
 
-/// Largest number of impacts that one step reports. A closed form passes over any number of
-/// impacts in one step, and the log must stay bounded.
+/// Cap on the impacts that one step reports. A closed form passes over any number of impacts in
+/// one step, and the log must stay bounded.
 pub(crate) const MOST_REPORTED: f64 = 1000.0;
 
 /// Rounding of a drive phase, relative to itself: a few units in the last place from time,
@@ -44,8 +44,8 @@ pub(crate) struct Data {
     parameters: Parameters,
     time: DoubleDouble,
     phase: DrivePhase,
-    /// Time from which the solution applies. The next four fields hold the impacts and energies up
-    /// to this time.
+    /// Start time of the solution. The next four fields hold the impacts and energies up to this
+    /// time.
     from: DoubleDouble,
     record: ImpactRecord,
     input: f64,
@@ -187,8 +187,8 @@ impl ClosedForm {
         self.data.time.value()
     }
 
-    /// Changes to the steady state of other parameters from now on. The drive's phase stays
-    /// continuous.
+    /// Changes to the steady state of other parameters at the present time. The drive's phase
+    /// stays continuous.
     ///
     /// # Errors
     /// As [`Solution::new`]; then nothing has changed.
@@ -314,8 +314,8 @@ impl ClosedForm {
         }
     }
 
-    /// Time of the next impact (s), by formula; it may round to the present time. An impact that
-    /// is due is the next impact.
+    /// Time of the next impact (s), by formula; it may round to the present time. If an impact is
+    /// due, its time is returned.
     pub(crate) fn next_impact(&self) -> f64 {
         let now = self.halves(self.data.time).0;
         self.impact_time(if self.is_due() { now } else { now + 1.0 }).value().max(self.time())

@@ -223,10 +223,10 @@ impl Continuous {
         approach.indicators(self.data.contact)
     }
 
-    /// Whether an accepted point is past an event that the host has missed. In flight the block is
-    /// then in a stop and moves further in; in rest the stop no longer presses on the block.
-    /// Solvers of fixed step may miss an event, since they compare indicators across an event or
-    /// step over two changes of sign.
+    /// Whether an accepted point is past an event that the host has missed. In flight the block
+    /// then overlaps a stop and moves further into it; in rest the stop no longer presses on the
+    /// block. Solvers of fixed step may miss an event, since they compare indicators across an
+    /// event or step over two changes of sign.
     pub(crate) fn missed_event(&self) -> bool {
         match self.data.contact {
             Contact::Flight => {

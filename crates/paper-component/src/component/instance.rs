@@ -2,8 +2,8 @@
 //! and restore it.
 //!
 //! Each method checks all its arguments before it changes anything: a refused call leaves the
-//! component unchanged. The FMI layer (the door) decides which call is allowed in which state of
-//! its protocol; the component knows only [`Phase`]s, which decide which variables may be set.
+//! component unchanged. The FMI layer (the door) checks the order of calls. The component knows
+//! only [`Phase`]s, which determine the variables that may be set.
 
 mod access;
 mod arrival;
@@ -80,7 +80,7 @@ pub struct Instance {
     tick: Tick,
     /// Nominal values of the states last reported to the host.
     nominals_told: Option<[f64; 6]>,
-    /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
+    /// Physical parameters set by the host, one bit each in the order of `FIELDS`.
     given: u16,
 }
 
@@ -127,7 +127,7 @@ impl Instance {
         self.life.phase
     }
 
-    /// All data from which the component can continue.
+    /// Snapshot of all data that the component needs to continue.
     pub fn save(&self) -> SavedState {
         SavedState {
             interface: self.life.interface,
@@ -194,8 +194,8 @@ impl Instance {
         finite(values)
     }
 
-    /// Brings the values that follow from the parameters up to date. They are computed only after
-    /// parameters were set, since steady states are expensive.
+    /// Updates the values derived from the parameters, but only after parameters were set, since
+    /// steady states are expensive.
     fn refresh_derived(&mut self) {
         if self.derived_stale {
             self.derived = steady::derived(&self.settings.parameters);

@@ -1,6 +1,6 @@
-//! Time derivatives of the quantities from which outputs are computed, within a smooth piece of
-//! the motion. Each output is evaluated on truncated Taylor series, which are added, subtracted
-//! and multiplied like numbers (products by Leibniz' rule).
+//! Jets (truncated Taylor series in time) of the quantities that outputs read, within a smooth
+//! piece of the motion. Jets are added, subtracted and multiplied like numbers (products by
+//! Leibniz' rule), so that each output is evaluated on jets as it is on numbers.
 
 use super::values::OutputValues;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -69,8 +69,8 @@ pub(crate) struct MotionJet<'a> {
     pub(crate) theta: f64,
 }
 
-/// Time derivatives of the quantities from which outputs are computed. The event indicators are
-/// left out, since they are not outputs.
+/// Jets of the quantities that outputs read. The event indicators are left out, since they are not
+/// outputs.
 pub(crate) fn jets(course: &MotionJet<'_>) -> OutputValues<Jet> {
     let MotionJet { values, motion, parameters: p, loads, theta } = course;
     let body = |order: usize| {

@@ -64,7 +64,7 @@ pub enum ComponentProblem {
     WorkLimit {
         /// Beginning of the step, where the component still is, s.
         own: f64,
-        /// Time at which the limit was reached, s.
+        /// Time when the limit was reached, s.
         time: f64,
         /// Number of events (impacts and releases) up to that time.
         events: u64,

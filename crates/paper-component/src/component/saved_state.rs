@@ -42,7 +42,7 @@ const MAGIC: [u8; 8] = *b"VIBROFMU";
 /// Version of the layout of the bytes that follow.
 pub const VERSION: u32 = 7;
 
-/// All data from which a component can continue: its phase, its settings and its motion.
+/// All data that a component needs to continue: its phase, its settings and its motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedState {
     pub(super) interface: Interface,
@@ -59,7 +59,7 @@ pub struct SavedState {
     /// Start value of `stop_at_impact` in the protocol that saved the state. If the host kept it,
     /// a restore uses the start value of the restoring protocol.
     pub(super) stop_by_default: bool,
-    /// Which physical parameters the host has set, one bit each in the order of `FIELDS`.
+    /// Physical parameters set by the host, one bit each in the order of `FIELDS`.
     pub(super) given: u16,
     pub(super) engine: EngineState,
 }

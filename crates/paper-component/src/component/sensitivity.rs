@@ -1,12 +1,12 @@
 //! Derivatives of the state at the end of a step with respect to the state at its beginning and
-//! the loads during it. They follow from the variational equations of each smooth piece, which are
-//! the equations of motion without the drive, and from a jump at each impact (the saltation
-//! matrix, docs/theory.md (84)).
+//! the loads during the step. In each smooth piece the derivatives satisfy the variational
+//! equations, which are the equations of motion without the drive. At each impact they jump by the
+//! saltation matrix (docs/theory.md (84)).
 //!
-//! They are found by replaying the step when they are requested, so that the step itself does no
-//! extra work. In resting contact box and block are one body: variations of their relative motion
-//! are projected out at constant momentum, as by an impact without rebound. A release changes
-//! nothing to first order, since the accelerations on both sides of it are equal.
+//! The step is replayed when its derivatives are requested, so that the step itself does no extra
+//! work. In resting contact box and block are one body: variations of their relative motion are
+//! projected out at constant momentum, as by an impact without rebound. A release changes nothing
+//! to first order, since the accelerations on both sides of it are equal.
 
 use super::values::StepMatrices;
 use vibro_impact::Error;
@@ -19,8 +19,8 @@ use vibro_impact::simulator::{DueEvent, Pause, Simulator};
 
 /// Columns: six states, then value and derivatives 1 to 3 of three loads.
 const COLUMNS: usize = 6 + 12;
-/// Longest part of a piece that one series covers, times the model's rate. The remainder is below
-/// 2e-31 of the variation's size (docs/numerics.md, section 1).
+/// Length limit of one series, times the model's rate; a longer piece is divided. The remainder is
+/// below 2e-31 of the variation's size (docs/numerics.md, section 1).
 const REACH: f64 = 1.0;
 const _: () = assert!(remainder(WHOLE, REACH) < 2e-31);
 

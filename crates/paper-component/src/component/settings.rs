@@ -1,5 +1,5 @@
-//! Values that a host can set, and values that follow from them without a motion. They are plain
-//! data, which the accessors of the variable table read and write.
+//! Values that a host can set, and derived values that need no motion. Both are plain data, which
+//! the accessors of the variable table read and write.
 
 use serde::{Deserialize, Serialize};
 use vibro_impact::parameters::{Groups, Parameters};

@@ -24,7 +24,7 @@ pub const STATES: [&str; 6] = ["box.s", "block.s", "secondary.s", "box.v", "bloc
 /// Names of their derivatives, in the same order.
 pub const DERIVATIVES: [&str; 6] = ["box.v", "block.v", "secondary.v", "box.a", "block.a", "secondary.a"];
 
-/// Names of the derivatives in editions in which each derivative is separate from the states.
+/// Names of the derivatives in editions that list derivatives as variables of their own.
 pub const EXTENDED_DERIVATIVES: [&str; 6] =
     ["der(box.s)", "der(block.s)", "der(secondary.s)", "box.a", "block.a", "secondary.a"];
 

@@ -116,7 +116,7 @@ macro_rules! real_types {
     ($($(#[$doc:meta])* $name:ident = $value:expr;)*) => {
         $($(#[$doc])* pub const $name: RealType = $value;)*
 
-        /// Every declared Real type, in the order in which the description has them.
+        /// Every declared Real type, in the order of the description.
         pub const REAL_TYPES: &[RealType] = &[$($name),*];
     };
 }

@@ -45,7 +45,7 @@ impl Neg for Varied {
     }
 }
 
-/// The quantities of the motion from which outputs are computed. `T` is `f64`, or [`Varied`] for
+/// Quantities of the motion that determine the outputs. `T` is `f64`, or [`Varied`] for
 /// directional derivatives. A quantity that changes at events only is always a plain number, since
 /// it does not vary between events.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -84,7 +84,7 @@ pub struct OutputValues<T = f64> {
 /// The next event up to a horizon.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prediction {
-    /// Time of the event, s; the horizon if there is no event.
+    /// Time of the event, s, or the horizon without an event.
     pub time: f64,
     /// Whether there is an event.
     pub known: bool,
@@ -94,10 +94,10 @@ pub struct Prediction {
 /// [`STATES`](super::structure::STATES). The default holds for a step of length zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepMatrices {
-    /// With respect to the state at the step's beginning.
+    /// Derivatives with respect to the state at the step's beginning.
     pub transition: [[f64; 6]; 6],
-    /// With respect to the value and derivatives 1 to 3, at the step's beginning, of the load on
-    /// each body.
+    /// Derivatives with respect to the load on each body: its value and derivatives 1 to 3 at the
+    /// step's beginning.
     pub response: [[f64; 12]; 6],
 }
 
@@ -129,7 +129,7 @@ pub struct Tick {
 /// Value of an indicator whose event cannot occur in the present contact.
 const IDLE: f64 = 1.0;
 
-/// The quantities from which the event indicators are computed.
+/// Quantities that determine the event indicators.
 pub(crate) struct Approach {
     /// L, m.
     pub gap: f64,

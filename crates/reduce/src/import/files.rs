@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Size in bytes above which a file is refused: it would not fit into memory with its matrix.
+/// Size limit of a file in bytes: a larger one would not fit into memory with its matrix.
 const MOST_BYTES: u64 = 10_000_000_000;
 
 const EXPECTED: &str = "expected .mtx (Matrix Market or Abaqus), .sti, .mas, .dof (CalculiX), .pch (Nastran DMIG), \
@@ -33,7 +33,7 @@ enum Part {
     Nothing,
 }
 
-/// The text of a file, whose size is looked at before it is read.
+/// The text of a file. Its size is checked before the file is read.
 ///
 /// # Errors
 /// An error if it is too large, cannot be read, or is not a text.
@@ -50,7 +50,9 @@ pub fn text(path: &Path) -> Result<String> {
     String::from_utf8(bytes).map_err(|_| {
         Error::new(
             &name,
-            format!("it is not a text; binary files (.op2, .op4, .full, .npz) are not read. {EXPECTED}"),
+            format!(
+                "it is not a text file; binary files (.op2, .op4, .full, .npz) are not supported. {EXPECTED}"
+            ),
         )
     })
 }
@@ -69,7 +71,9 @@ pub fn read(sources: &Sources) -> Result<Model> {
             Part::Nothing => (false, ""),
         };
         match is_second {
-            true => Err(Error::new(path.display().to_string(), format!("a second {what}; expected one"))),
+            true => {
+                Err(Error::new(path.display().to_string(), format!("it is a second {what}; expected one")))
+            }
             false => Ok(()),
         }
     };
@@ -88,7 +92,7 @@ pub fn read(sources: &Sources) -> Result<Model> {
         put(named(path)?, path)?;
     }
     let missing = |what: &str| {
-        Error::new("FILES", format!("no {what} matrix among them; give it by --{what} FILE. {EXPECTED}"))
+        Error::new("FILES", format!("they contain no {what} matrix; give it by --{what} FILE. {EXPECTED}"))
     };
     let stiffness = stiffness.ok_or_else(|| missing("stiffness"))?;
     let mass = mass.ok_or_else(|| missing("mass"))?;
@@ -148,7 +152,8 @@ fn role(path: &Path) -> Result<bool> {
         ("sti", ..) | (_, true, false) => Ok(true),
         ("mas", ..) | (_, false, true) => Ok(false),
         _ => {
-            let problem = "stiffness or mass? Name it by --stiffness FILE or --mass FILE";
+            let problem =
+                "it may be a stiffness or a mass matrix; give it by --stiffness FILE or --mass FILE";
             Err(Error::new(path.display().to_string(), problem))
         }
     }

@@ -81,7 +81,12 @@ pub fn matrices(text: &str, file: &str) -> Result<Vec<(String, Matrix)>> {
         if card.fields[1] == "0" {
             let listed = listed(&card, file)?;
             if found.iter().any(|own| own.name == name) {
-                return Err(refused(file, card.line, card.text, "this matrix is begun twice"));
+                return Err(refused(
+                    file,
+                    card.line,
+                    card.text,
+                    "this matrix has a second heading; expected one",
+                ));
             }
             let (entries, names) = (Vec::new(), Names::Rows(0));
             let matrix =

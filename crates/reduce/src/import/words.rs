@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 
-/// Number of characters after which a message cuts a line.
+/// Length limit of a quoted line in a message, in characters.
 const SHOWN: usize = 60;
 
 /// Refuses a line.
@@ -15,11 +15,11 @@ pub fn refused(file: &str, line: usize, text: &str, expected: &str) -> Error {
     Error::new(format!("{file}:{line}"), format!("{shown}: {expected}"))
 }
 
-/// A finite number; `D` as an exponent is read, and none before its sign: `1.5-3` is 0.0015.
+/// A finite number. The exponent may begin with `D`, or with its sign alone: `1.5-3` is 0.0015.
 pub fn number(text: &str) -> Option<f64> {
     let text = text.trim();
     if let Ok(value) = text.parse::<f64>() {
-        // `inf` and `nan` are words for Rust, and so is `1e999` infinite.
+        // Rust also parses `inf` and `nan`, and `1e999` as infinity.
         return value.is_finite().then_some(value);
     }
     let mut written = text.to_ascii_uppercase().replace('D', "E");
@@ -32,9 +32,9 @@ pub fn number(text: &str) -> Option<f64> {
     written.parse().ok().filter(|value: &f64| digits && value.is_finite())
 }
 
-/// A row or column counted from 1, as one counted from 0.
+/// Converts a row or column counted from 1 to an index counted from 0.
 pub fn row(text: &str) -> Option<usize> {
-    // Half of all numbers, so that sums do not overflow.
+    // The limit is half of the largest number, so that sums of two indices do not overflow.
     text.trim().parse::<usize>().ok().filter(|k| (1..usize::MAX / 2).contains(k)).map(|k| k - 1)
 }
 
@@ -50,7 +50,7 @@ pub fn whole(text: &str, file: &str) -> Result<()> {
             file,
             line,
             text,
-            "the file ends within this line; expected a line break, unless it is cut off",
+            "the file ends within this line and may be truncated; expected a line break at its end",
         )),
     }
 }

@@ -43,7 +43,8 @@ fn closed_form_impacts_at_one_instant_lose_each_its_own() {
     }
 }
 
-/// The losses of an instant's impacts beyond ½ (1 - ε) u P each are shared by their work u P.
+/// Each impact of an instant loses ½ (1 - ε) u P. If the account has a larger loss, the impacts
+/// share the rest in proportion to their work u P.
 #[test]
 fn closed_form_what_the_account_has_more_is_shared_by_work() {
     let motion = two_balls();
@@ -67,7 +68,7 @@ fn closed_form_what_the_account_has_more_is_shared_by_work() {
     near(of(&events, None), &[3.0, 1.0]);
     near(of(&events, Some(4.0)), &[3.0, 1.0]);
     near(of(&events, Some(6.2)), &[3.0 + 1.2, 1.0 + 1.0]);
-    // The last impact before a stop stays closed keeps nothing: ½ · 3 · 4.
+    // The last impact before a stop stays closed loses all its energy: ½ · 3 · 4.
     near(of(&[events[0].clone(), close.clone()], None), &[6.0, 0.0]);
     near(of(&[events[1].clone(), close], None), &[1.0, 0.0]);
     // Impacts reported before a contact's beginning are not shared again.

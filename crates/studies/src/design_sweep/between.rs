@@ -11,12 +11,11 @@ use vibro_numerics::sorting::sort_by;
 
 /// Largest number of further values of one design along one interval.
 pub(super) const MOST: usize = 32;
-/// Smallest number of values that are measured along an interval.
+/// Lower limit for the measured values along an interval.
 const LEAST: usize = 9;
 /// Factor between the assumed and the observed steepness.
 const STEEPER: f64 = 2.0;
-/// Smallest excess of a bound over the largest value, relative to that value, for which the search
-/// continues.
+/// Threshold of the search: it continues while a bound exceeds the largest value by this fraction.
 const PART: f64 = 0.01;
 /// Smallest distance of values, as a fraction of the interval.
 const NEAREST: f64 = 1.0 / 256.0;
@@ -29,7 +28,7 @@ pub(super) struct BandMotions {
     pub places: Vec<Vec<f64>>,
     /// The motions, combination by combination.
     pub outcomes: Vec<MotionMeasures>,
-    /// Number of motions that were computed.
+    /// Number of computed motions.
     pub computed: usize,
     /// Excess over the largest measure that a branch may reach before the measure jumps to another
     /// branch between two values.
@@ -197,7 +196,7 @@ fn next(line: &[ValueSpread]) -> Option<f64> {
         let width = p[1].0 - p[0].0;
         if line.len() < LEAST { width } else { 0.5 * (p[0].1 + p[1].1 + STEEPER * steepest * width) }
     };
-    // Of equal bounds the first is used.
+    // The first of equal bounds is used.
     let (pair, bound) = wide.map(|p| (p, bound(p))).reduce(|a, b| if b.1 > a.1 { b } else { a })?;
     let passes = line.len() < LEAST || bound > top.1 + (BARS * top.2).max(PART * top.1.abs());
     passes.then(|| 0.5 * (pair[0].0 + pair[1].0))

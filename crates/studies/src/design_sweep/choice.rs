@@ -3,8 +3,8 @@
 //! Every number of a sweep has an error bar: two spreads up and down, which are zero if the motion
 //! repeats. The value of a design is the largest value of its motions. Its error bar reaches from
 //! the largest of their lower ends to the largest of their upper ends. All designs that may be the
-//! best within their error bars are measured again. Each measurement is four times as long as the
-//! one before, and also covers values between the given values of the parameters over which the
+//! best within their error bars are measured again. Each measurement is four times as long as its
+//! predecessor. It also covers values between the given values of the parameters over which the
 //! designs are summarized. All motions of a design are measured equally long, except motions that
 //! repeat: a chaotic motion below the largest may exceed it in a longer window.
 //!
@@ -21,13 +21,13 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use vibro_numerics::sorting::sort_by;
 
-/// Factor by which each measurement is longer than the one before.
+/// Ratio of the lengths of successive measurements.
 const LONGER: u32 = 4;
 /// Largest number of repeated measurements of a design.
 const ROUNDS: u32 = 3;
-/// Largest number of designs that are measured again in parallel.
+/// Cap on the designs in one parallel measurement.
 const TOGETHER: usize = 16;
-/// Relative difference up to which two values are equal.
+/// Relative tolerance of equal values.
 const SAME: f64 = 1e-9;
 
 /// Result of the repeated measurements.
@@ -40,8 +40,8 @@ pub struct Choice {
     /// Designs that may have the smallest value, in ascending order of value. A single one is the
     /// best beyond its error bar.
     pub possible: Vec<usize>,
-    /// Number of designs that may have the smallest value and could not be measured again because
-    /// all periods were spent.
+    /// Number of designs left undecided: each may have the smallest value, but all periods were
+    /// spent.
     pub left: usize,
     /// Periods of motion spent.
     pub spent: u64,
@@ -134,7 +134,7 @@ impl<M: DesignMachine> Race<'_, M> {
         self.request.periods.saturating_mul(LONGER.pow(rounds.min(ROUNDS)))
     }
 
-    /// Largest number of periods that the next measurement may take.
+    /// Upper bound of the periods in a design's next measurement.
     fn cost(&self, index: usize) -> u64 {
         let known = self.motions.get(&index);
         let between = known.map_or(0, |known| known.places.len() - self.request.places().len());

@@ -4,7 +4,7 @@ use super::{DesignMachine, MotionMeasures, SweepRequest};
 use crate::class::MotionClass;
 use serde::{Deserialize, Serialize};
 
-/// Largest spread, relative to the value, that counts as rounding.
+/// Tolerance for rounding: a spread up to this fraction of the value counts as zero.
 const REGULAR: f64 = 1e-6;
 
 /// Summary of a measure over the motions of a design.

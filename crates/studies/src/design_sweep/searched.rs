@@ -5,15 +5,15 @@ use super::row::{BARS, summary};
 use super::{Again, DesignMachine, DesignRow, MotionMeasures, SweepRequest, design, row};
 use crate::error::Result;
 
-/// A design's row with the motions from which it was summarized.
+/// A design's row with the summarized motions.
 #[derive(Clone, Debug)]
 pub struct SearchedRow {
     /// The row.
     pub row: DesignRow,
-    /// Combinations of values of [`SweepRequest::over`]: first those given in the request, then
-    /// the combinations that the search between them added.
+    /// Combinations of values of [`SweepRequest::over`]: the ones of the request, followed by the
+    /// combinations that the search between them added.
     pub places: Vec<Vec<f64>>,
-    /// Measures of the motions, combination by combination, from all starts for each.
+    /// Measures of the motions: for each combination in order, one entry per start.
     pub motions: Vec<MotionMeasures>,
 }
 

@@ -57,7 +57,7 @@ impl DiagramPoint for DescribedPoint {
 
 impl DiagramMachine for Machine {
     type Of = QuantityName;
-    /// Number of returns over which the largest exponent is counted.
+    /// Number of returns for the largest exponent.
     type Exponents = u32;
     type Point = DescribedPoint;
     type Settled = Start;

@@ -30,7 +30,7 @@ const RESIDUALS: usize = 2;
 /// without contact events.
 const SEGMENT: usize = 5;
 const QUIET: f64 = 0.25;
-/// Largest number of steps in a block, initial damping, and damping that ends the block.
+/// Cap on the steps in a block, initial damping, and damping at which the block ends.
 const STEPS: u32 = 8;
 const DAMPING: (f64, f64) = (1e-3, 1e6);
 /// A spurious impact gives large residuals, which count less.
@@ -66,7 +66,7 @@ struct Block {
     /// Derivatives of the residuals by the parameters and the state at the block's begin.
     by: DMatrix<f64>,
     end: Vec<Varied>,
-    /// Times of the motion at which a stop is hit or touched, or a contact changes.
+    /// Times of the motion's contact events: hits and touches of stops, and changes of contacts.
     events: Vec<f64>,
 }
 

@@ -1,12 +1,12 @@
 //! Standard errors of a fit, their correlations, and undetermined combinations.
 //!
-//! With white residuals the covariance is s² (JᵀJ)⁻¹. Real residuals are correlated: their
+//! If residuals are white, the covariance is s² (JᵀJ)⁻¹. Real residuals are correlated: their
 //! covariance is (JᵀJ)⁻¹ S (JᵀJ)⁻¹, where S sums products of J's rows and residuals over lags (W.
 //! Newey and K. West, Econometrica 55, 1987). The residuals' correlation sets the number of lags
 //! (D. Andrews, Econometrica 59, 1991).
 //!
-//! With a robust loss, s² is the mean square of the scores over the square of their mean slope (P.
-//! Huber, Robust Statistics, 1981, chapter 7): neither grows with the size of outliers.
+//! If the loss is robust, s² is the mean square of the scores over the square of their mean slope
+//! (P. Huber, Robust Statistics, 1981, chapter 7): neither grows with the size of outliers.
 
 use super::elimination::Triangle;
 use super::evaluated::{Evaluated, Point};

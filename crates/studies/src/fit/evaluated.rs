@@ -2,10 +2,11 @@
 
 use nalgebra::DMatrix;
 
-/// A parameter is idle if changing it by its own value (by one SI unit if it is 0) changes no
-/// residual by more: such a derivative is rounding and would lead to unbounded steps.
+/// A parameter is idle if no residual changes by more than this when the parameter changes by its
+/// own value (by one SI unit if it is 0). Its derivatives are rounding and would lead to unbounded
+/// steps.
 const IDLE: f64 = 1e-12;
-/// Magnitude, SI, up to which a parameter counts as 0: rounding of one that is fitted to be 0.
+/// Zero tolerance of a parameter, SI: rounding of a parameter whose fitted value is 0.
 const NEARLY_0: f64 = 1e-12;
 
 /// Node that marks the next of several records, whose motion has a start of its own.
@@ -59,11 +60,12 @@ impl Point {
 /// End of the record's used part, and nodes at which new segments begin.
 #[derive(Clone, Debug)]
 pub(super) struct Reach {
-    /// Time of the record up to which it is fitted, s.
+    /// End of the fitted part of the record, s.
     pub end: f64,
-    /// Times of the record at which segments after the first begin, s.
+    /// Start times of the segments after the first, as times of the record, s.
     pub nodes: Vec<f64>,
-    /// Weight of a segment's miss of the next one's start, for each state component.
+    /// Weight of the defect between a segment's end and the next one's start, for each state
+    /// component.
     pub weights: Vec<f64>,
 }
 

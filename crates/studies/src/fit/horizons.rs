@@ -10,7 +10,7 @@ use crate::error::Result;
 
 /// Largest number of horizons of a fit.
 const HORIZONS: u32 = 200;
-/// Largest number of contacts by which a horizon grows if the record has only contacts.
+/// Cap on the growth of a horizon, in contacts, if the record has only contacts.
 const MOST_CONTACTS: usize = 10;
 /// Smallest number of rows per free parameter in the first horizon.
 pub(super) const LEAST_ROWS: usize = 3;

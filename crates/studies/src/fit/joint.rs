@@ -235,7 +235,7 @@ impl<'a> Joint<'a> {
         Ok(())
     }
 
-    /// Number of residuals of a record less the numbers that it has for itself.
+    /// Number of residuals of a record minus the number of its own parameters.
     fn freedom(&self, k: usize) -> usize {
         let is_own =
             |place: &&usize| !self.places.iter().enumerate().any(|(j, own)| j != k && own.contains(place));

@@ -12,7 +12,7 @@ use crate::QuantityName;
 use crate::error::{Error, Result};
 use std::sync::Arc;
 
-/// Number of samples below which more than half may be outliers by chance.
+/// Sample size below which, by chance, more than half may be outliers.
 const FEW: usize = 8;
 /// Multiples of a column's noise above which it shows the motion, and up to which it is near.
 const SHOWN: f64 = 5.0;
@@ -126,7 +126,8 @@ impl<'a> Model<'a> {
         self.sigma.iter_mut().for_each(|sigma| *sigma *= factor);
     }
 
-    /// Takes the root mean square of the standard deviations of the same name, where there are any.
+    /// Takes the root mean square of the standard deviations of the same name, where there are
+    /// any.
     pub fn take_deviations(&mut self, known: &[(String, f64)]) {
         let names = self.named_deviations();
         for (sigma, (name, _)) in self.sigma.iter_mut().zip(names) {
@@ -207,7 +208,7 @@ impl<'a> Model<'a> {
         2.0 * self.compared.longest_interval()
     }
 
-    /// Time of the row that is `count` rows after a time.
+    /// Time of the row `count` rows later.
     pub fn next_row(&self, time: f64, count: usize) -> f64 {
         let place = self.times.partition_point(|own| *own <= time) + count - 1;
         self.times.get(place).copied().unwrap_or_else(|| self.end())
@@ -246,9 +247,9 @@ impl<'a> Model<'a> {
         Evaluated(beside.0.iter().enumerate().map(of).collect())
     }
 
-    /// Time up to which the motion of a point is near the record. The root mean square residual
-    /// from the last node on is at most a fraction of the record's standard deviation, or a few
-    /// times its noise. A motion that cannot be simulated is near nowhere.
+    /// End of the agreement between the motion of a point and the record: the root mean square
+    /// residual after the last node is at most a fraction of the record's standard deviation, or a
+    /// few times its noise. A motion that cannot be simulated is near nowhere.
     pub fn near_until(&self, point: &Point, nodes: &[f64], way: Way) -> f64 {
         let from = nodes.last().copied().unwrap_or(f64::NEG_INFINITY);
         let beside = self.beside(point, &Reach { nodes: nodes.to_vec(), ..Reach::whole(self.end()) });

@@ -31,8 +31,8 @@ pub(super) trait Problem: Sync {
     /// Reports the cost of a step.
     fn tell(&self, cost: f64, reach: &Reach);
 
-    /// Variance of residuals in units of the squared standard deviations, from the least cost.
-    /// With a robust loss, outliers dominate the cost, and the standard deviations are from
+    /// Variance of residuals in units of the squared standard deviations, from the least cost. If
+    /// the loss is robust, outliers dominate the cost, and the standard deviations are from
     /// residuals.
     fn variance(&self, cost: f64, free: usize) -> f64 {
         if self.has_sigma() || self.loss() != Loss::Linear {

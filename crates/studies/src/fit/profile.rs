@@ -12,11 +12,12 @@ use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Distances by which a parameter is moved, in standard errors. Far away the cost may rise less than
-/// the curvature promises: a carriage that sticks soon shows little of its initial velocity.
+/// Distances to which a parameter is moved, in standard errors. Far away the cost may rise less
+/// than the curvature predicts: a carriage that sticks soon shows little of its initial velocity.
 const AWAY: f64 = 2.0;
 const FAR: f64 = 5.0;
-/// Rise of the cost there, in variances, that needs no fit of the other parameters.
+/// Range of the rise of the cost at [`AWAY`], in variances, within which the curvature holds (4)
+/// and the other parameters are not fitted again.
 const EXPECTED: (f64, f64) = (2.8, 5.6);
 /// Rise, in variances, that suffices for an error; largest number of doublings to reach it.
 const TOLD: f64 = 0.5;

@@ -38,8 +38,8 @@ const ELSEWHERE: f64 = 9.0;
 const ONE: f64 = 3.0;
 const ONE_PART: f64 = 1e-3;
 
-/// Number of local minima, the lowest ones near a point, from which valleys are sought again: the
-/// valley of least cost may be narrow and lie beside a wider one.
+/// Number of local minima near a point, the lowest ones, that start a second search of valleys:
+/// the valley of least cost may be narrow and next to a wider one.
 const AGAIN: usize = 2;
 
 /// Cost of such a minimum, and of a valley on a line, relative to the best point's, at most.
@@ -94,11 +94,11 @@ pub(super) fn from_rest(
 
 /// Number of points of a scanned line to each side, and their distance in standard errors.
 const SCAN: (i32, f64) = (12, 1.0);
-/// Beyond these points a line of a single parameter goes on with distances that grow by this
-/// factor, up to this relative change of the parameter. Narrow valleys lie side by side: in one
+/// Growth factor of the distances beyond these points, for a line of a single parameter, and the
+/// largest relative change of the parameter. Valleys can be narrow and close together: in one
 /// record the valley of the true restitution was 500 standard errors away, 0.8 % of its value.
 const WIDE: (f64, f64) = (1.25, 0.1);
-/// Largest number of valleys from which a scan descends.
+/// Cap on the valleys that a scan descends into.
 const VALLEYS: usize = 12;
 
 /// Distances of the points of a scanned line, in standard errors.

@@ -20,12 +20,13 @@ const BESIDE: (u32, f64) = (8, 0.3);
 /// Largest number of attempts from a start: plain descent, each of [`WAYS`], blocks, segments of
 /// the motion, and [`BESIDE`] other starts.
 pub(super) const MOST_ATTEMPTS: usize = 2 + WAYS.len() + 1 + BESIDE.0 as usize;
-/// Number of contacts of the initial motion above which blocks come before horizons. Horizons over
+/// Limit of the initial motion's contacts; above it, blocks come before horizons. Horizons over
 /// 500 contacts ended in wrong minima; over 100 contacts they were cheaper.
 const MANY: usize = 200;
 /// Number of candidates for [`BESIDE`] if the record has only contacts.
 const LOOKED_AT: u32 = 128;
-/// Number of starts with the same least cost that ends the search, and relative tolerance.
+/// The search ends when this number of starts agrees on the least cost within this relative
+/// tolerance.
 const AGREED: u32 = 3;
 const SAME: f64 = 1e-6;
 
@@ -59,7 +60,7 @@ impl Search<'_> {
         let Self { model, start, .. } = *self;
         // Without stops, a motion near the record from the start on has a single valley.
         let is_regular = self.is_regular();
-        // Contact times alone do not determine the states in which segments begin.
+        // Contact times alone do not determine the initial states of segments.
         let is_divided =
             self.segments != Segments::None && (!model.is_of_contacts() || self.length().is_some());
         let is_in_blocks = is_divided && !model.is_of_contacts() && !is_regular;
@@ -101,8 +102,8 @@ impl Search<'_> {
         if let Segments::Length(length) = self.segments { Some(length) } else { None }
     }
 
-    /// Starts around the given one. With contacts only, the ones whose motions keep near the
-    /// record longest: an extra or missing contact shifts all later matches.
+    /// Starts around the given one. If the record has only contacts, the starts whose motions stay
+    /// near the record longest: an extra or missing contact shifts all later matches.
     fn beside(&self) -> Vec<Vec<f64>> {
         let (model, (count, part)) = (self.model, BESIDE);
         // The first point of the sequence is the given start.

@@ -19,15 +19,15 @@ use crate::error::{Error, Result};
 use crate::sobol;
 use rayon::prelude::*;
 
-/// Number of times that columns without a given standard deviation are reweighted.
+/// Number of reweightings of columns without a given standard deviation.
 const REWEIGHTED: u32 = 2;
 /// The same number for a robust loss: the deviation decreases as outliers lose weight.
 const REWEIGHTED_ROBUST: u32 = 6;
 /// Largest number of moves to a better point found by a restart.
 const BETTER: u32 = 20;
 
-/// Largest ratio by which other minima that are as good widen the errors. Impacts that appear or
-/// disappear divide one valley into several; a minimum farther away is a different answer.
+/// Cap on the widening of errors by other minima of equal quality, as a ratio. Impacts that appear
+/// or disappear divide one valley into several; a minimum farther away is a different answer.
 const WIDER: f64 = 5.0;
 
 /// Callback that ends a search early by returning false.
@@ -149,7 +149,7 @@ fn fit_carrying(requests: &[FitRequest], observer: Observer) -> Result<Vec<Fitte
     Ok(all)
 }
 
-/// Number of times that columns are reweighted.
+/// Number of reweightings of the columns.
 fn reweighted(joint: &Joint, requests: &[FitRequest]) -> u32 {
     let lists = requests.iter().map(|own| own.measured.columns.len() + own.measured.contacts.len());
     match (joint.has_sigma(), joint.loss()) {
@@ -261,8 +261,8 @@ struct Settled {
     doubt: Option<String>,
 }
 
-/// Continues with a single motion of each record if segments are left and do not fit: a segment may
-/// begin next to an impact that the previous segment lacks, from where no restart leads to it.
+/// Continues with a single motion of each record if segments are left and do not fit: a segment
+/// may begin next to an impact that the previous segment lacks, from where no restart leads to it.
 fn joined(joint: &Joint, bounds: &Bounds, found: Settled, go_on: GoOn) -> Result<Settled> {
     let best = &found.best;
     if best.reach.is_whole() || joint.fits(&best.point, &best.reach)? || joint.is_chaotic(&best.point.values)

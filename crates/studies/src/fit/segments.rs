@@ -20,17 +20,17 @@ use vibro_machine::{Differentiated, Motion};
 const GROWTH: f64 = 20.0;
 /// Growth at which rounding, 1e-16, exceeds a thousandth of the motion.
 const CHAOTIC: f64 = 1e13;
-/// Last fraction of a segment's length in which the next segment may begin.
+/// The next segment begins in the last part of a segment, with this fraction of its length.
 const PLACE: f64 = 0.5;
-/// Largest number of intervals between contact events that are searched for a node, the longest
-/// first. A motion that chatters has many intervals.
+/// Cap on the intervals between contact events that are searched for a node, the longest first. A
+/// motion that chatters has many intervals.
 const GAPS: usize = 20;
 /// Smallest mean number of contacts in a segment.
 const CONTACTS: f64 = 3.0;
 /// The fit ends if the horizons whose fitted motion leaves the record exceed the other horizons by
 /// this number. At the smallest growth, ten horizons have the length of a segment.
 const LOST: u32 = 10;
-/// Number of times at which growth and range are sampled.
+/// Number of sampling times for growth and range.
 const LOOKS: usize = 400;
 /// Criterion for growing a horizon.
 const WAY: Way = WAYS[2];
@@ -143,13 +143,13 @@ fn next_node(
     Ok(None)
 }
 
-/// Growth of a change in component `p` of the initial state; `None` if there is no derivative.
+/// Growth of a change in component `p` of the initial state; `None` without a derivative.
 fn growth(motion: &Differentiated, sizes: &[f64], p: usize) -> Option<f64> {
     let by = motion.state_derivative(p)?;
     Some(by.iter().zip(sizes).map(|(x, size)| (x / size * sizes[p]).abs()).fold(0.0, f64::max))
 }
 
-/// Time at which a change of the initial state has grown, up to a horizon.
+/// Time needed for the growth of a change of the initial state, up to a horizon.
 fn grown(motion: &mut Differentiated, horizon: f64, sizes: &[f64]) -> Result<Option<f64>> {
     let from = motion.motion().time();
     for i in 1..=LOOKS {
@@ -193,7 +193,7 @@ impl Model<'_> {
         Ok((motion, made.shift))
     }
 
-    /// Half the range of each state component over the record, as far as the motion continues.
+    /// Half the range of each state component over the record, up to the end of the motion.
     pub(super) fn sizes_of_states(&self, values: &[f64]) -> Result<Vec<f64>> {
         let (motion, shift) = self.last_segment(&Point::from(values.to_vec()), &[], false)?;
         let mut motion = motion.motion().clone();

@@ -22,7 +22,7 @@ pub(super) enum Convergence {
 }
 
 impl Convergence {
-    /// Largest number of steps, and the relative step and cost reduction at which it ends.
+    /// Cap on the steps, and the relative step and cost reduction below which the descent ends.
     fn limits(self) -> (u32, f64, f64) {
         match self {
             Self::Rough | Self::Back(_) => (20, 1e-5, 1e-5),

@@ -6,9 +6,10 @@ const SAME_NOISE: f64 = 1.2;
 /// Standard deviation of the noise on a signal, from its differences of several orders: the mean
 /// of all estimates near the smallest one.
 ///
-/// A quarter of normal samples are below 0.3186 standard deviations in size. Differences of order
-/// m multiply the standard deviation by √C(2m, m). Coarse sampling of a motion raises low orders;
-/// contacts mostly raise high ones.
+/// Each estimate uses the lower quartile of the sizes of the differences: a quarter of normal
+/// numbers are smaller than 0.3186 standard deviations. Differences of order m have √C(2m, m)
+/// times the standard deviation of the noise. Coarse sampling of a motion makes the estimates of
+/// low orders too large; contacts mostly make the estimates of high orders too large.
 pub(super) fn noise(values: &[f64]) -> f64 {
     let (mut all, mut found, mut variance) = (values.to_vec(), Vec::new(), 1.0);
     for order in 1..=6 {
@@ -142,7 +143,8 @@ mod tests {
         // Six standard deviations of an estimate from 4000 samples.
         assert!((noise(&signal) / 0.3 - 1.0).abs() < 0.1, "{}", noise(&signal));
         assert!((noise(&all) - 1.0).abs() < 0.1, "{}", noise(&all));
-        // No difference is left of two values, and none that is not 0 of a straight line.
+        // Two values have no second difference, and all second differences of a straight line are
+        // 0.
         assert_eq!(noise(&[1.0, 2.0]), 0.0);
         assert_eq!(noise(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]), 0.0);
     }
@@ -150,7 +152,7 @@ mod tests {
     #[test]
     fn closed_form_earlier_values_explain_the_part_of_the_variance_that_was_made_of_them() {
         let all = normal(8000);
-        // Of white noise nothing is explained: a sum of 40 squares of normal numbers.
+        // White noise explains nothing: the statistic is a sum of 40 squares of normal numbers.
         let white = correlated(&all);
         assert!(white.share.abs() < 0.01 && white.deviations.abs() < 4.0, "{}", white.deviations);
         // xₖ = a xₖ₋₁ + noise has the correlation aᵏ over k lags; the squares sum to a²/(1 - a²).
@@ -161,7 +163,8 @@ mod tests {
             last
         });
         let found = correlated(&made.collect::<Vec<_>>());
-        // Four standard deviations of the largest correlation from 8000 samples, times twice itself.
+        // A correlation from 8000 samples is known to 0.011. Its square is then off by at most
+        // 2 × 0.3 × 4 × 0.011, for four standard deviations.
         assert!((found.share - a * a / (1.0 - a * a)).abs() < 0.03, "{}", found.share);
         assert!(found.deviations > 50.0);
         assert_eq!(correlated(&[]).share, 0.0);

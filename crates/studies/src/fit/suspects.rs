@@ -20,14 +20,14 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use vibro_machine::description::{Arms, Description, Friction, Signal};
 
-/// Largest number of candidates that are fitted, and of suspects that are reported.
+/// Caps on the fitted candidates and on the reported suspects.
 const TRIED: usize = 4;
 const TOLD: usize = 3;
 /// Smallest reduction of the sum of squares by a suspect: less may be chance or a kink.
 const LEAST: f64 = 0.2;
 /// Largest number of steps over growing horizons with a candidate.
 const STEPS: u32 = 60;
-/// Smallest linear reduction for which a candidate is fitted.
+/// Linear reduction above which a candidate is fitted.
 const PROMISING: f64 = 0.02;
 /// Sections of the machine's file whose parameters are candidates.
 const SECTIONS: [&str; 5] = ["body.", "spring.", "stop.", "friction.", "load."];

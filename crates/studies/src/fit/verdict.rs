@@ -28,8 +28,8 @@ const VAGUE: f64 = 5.0;
 /// Correlation of successive residuals above which they are more than noise.
 const FOLLOWS: f64 = 0.3;
 /// Residuals are more than noise if earlier residuals explain more than this part of the variance:
-/// limits for the verdict, and for the end of the search. Motions in wrong valleys explained 8 % and more
-/// where the true one was 10 % better.
+/// limits for the verdict, and for the end of the search. Motions in wrong valleys explained 8 %
+/// and more where the true one was 10 % better.
 const SHARE: f64 = 0.05;
 const SEARCHED: f64 = 0.02;
 /// Size of an outlier, in standard deviations of the residuals: a robust loss limits residuals to
@@ -39,8 +39,8 @@ const OUTLIER: f64 = 3.0;
 /// record in 6000 exceeds `COLOURED` (χ² of 40 lags).
 const WHITE: f64 = 2.0;
 const COLOURED: f64 = 4.5;
-/// Smallest number of samples for which white residuals give the noise better than differences
-/// do. The estimate from differences may then be off by twice what chance permits.
+/// Sample size above which white residuals give the noise better than differences do. The estimate
+/// from differences may then be off by twice the chance variation.
 const MANY: usize = 200;
 /// Deviation of contact times, relative to their mean interval: up to `MET` it counts as noise if
 /// no noise is given; above `APART` the motion is a different one. Contacts of a wrong motion are
@@ -97,8 +97,8 @@ impl Model<'_> {
         self.judged(beside, (FITS, FOLLOWS, SHARE))
     }
 
-    /// Verdict from residuals for given limits: on the ratio of residuals to estimated noise, on the
-    /// correlation of successive residuals, and on the part that earlier residuals explain.
+    /// Verdict from residuals for given limits: on the ratio of residuals to estimated noise, on
+    /// the correlation of successive residuals, and on the part that earlier residuals explain.
     fn judged(&self, beside: &Beside, (limit, follows, explained): (f64, f64, f64)) -> Verdict {
         let mut doubt = None;
         for (k, (name, values)) in self.measured.columns.iter().enumerate() {
@@ -108,7 +108,8 @@ impl Model<'_> {
             let all: Vec<f64> = beside.residuals(k).map(|r| r.clamp(-most, most)).collect();
             let found = correlated(&all);
             let is_white = values.len() >= MANY && found.deviations < WHITE;
-            // With few samples, differences give a less certain estimate than a root mean square.
+            // If there are few samples, differences give a less certain estimate than a root mean
+            // square.
             let share = match (self.has_sigma, is_white) {
                 (true, _) => self.chance(),
                 (false, true) => 2.0 * VAGUE,
@@ -158,7 +159,7 @@ impl Model<'_> {
         doubt.map_or(Verdict::Fits, Verdict::Undecided)
     }
 
-    /// Relative excess of one residual's deviation over its noise that chance permits.
+    /// Chance variation of a residual's deviation: its relative excess over the noise.
     fn chance(&self) -> f64 {
         let variance = if self.loss == Loss::Linear { 0.5 } else { 0.5 * MEDIAN };
         CHANCE * variance.sqrt()

@@ -12,9 +12,9 @@ use vibro_machine::sparse_factor::{Number, Pattern, SymmetricSparse};
 use vibro_machine::system::System;
 use vibro_numerics::sorting::sort_by_key;
 
-/// Largest number of lowest, and of highest, oscillations that are computed.
+/// Cap on the computed oscillations at either end of the spectrum: the lowest and the highest.
 pub const SHOWN: usize = 10;
-/// Relative size, compared with its terms, up to which a difference is rounding.
+/// Tolerance for the rounding of a difference, relative to its terms.
 const ROUNDING: f64 = 1e-12;
 /// Width of a bracket of ω², relative to its upper end, at which bisection ends. Frequencies
 /// closer than this count as equal.
@@ -23,7 +23,7 @@ const WIDTH: f64 = 1e-9;
 const STILL: f64 = 1e-7;
 /// Largest number of inverse iterations per eigenvalue; each about doubles the correct digits.
 const ITERATIONS: usize = 30;
-/// Relative change of an eigenvalue at which its iteration ends.
+/// Relative tolerance of the iteration for an eigenvalue.
 const SETTLED: f64 = 1e-12;
 
 /// The lowest and highest oscillations of a part.
@@ -111,7 +111,7 @@ impl Span {
         Some(Self { coordinates: n, still, shown })
     }
 
-    /// Number of oscillations that are not shown.
+    /// Number of oscillations left out of the list.
     pub fn between(&self) -> usize {
         let [low, high] = &self.shown;
         self.coordinates - self.still - low.len() - high.len()

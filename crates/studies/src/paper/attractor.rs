@@ -3,7 +3,7 @@
 //!
 //! The machine without constant loads is symmetric: if x(t) is a motion, so is -x(t + T/2), where
 //! T is the drive's period. A pair of mirror images is therefore distinguished from a pair of
-//! different attractors. Under constant loads there are no mirror images.
+//! different attractors. Constant loads exclude mirror images.
 
 mod record;
 
@@ -34,7 +34,8 @@ pub struct Attractor {
     pub impacts: [f64; 2],
     /// Whether the block rests at a stop for part of a period or, held by a load, always.
     pub rests: bool,
-    /// States at whole drive periods over one period; a single state if there is no period.
+    /// States at whole drive periods over one period; a single state for a motion without a
+    /// period.
     pub states: Vec<StroboscopicState>,
     /// States of the mirror image at whole drive periods; none under constant loads.
     pub mirror_states: Vec<StroboscopicState>,

@@ -208,8 +208,8 @@ impl Basins<ClassedAttractor> {
         self.reached(found, sure)
     }
 
-    /// This basin with its attractors in the order in which the cells reach them, instead of the
-    /// order in which they were decided.
+    /// This basin with its attractors numbered by their first cell instead of by the time of their
+    /// verdict.
     fn in_order_of_cells(self) -> Self {
         let mut order: Vec<u16> = Vec::new();
         for cell in &self.cells {

@@ -22,8 +22,8 @@ const MAXIMA_IN_A_PERIOD: usize = 4;
 /// Resolution of maxima, units of L: six decimals are kept.
 const RESOLUTION: f64 = 1e-6;
 
-/// Fraction of the gap by which rounding may put a block past a stop when its position, some gaps
-/// away, is scaled to another gap.
+/// Tolerance for a block past a stop, as a fraction of the gap: rounding when its position, some
+/// gaps away, is scaled to another gap.
 const ROUNDING: f64 = 1e-12;
 
 /// Request of a diagram of the paper's machine.

@@ -104,9 +104,9 @@ fn one(
     measure(&mut simulator, &request.measures, request.periods)
 }
 
-/// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. They
-/// are points of the Sobol sequence, the same in every sweep. The sequence's first two points are
-/// left out; the second one is the machine at rest.
+/// Starts spread evenly: |x1| and |x3| up to 2 L, |w| up to L, the velocities up to 2 L ω10. The
+/// starts are points of the Sobol sequence, the same in every sweep. The sequence's first two
+/// points are left out; the second one is the machine at rest.
 pub fn spread_starts(count: u32) -> Vec<StartRule> {
     const REACH: f64 = 2.0;
     let start = |index: u32| {

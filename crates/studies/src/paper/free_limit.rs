@@ -31,7 +31,8 @@ pub(crate) fn middle(p: &Parameters) -> [f64; 3] {
 }
 
 /// Whether the limit of the damped motion without impacts is clear of the stops (docs/theory.md
-/// (100)). If not, every motion returns to a stop, however long it has met none.
+/// (100)). If it is not clear, every motion meets a stop again, even after a long time without
+/// impacts.
 pub(crate) fn limit_keeps_clear(p: &Parameters) -> bool {
     let [box_middle, block_middle, _] = middle(p);
     forced(p).norm() + (block_middle - box_middle).abs() < p.stop_gap

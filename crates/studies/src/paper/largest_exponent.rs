@@ -30,7 +30,7 @@ pub(crate) const BLOCK: u32 = 8;
 pub(crate) const ALIGN: u32 = 4;
 /// Smallest number of blocks with a meaningful scatter.
 const LEAST_BLOCKS: u32 = 8;
-/// Range of squared lengths in which a variation is not rescaled.
+/// Range of squared lengths; a variation outside of it is rescaled.
 const SCALED: std::ops::Range<f64> = 1e-200..1e200;
 /// Longest time between checks of the length, in 1/rate. The length changes by at most e¹⁰⁰ in
 /// this time, so its square does not overflow.
@@ -100,7 +100,7 @@ pub(crate) struct Tangent {
     ready: bool,
     v: Augmented,
     mode: SmoothMode,
-    /// Time up to which the variation is carried, s.
+    /// Present time of the variation, s.
     time: f64,
     /// Length of a block and end of the current one, s.
     block: f64,

@@ -2,10 +2,10 @@
 //! the drive's phase.
 //!
 //! Between events the variations are propagated by exact transition matrices, and at impacts they
-//! jump (docs/theory.md (84)). They are orthonormalized once per drive period, and before dampers
-//! and impacts make some of them too small relative to others (docs/theory.md (85); paper, section
-//! 4). When the block comes to rest, its relative motion is lost: two directions become zero, and
-//! their exponents are -∞ from then on. An impact with κ = 0 makes one direction zero.
+//! jump (docs/theory.md (84)). The variations are orthonormalized once per drive period, and
+//! before dampers and impacts make some of them too small relative to others (docs/theory.md (85);
+//! paper, section 4). When the block comes to rest, its relative motion is lost: two directions
+//! become zero, and their exponents stay at -∞. An impact with κ = 0 makes one direction zero.
 //!
 //! ```
 //! use vibro_studies::paper::lyapunov::{SpectrumOptions, spectrum};
@@ -34,15 +34,15 @@ const CHECK: u32 = 10;
 /// Options of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpectrumOptions {
-    /// Periods in which the variations align with their directions before growth counts.
+    /// Periods for the alignment of the variations with their directions, before growth counts.
     pub align: u32,
     /// Largest number of counted periods (1500 in the paper).
     pub periods: u32,
-    /// Number of last periods over which the deviation of the running exponents is taken. The
-    /// computation ends when it is below `threshold` for every exponent.
+    /// Number of periods, the last ones, for the deviation of the running exponents. The
+    /// computation ends when the deviation is below `threshold` for every exponent.
     pub window: u32,
-    /// Standard deviation of running exponents that ends the computation, 1/s. With 0 all periods
-    /// are counted.
+    /// Standard deviation of running exponents at which the computation ends, 1/s. If it is 0, all
+    /// periods are counted.
     pub threshold: f64,
 }
 
@@ -95,7 +95,7 @@ pub struct Convergence {
     pub running: Vec<[f64; DIMENSION]>,
 }
 
-/// The spectrum of the motion from now on. The caller has discarded the transient.
+/// The spectrum of a motion after the transient, which the caller has discarded.
 ///
 /// # Errors
 /// As [`Simulator::advance_until`]; [`Error::Undefined`] without a drive, which sets the period.
@@ -204,7 +204,7 @@ pub fn dimensionless(simulator: &mut Simulator, options: &SpectrumOptions) -> Re
 struct Tangent {
     variation: Variation,
     frame: Frame,
-    /// Number of directions that are not zero.
+    /// Number of nonzero directions.
     rank: usize,
     /// Logarithms of the growth so far.
     logs: [f64; DIMENSION],

@@ -1,10 +1,9 @@
 //! Local maxima of a displacement (x1, x2, x3, w or a weighted sum of x1, x2, x3), as reported by
 //! the simulator.
 //!
-//! They are found from the flow, not from samples: at smooth maxima and at corners where an impact
-//! reverses the rate. In the motion with two symmetric impacts per period every maximum of x2 is
-//! such a corner. A maximum of w that lasts, while the block rests at the upper stop, counts once,
-//! at its end.
+//! The flow gives the maxima, not samples: smooth maxima and corners at impacts, which reverse the
+//! rate. In the motion with two symmetric impacts per period every maximum of x2 is such a corner.
+//! A maximum of w that lasts, while the block rests at the upper stop, counts once, at its end.
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};

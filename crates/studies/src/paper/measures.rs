@@ -141,7 +141,7 @@ fn of_parts(parts: &[Window], measure: Measure, p: &Parameters) -> Vec<f64> {
     parts.iter().map(|part| part.number(measure, p)).collect()
 }
 
-/// Spread of a measure over windows as long as these parts together.
+/// Spread of a measure over windows of the joint length of these parts.
 fn spread(parts: &[Window], measure: Measure, p: &Parameters) -> f64 {
     let numbers = of_parts(parts, measure, p);
     match measure {

@@ -38,7 +38,7 @@ pub struct ParameterSet {
     given: Given,
     parameters: Parameters,
     groups: Groups,
-    /// Units in which labels show the parameters.
+    /// Display units of the parameters in labels.
     #[serde(default, skip_serializing_if = "units::Units::is_empty")]
     units: units::Units,
 }
@@ -287,7 +287,7 @@ impl ParameterSet {
         })
     }
 
-    /// Sets the unit in which labels and captions show a physical parameter. `None` or a unit of
+    /// Sets the display unit of a physical parameter in labels and captions. `None` or a unit of
     /// another dimension changes nothing.
     pub fn show_in(&mut self, name: Name, unit: Option<&'static Unit>) {
         if let (Name::Si(field), Some(unit)) = (name, unit) {

@@ -3,39 +3,39 @@
 //!
 //! First, at no cost, impacts must repeat: their sequence, times and speeds, summed over each
 //! drive period. Then the states at whole drive periods decide. The verdict at the end would be
-//! the same: docs/theory.md, "What has settled is not simulated further".
+//! the same (docs/theory.md, "A settled motion is not simulated further").
 
 use super::attractor::{StroboscopicRecord, appended, distance};
 use super::stroboscopic::StroboscopicState;
 use crate::class::{RETURN, SAME};
 
-/// Longest period, in drive periods, that is recognized early.
+/// Upper limit of early recognized periods, in drive periods.
 const LONGEST: u32 = 8;
-/// Smallest number of drive periods over which impacts must repeat.
+/// Lower limit of the drive periods with repeated impacts.
 const REPEATED: u32 = 16;
-/// Number of drive periods over which impacts of the longest period must repeat.
+/// Number of drive periods with repeated impacts for the longest period.
 const REMEMBERED: u32 = 4 * LONGEST;
 /// Drive periods between checks of the impacts.
 const CHECK: u32 = 4;
-/// Largest difference at which the sums over two drive periods count as equal: sums of the speeds
-/// of the impacts (units of L ω10) and of their times (drive periods).
+/// Tolerance for equal sums over two drive periods: sums of the speeds of the impacts (units of L
+/// ω10) and of their times (drive periods).
 const SIMILAR: f64 = 1e-6;
 /// Difference that may be rounding and need not decrease.
 const ROUNDING: f64 = 1e-11;
-/// Smallest fraction of its way to an orbit that a motion covers per period. Next to a period
-/// doubling a motion approaches its orbit from alternating sides, and the fraction is the ratio of
-/// returns after two periods and after one; below the limit the motion has twice the period. Next
-/// to a symmetry breaking the mirrored return after half a period is used.
+/// Lower limit for the fraction of its way to an orbit that a motion covers per period. Next to a
+/// period doubling a motion approaches its orbit from alternating sides, and the fraction is the
+/// ratio of returns after two periods and after one; below the limit the motion has twice the
+/// period. Next to a symmetry breaking the mirrored return after half a period is used.
 pub(crate) const LEAST_APPROACH: f64 = 1e-5;
-/// Largest return (units of L and L ω10) of a settled motion. Returns that do not grow add up,
-/// over the skipped drive periods, to at most this times their number.
+/// Upper limit for the return of a settled motion, in units of L and L ω10. Returns that do not
+/// grow add up, over the skipped drive periods, to at most this times their number.
 const STEADY: f64 = 1e-7;
-/// Smallest number of returns that [`moves`] counts.
+/// Lower limit for the number of returns in [`moves`].
 const RETURNS: f64 = 1000.0;
 
-/// Largest distance that a state and its near return may move apart over a number of returns. A
-/// shorter period whose return exceeds [`RETURN`] by more than this stays excluded through all of
-/// these returns, and so does a mirror image that exceeds [`SAME`] by more than this.
+/// Bound on the distance between a state and its near return after a number of returns. A shorter
+/// period stays excluded through all of these returns if its return exceeds [`RETURN`] by more
+/// than this bound. So does a mirror image that exceeds [`SAME`] by more than this bound.
 fn moves(returns: f64) -> f64 {
     2.0 * returns.max(RETURNS) * STEADY
 }

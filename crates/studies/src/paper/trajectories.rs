@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{LaneUse, Simulator, State, TOGETHER, Way, advance_queue_by};
 
-/// Smallest number of motions in a part of a study. A lane that has finished a motion takes the
+/// Lower limit for the motions in a part of a study. A lane that has finished a motion takes the
 /// next one, so lanes idle only for the last few motions, here a tenth of the time.
 pub(crate) const MOTIONS: usize = 128;
 
@@ -38,9 +38,9 @@ pub struct Program {
     pub maxima: Option<(Displacement, u32)>,
     /// Whether the motion is then [observed](super::attractor::observe).
     pub observed: bool,
-    /// Largest number of drive periods over which the largest exponent of a motion with impacts
-    /// and without a period is computed, if it is. Only for motions that are observed; most of the
-    /// observation counts in any case.
+    /// Cap on the drive periods for the largest exponent of a motion with impacts and without a
+    /// period; `None` without the exponent. Only for observed motions. The exponent is
+    /// computed over most of the observation, even if the cap is lower.
     pub exponent: Option<u32>,
 }
 
@@ -75,7 +75,7 @@ pub struct Workspace {
     lanes: Vec<LaneRecord>,
     /// Use of the lanes so far.
     pub used: LaneUse,
-    /// Way in which motions are advanced; ways other than the default are for comparisons.
+    /// Way of advancing the motions; ways other than the default are for comparisons.
     pub way: Way,
 }
 

@@ -124,7 +124,7 @@ fn physical(v: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
     [gap * x1, gap * v[1], gap * v[2], speed * rate1, speed * v[4], speed * v[5], v[6], v[7]]
 }
 
-/// A variation in the coordinates of this module, from those of the model (docs/theory.md (83)).
+/// Converts a variation from the model's coordinates to this module's (docs/theory.md (83)).
 fn varied(z: &Augmented, share: f64, gap: f64, speed: f64) -> Augmented {
     let (centre, rate) = (z[0] + share * z[RELATIVE], z[3] + share * z[RELATIVE_RATE]);
     [centre / gap, z[1] / gap, z[2] / gap, rate / speed, z[4] / speed, z[5] / speed, z[6], z[7]]

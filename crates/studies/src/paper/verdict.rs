@@ -1,10 +1,10 @@
 //! Verdict on a motion, which is followed until it is decided or a given limit is reached.
 //!
 //! A motion with a period is decided at once. A motion whose largest exponent is certainly
-//! positive or zero is chaotic or quasi-periodic as far as it was followed; the caller decides
-//! whether its window is long enough. All other motions are prolonged, twice as far each time,
-//! since a transient or a slow approach comes to an end. A motion that is undecided at the limit
-//! is *not settled*, not an attractor. See docs/theory.md, "When a verdict is decided".
+//! positive or zero is chaotic or quasi-periodic up to its present end; the caller decides whether
+//! its window is long enough. All other motions are prolonged, twice as far each time, since a
+//! transient or a slow approach comes to an end. A motion that is undecided at the limit is *not
+//! settled*, not an attractor. See docs/theory.md, "When a verdict is decided".
 
 use super::attractor::{Attractor, StroboscopicRecord};
 use super::free_limit::is_damped;
@@ -18,27 +18,28 @@ use crate::exponent::LargestExponent;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Simulator, Way};
 
-/// Largest number of drive periods for which a motion is followed after the discarded ones. The
-/// last of the growing steps may exceed it.
+/// Cap on the drive periods of a motion after the discarded ones. The last of the growing steps
+/// may exceed it.
 pub const PROLONGED: u32 = 8192;
-/// Largest number of drive periods over which the largest exponent is computed at a time.
+/// Cap on the drive periods of one computation of the largest exponent.
 pub const EXPONENT_PERIODS: u32 = 4000;
-/// Drive periods for which chaos must last if there is no other condition.
+/// Required duration of chaos, in drive periods, without another condition.
 pub(crate) const LASTS: u32 = 4 * OBSERVED;
 
 /// Shortest window, in drive periods, whose means may describe an attractor: 8 blocks of 128.
 const WINDOW: u32 = 1024;
 
-/// Largest return (units of L and L ω10) of a motion that has arrived. At a thousandth of its way
-/// per period it has a thousand such returns left, less than the distance of two attractors.
+/// Upper limit for the return (units of L and L ω10) of a motion that has arrived. At a thousandth
+/// of its way per period it has a thousand such returns left, less than the distance of two
+/// attractors.
 const ARRIVED: f64 = 1e-7;
 /// A motion that seems quasi-periodic is a spiral onto an orbit if its nearest return falls below
 /// the first fraction while the exponent is counted (thousands of drive periods), and below the
 /// second one in each later window. Next to a resonance returns on a torus fall too, for half of
-/// its slow time. Both conditions were met at none of 20,553 places on the 221 tori from which the
-/// fractions were chosen, and on none of 190 other tori.
+/// its slow time. The fractions were chosen on 221 tori: both conditions were met at none of
+/// 20,553 places on them, and on none of 190 other tori.
 const FALLS: [f64; 2] = [0.1, 0.97];
-/// Number of windows after the exponent during which the nearest return must fall.
+/// Number of windows with a falling nearest return, after the exponent.
 const FALLEN: u32 = 3;
 /// Drive periods after which a damped motion without impacts has reached its limit.
 const FAR: u32 = 1 << 22;
@@ -48,7 +49,7 @@ const FAR: u32 = 1 << 22;
 pub(crate) struct Following {
     /// Drive periods discarded first.
     pub(crate) discard: u32,
-    /// Largest number of drive periods over which the largest exponent is computed, if it is.
+    /// Cap on the drive periods for the largest exponent; `None` without the exponent.
     pub(crate) exponent: Option<u32>,
     /// Largest number of drive periods after the discarded ones; 0 for a single observation.
     pub(crate) limit: u32,
@@ -60,7 +61,7 @@ impl Default for Following {
     }
 }
 
-/// Motion as far as it has been followed.
+/// Motion up to its present end.
 #[derive(Clone, Debug)]
 pub struct Followed {
     /// Class of the motion.

@@ -6,7 +6,7 @@ use crate::simulator::batch::vectors::{LaneRow, ROW, Wide};
 use pulp::Simd;
 use vibro_numerics::simd::product;
 
-/// Number of coordinates that are transposed at a time.
+/// Number of coordinates in one transposition.
 const GROUP: usize = 4;
 
 /// States of some lanes at the centres of intervals. The interval, and so the transition matrix,
@@ -16,7 +16,7 @@ const GROUP: usize = 4;
 pub(super) struct Centres {
     /// Halves of the states: `[half][place][coordinate]`.
     halves: [[[f64; GROUP]; ROW]; 2],
-    /// Place of each lane, which undoes the order in which the vectors are transposed.
+    /// Place of each lane, which undoes the order of the transposed vectors.
     place: [u8; ROW],
 }
 

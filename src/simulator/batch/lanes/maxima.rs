@@ -165,7 +165,7 @@ impl MaximumFinder {
         if self.rising && rate < 0.0 {
             found(Maximum { time, value: weighted_sum(&self.weights, after, BOX), corner: true });
         }
-        // With a rate of zero after the impact, the motion that follows decides.
+        // If the rate is zero after the impact, the later motion decides.
         if rate != 0.0 {
             self.rising = rate > 0.0;
         }

@@ -23,8 +23,8 @@ const FACTORIALS: [f64; CENTRED] = {
 /// the interval's end can thus be followed into the next interval.
 pub(super) const REACH: f64 = 6.0 / 5.0;
 const _: () = assert!(remainder(CENTRED, 0.075 * REACH) < 9.8e-17);
-/// Largest first iterate of a search, in half intervals. Up to this size the bounds that hold
-/// within [`REACH`] are still strong enough (docs/numerics.md, section 7).
+/// Limit for the first iterate of a search, in half intervals. Up to this limit the bounds within
+/// [`REACH`] are still strong enough (docs/numerics.md, section 7).
 const BEYOND: f64 = 5.0 / 4.0;
 /// REACH^k.
 const POWERS: [f64; CENTRED] = {
@@ -52,9 +52,9 @@ pub(super) struct CentredFlights<S: Simd> {
 }
 
 impl<S: Simd> CentredFlights<S> {
-    /// Derivatives order by order from the equations of motion, docs/theory.md (6) and (8). This is
-    /// `Series::expand` for vectors of systems; `second_method_flights_are_the_series` compares the
-    /// two.
+    /// Derivatives order by order from the equations of motion, docs/theory.md (6) and (8). This
+    /// is `Series::expand` for vectors of systems; `second_method_flights_are_the_series` compares
+    /// the two.
     #[inline(always)]
     pub(super) fn expand(simd: S, systems: &LaneSystems, v: usize, z: &[Wide<S>; 8]) -> Self {
         let load = |row: &LaneRow| Wide::load(simd, row, v);
@@ -149,14 +149,14 @@ pub(super) struct Excess<S: Simd> {
 /// Upward zeros of the polynomials.
 pub(super) struct Crossing<S: Simd> {
     pub(super) u: Wide<S>,
-    /// Lanes in which u is proved to be the first zero.
+    /// Lanes with a proof that u is the first zero.
     pub(super) found: Mask<S>,
     /// Numbers of Newton steps.
     pub(super) iterations: Wide<S>,
 }
 
 impl<S: Simd> Excess<S> {
-    /// Divides the polynomials `chosen` by u. They start at a stop, and the zero at the start is
+    /// Divides the polynomials `chosen` by u: each starts at a stop, and its zero at the start is
     /// not a return.
     #[inline(always)]
     pub(super) fn divide_by_u(&mut self, chosen: Mask<S>) {
@@ -171,8 +171,8 @@ impl<S: Simd> Excess<S> {
         }
     }
 
-    /// Lanes in which the polynomials are proved to stay below zero and above -2 `gap` from `from`
-    /// to [`REACH`], so that the block meets neither stop.
+    /// Lanes with a proof that the polynomials stay below zero and above -2 `gap` from `from` to
+    /// [`REACH`], so that the block meets neither stop.
     ///
     /// Two proofs are tried. First, the parabola of the first three orders is largest at an end or
     /// at its vertex, and the sizes of the other terms bound their sum. Second, for `from` = 0,
@@ -200,9 +200,10 @@ impl<S: Simd> Excess<S> {
         (low | convex) & path.less_than(gap)
     }
 
-    /// First zero in (`from`, [`REACH`]), proved as in [`vibro_numerics::events::flight_crossing`],
-    /// its counterpart for one motion. It is found only for a path that rises and is nearly
-    /// straight. `second_method_crossings_and_their_absence` compares the two.
+    /// First zero in (`from`, [`REACH`]), proved as in
+    /// [`vibro_numerics::events::flight_crossing`], its counterpart for one motion. It is found
+    /// only for a path that rises and is nearly straight.
+    /// `second_method_crossings_and_their_absence` compares the two.
     #[inline(always)]
     pub(super) fn upward_crossing(&self, from: Wide<S>, gap: Wide<S>) -> Crossing<S> {
         let Self { c, d } = self;
@@ -215,7 +216,8 @@ impl<S: Simd> Excess<S> {
             curvatures[chain] = size.mul_add(splat(k as f64 * POWERS[k - 1]), curvatures[chain]);
         }
         let (sum, curvature) = (sums[0] + sums[1], curvatures[0] + curvatures[1]);
-        // Within REACH the slope is at least `spare` and the second derivative at most `curvature`.
+        // Within REACH the slope is at least `spare` and the second derivative at most
+        // `curvature`.
         let spare = d[0] - sum;
         let straight = zero.less_than(spare) & curvature.less_than(half * spare);
         let squares = half * curvature / spare;
@@ -226,7 +228,7 @@ impl<S: Simd> Excess<S> {
         let (bend, twist) = (c[2] * scale, c[3] * scale);
         let inner = (bend + bend).mul_add(bend, -twist);
         let start = linear * linear.neg_mul_add(linear.neg_mul_add(inner, bend), one);
-        // With K = `squares` the error after a step m with K m ≤ 1 is at most 4 K m². With K m > 1,
+        // If K = `squares` and K m ≤ 1, the error after a step m is at most 4 K m². If K m > 1,
         // `last` is too large and nothing is found (docs/numerics.md, section 7).
         let step = polynomial(c, start) / polynomial(d, start);
         let error = splat(4.0) * squares * step * step;
@@ -239,7 +241,7 @@ impl<S: Simd> Excess<S> {
         let thrice = twice - polynomial(c, twice) * inverse;
         let last = (squares + squares) * (error + rest) * rest;
         // In a search from a start (`from` = 0) the resolution is relative to u, so that the last
-        // bounces of a chatter run are found with as many digits as the first.
+        // bounces of a chatter run are found as accurately as the first.
         let centred = from.at_most(-one);
         let resolution = splat(RESOLUTION) * centred.select(one, once.abs());
         let (enough, soon) = (rest.at_most(resolution), error.at_most(resolution));

@@ -39,11 +39,11 @@ pub(super) struct LaneSystems {
     pub(super) interval: LaneRow,
     /// Gap L, m.
     pub(super) gap: LaneRow,
-    /// Longest path of the block in an interval with which the interval is searched as a whole, m,
-    /// as in `Simulator::exceeds_reach`.
+    /// Limit for the block's path in an interval, m, as in `Simulator::exceeds_reach`; up to it
+    /// the interval is searched as a whole.
     pub(super) reach: LaneRow,
-    /// Largest ratio of the squared rebound speed to the acceleration at which a chatter run is
-    /// closed, m: `Simulator::chatter_closing_limit`.
+    /// Limit for the squared rebound speed over the acceleration, m, below which a chatter run is
+    /// closed: `Simulator::chatter_closing_limit`.
     pub(super) closing: LaneRow,
     /// Coefficient of restitution κ.
     pub(super) restitution: LaneRow,

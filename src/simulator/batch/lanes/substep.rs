@@ -24,7 +24,7 @@ pub(super) struct Progress {
 }
 
 /// Advances each of the `active` motions by a sub-step, to its end or through its first impact.
-/// `starts` receives the starts of those motions in `reading` that move.
+/// `starts` receives the starts of the motions that are in `reading` and move.
 #[inline(always)]
 pub(super) fn flight_substep<S: Simd>(
     simd: S,
@@ -74,7 +74,7 @@ pub(super) fn flight_substep<S: Simd>(
     Progress { moved: passing | arrived, through, unproved, at_stop }
 }
 
-/// Interval to be searched, for each motion: the first in which its block comes near a stop.
+/// Interval to be searched, for each motion: the first one with its block near a stop.
 pub(super) struct SearchedIntervals {
     /// Index of the interval; [`INTERVALS`] if there is none.
     index: LaneRow,

@@ -106,7 +106,7 @@ pub struct Common {
     pub invocation: Invocation,
 }
 
-/// Where the motions of a machine's file are looked at.
+/// Section of the motions of a machine's file.
 #[derive(Args, Debug)]
 #[group(skip)]
 pub struct SectionArguments {

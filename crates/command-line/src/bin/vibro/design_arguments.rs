@@ -37,8 +37,8 @@ pub struct DesignArguments {
     /// Parameters to vary, each with its range. May be repeated
     #[arg(long, required = true, value_name = "NAME=LOW:HIGH,…", allow_hyphen_values = true)]
     pub vary: Vec<String>,
-    /// Parameter, e.g. the drive frequency, at all values of which a design is measured; the worst
-    /// value counts, and peaks between the values of a range are searched for. May be repeated
+    /// Parameter, e.g. the drive frequency; a design is measured at all its values, and the worst
+    /// value counts. Peaks between the values of a range are also found. May be repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<String>,
     /// Number of values of a range of --over without a count
@@ -62,8 +62,8 @@ pub struct DesignArguments {
     /// Periods over which a motion is measured
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
-    /// Largest number of additional periods in which the best designs are measured, until their
-    /// error bars show which one is the best
+    /// Cap on additional periods for the best designs. They are measured until their error bars
+    /// show which one is the best
     #[arg(long, value_name = "N", default_value_t = 300_000, value_parser = whole::<u64>(0..=u64::MAX))]
     pub again: u64,
     /// Starts: every design is run from each.

@@ -45,8 +45,8 @@ pub fn flag(second: Second) -> Arc<AtomicBool> {
 }
 
 /// From now on Ctrl-C ends the program and prints how many of `count` parts are finished; 0 means
-/// an unknown count. Parts are in `folders`, each of which is `home` or lies in it. Finished parts
-/// are complete files, so nothing has to be saved at that time.
+/// an unknown count. `folders` contain the parts; each folder is `home` or lies in it. Finished
+/// parts are complete files, so nothing has to be saved at that time.
 pub fn announce(name: &str, home: PathBuf, folders: Vec<PathBuf>, count: usize) {
     if let Ok(mut work) = WORK.lock() {
         *work = Some(InterruptedStudy { name: name.into(), home, folders, count });

@@ -53,7 +53,7 @@ pub fn chosen<P: PointOfTable>(
 pub type Followed<S> = (Vec<LocusCurve<S>>, Vec<String>);
 
 /// The curves of special points, and a reason for each point without a curve. Rows of the same
-/// special point have one curve, from the first row from which it can be followed.
+/// special point have one curve; it starts at the first possible row.
 pub fn followed<C: Curves>(curves: &C, points: &[(String, C::Point)]) -> Result<Followed<C::Shown>> {
     let told = |k: usize, error: Error| {
         let (from, point) = &points[k];

@@ -225,7 +225,7 @@ fn shards(given: &[PathBuf]) -> Result<Vec<Shards>> {
     for given in given {
         let folders = folders_of_parts(given)?;
         if folders.is_empty() {
-            let problem = "has no shard, that is a folder NAME.parts; give the --out folder of a run with \
+            let problem = "contains no shard (a folder NAME.parts); give the --out folder of a run with \
                            --shard (a study with one part is drawn by the shard that computes this part)"
                 .into();
             return Err(Error::Config { path: given.clone(), problem });
@@ -237,7 +237,7 @@ fn shards(given: &[PathBuf]) -> Result<Vec<Shards>> {
                 Some(known) if known.study != study => {
                     let first = Manifest::of_parts(&known.study, &known.invocation);
                     let problem = format!(
-                        "is part of another study than {}; they differ in {}, where `there` is that one",
+                        "belongs to another study than {}, which is `there` in these differences: {}",
                         known.folders[0].display(),
                         first.differences_in_words(&there)
                     );

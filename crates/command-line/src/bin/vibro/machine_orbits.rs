@@ -175,7 +175,7 @@ struct Asked<'a> {
     of: Option<&'a String>,
     settling: &'a Settling,
     step: f64,
-    /// Number of values at which motions settle, and largest number of branch switches in a row;
+    /// Number of values with settled motions, and largest number of branch switches in a row;
     /// `None` for the single branch of the settled motion.
     tree: Option<(u32, u32)>,
 }

@@ -55,7 +55,7 @@ pub fn starts_of(machine: &Machine, given: &[String]) -> Result<Vec<Start>> {
 }
 
 /// Parses a range or list of a parameter. Either all its numbers have units or none has. Numbers
-/// without units are in the unit in which the parameter was written.
+/// without units are in the parameter's written unit.
 pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> {
     let form = || {
         Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.steel.gap=1mm:8mm:200")

@@ -178,8 +178,8 @@ fn configured(mut set: ParameterSet, common: &Common) -> Result<ParameterSet> {
     Ok(set)
 }
 
-/// Notes on the values of `--set` without a unit that were read in the unit in which the file or
-/// an earlier value wrote the parameter.
+/// Notes on the values of `--set` without a unit. Such a value is in the parameter's unit in the
+/// file or in an earlier value.
 fn unit_notes(common: &Common) -> Result<Vec<String>> {
     let mut set = ParameterSet::basic();
     if let Some(path) = &common.config {

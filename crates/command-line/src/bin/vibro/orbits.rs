@@ -16,7 +16,7 @@ use vibro_orbits::paper::{
 use vibro_studies::paper::stroboscopic::moving_block;
 use vibro_studies::paper::{Name, ParameterSet, find_group, number, numbers};
 
-/// Number of guesses of the phases from which the orbits of a word are searched.
+/// Number of guesses of the phases for the orbits of a word.
 const TRIES: u32 = 400;
 /// Drive periods discarded before the orbit of a settled motion is searched.
 const SETTLE: u32 = 2000;

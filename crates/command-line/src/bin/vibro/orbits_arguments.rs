@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use vibro::special_points::Selection;
 use vibro_orbits::paper::PathOptions;
 
-/// Which orbit.
+/// Choice of the orbit.
 #[derive(Args, Debug)]
 #[group(skip)]
 pub struct Which {
@@ -27,7 +27,7 @@ pub struct Which {
     pub loads: ConstantLoads,
 }
 
-/// The motion from which the orbits of a machine's file are found.
+/// Motion that leads to the orbits of a machine's file.
 #[derive(Args, Debug)]
 #[group(skip)]
 pub struct Settling {
@@ -70,8 +70,8 @@ pub struct OneOrbit {
     /// Options for a machine file.
     #[command(flatten, next_help_heading = WITH_FILE)]
     pub settling: Settling,
-    /// Number of random starts for the search with --word or --period, if the motion from the start
-    /// does not pass near the orbit
+    /// Number of random starts for the search with --word or --period, if the motion from the
+    /// start does not pass near the orbit
     #[arg(long, value_name = "N", default_value_t = 32, value_parser = whole::<u32>(0..=100_000), help_heading = WITH_FILE)]
     pub starts: u32,
     /// Also write gradient.csv: the derivatives of this output of the orbit, e.g. amplitude.box.s
@@ -177,8 +177,8 @@ pub struct OrbitsOfPaper {
     #[command(flatten)]
     pub which: Which,
     /// Number of further motions, from starts spread over the visited states and over the range;
-    /// half as many again are added where motions did not settle on a stable orbit. Stable branches
-    /// near which these motions pass are also followed
+    /// half as many again are added where motions did not settle on a stable orbit. Stable
+    /// branches near which these motions pass are also followed
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = whole::<u32>(0..=1_000_000))]
     pub starts: u32,
     /// Largest number of impacts in an orbit

@@ -9,7 +9,7 @@ use vibro::subject::Subject;
 use vibro::table::TextTable;
 use vibro::{Error, Result};
 
-/// Prints what was drawn and where, remarks, parameters, and tables for the screen.
+/// Prints the content and place of each picture, remarks, parameters, and tables for the screen.
 pub fn print(studies: &[Study], subject: &dyn Subject, folder: &Path, common: &Common) -> Result<()> {
     let mut text = String::new();
     let drawn: Vec<&str> = studies.iter().filter(|s| s.figure.is_some()).map(|s| s.name.as_str()).collect();

@@ -1,4 +1,5 @@
-//! `vibro new`, which writes a machine's file to start from, and `vibro fmu`, which packs it.
+//! `vibro new`, which writes a machine's file as a start, and `vibro fmu`, which packs a machine's
+//! file.
 
 use crate::common_arguments::Common;
 use crate::output;

@@ -70,7 +70,7 @@ pub struct SectionOfFile {
     /// Start of the motion.
     #[arg(long, help = start_help!("Start of the motion"), value_name = START_VALUE, allow_hyphen_values = true)]
     pub start: Vec<String>,
-    /// Where the motion is looked at.
+    /// Section of the motion.
     #[command(flatten)]
     pub section: SectionArguments,
     /// Sample the motion at this phase of each period, in rad or with a unit, e.g. 90deg
@@ -83,8 +83,8 @@ pub struct SectionOfFile {
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole::<u32>(1..=10_000_000))]
     pub keep: u32,
     /// Horizontal and vertical axis: two columns, e.g. box.s,box.v, or time, phase, and at the
-    /// events of a stop its closing speed (speed) [default: position and velocity of the first free
-    /// body; at the events of an element phase,speed]
+    /// events of a stop its closing speed (speed) [default: position and velocity of the first
+    /// free body; at the events of an element phase,speed]
     #[arg(long, value_name = "NAME,NAME")]
     pub of: Option<String>,
 }

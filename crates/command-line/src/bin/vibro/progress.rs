@@ -28,8 +28,8 @@ struct Terminal {
     bars: usize,
 }
 
-/// Shows the time that a command has taken, from [`PATIENCE`] on, until it is dropped. It is
-/// hidden while bars are shown, so that no command is silent before, between or after bars.
+/// Shows the elapsed time of a command after [`PATIENCE`], until it is dropped. It is hidden while
+/// bars are shown, so that no command is silent before, between or after bars.
 pub struct Clock {
     over: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,

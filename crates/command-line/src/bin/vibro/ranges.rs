@@ -31,7 +31,7 @@ pub struct ParameterRange<N = Name> {
     pub ends: (f64, f64),
     /// The number of values, if it was given.
     pub count: Option<usize>,
-    /// The unit in which the ends were written.
+    /// Unit of the ends, if they were given with one.
     pub unit: Option<&'static Unit>,
 }
 
@@ -43,7 +43,7 @@ pub struct ParameterValues<N = Name> {
     /// The values in its SI unit, as given; all are valid. Values without a unit are as typed
     /// until [`read_in_written_unit`](InWrittenUnit::read_in_written_unit) converts them.
     pub values: Vec<f64>,
-    /// The unit in which they were written.
+    /// Unit of the values, if they were given with one.
     pub unit: Option<&'static Unit>,
 }
 
@@ -193,14 +193,14 @@ pub trait InWrittenUnit: fmt::Display {
     /// The parameter.
     fn name(&self) -> Name;
 
-    /// The unit in which the values were typed.
+    /// Unit of the typed values, if they have one.
     fn unit(&mut self) -> &mut Option<&'static Unit>;
 
     /// The values.
     fn values(&mut self) -> Vec<&mut f64>;
 
-    /// Converts values without a unit from the unit in which the parameter was written; returns a
-    /// note if this unit is not SI.
+    /// Converts values without a unit from the parameter's written unit; returns a note if this
+    /// unit is not SI.
     ///
     /// # Errors
     /// An error if a value is outside its parameter's range.

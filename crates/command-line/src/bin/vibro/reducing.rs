@@ -7,7 +7,7 @@ use crate::common_arguments::Common;
 use crate::reduce_arguments::ReduceArguments;
 use vibro::Result;
 
-/// Tells how to get a program with this command.
+/// Refuses the command, and explains how to get a program with it.
 ///
 /// # Errors
 /// Always.

@@ -102,8 +102,8 @@ pub fn names(command: &Command) -> Vec<String> {
     }
 }
 
-/// Parameters of the command's ranges and lists with the units in which these were written, for
-/// labels; the last of several applies.
+/// Parameters of the command's ranges and lists with their typed units, for labels; the last of
+/// several applies.
 pub fn units(command: &Command) -> Vec<(Name, Option<&'static Unit>)> {
     let (ranges, values): (&[ParameterRange], &[ParameterValues]) = match command {
         Command::Response(a) => (&a.of_paper.range, &a.of_paper.values),

@@ -53,7 +53,7 @@ pub struct Bifurcation {
     /// the branches alone and has more options
     #[arg(long, conflicts_with_all = ["pair", "at_section"])]
     pub orbits: bool,
-    /// Share of the study that this computer computes.
+    /// Part of the study for this computer.
     #[command(flatten)]
     pub share: Share,
     /// Options of a machine's file.
@@ -153,7 +153,7 @@ pub struct Isoperiodic {
     /// Constant loads.
     #[command(flatten)]
     pub loads: ConstantLoads,
-    /// Share of the study that this computer computes.
+    /// Part of the study for this computer.
     #[command(flatten)]
     pub share: Share,
 }

@@ -63,8 +63,8 @@ pub struct Sweep {
     /// combinations
     #[arg(long, visible_alias = "samples", value_name = "N", value_parser = whole::<u32>(1..=1_000_000))]
     pub sobol: Option<u32>,
-    /// Parameter over which each design is measured as a whole, e.g. the drive frequency in a band.
-    /// Designs that may be the best are also measured between the values of a range. May be
+    /// Parameter over which each design is measured as a whole, e.g. the drive frequency in a
+    /// band. Designs that may be the best are also measured between the values of a range. May be
     /// repeated
     #[arg(long, value_name = "NAME=FROM:TO[:COUNT]|V,V,…", allow_hyphen_values = true)]
     pub over: Vec<String>,
@@ -73,8 +73,8 @@ pub struct Sweep {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_value = DEFAULT)]
     #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub output: Vec<String>,
-    /// Periods discarded before a motion is measured; with FILE fewer if the motion settles earlier
-    /// [default: 400; with FILE 300]
+    /// Periods discarded before a motion is measured; with FILE fewer if the motion settles
+    /// earlier [default: 400; with FILE 300]
     #[arg(long, value_name = "N", default_value = "400", default_value_if("file", IsPresent, "300"))]
     #[arg(hide_default_value = true, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
@@ -175,7 +175,7 @@ impl InWrittenUnit for AxisArgument {
 }
 
 impl AxisArgument {
-    /// The parameter, and the unit in which its values were written.
+    /// The parameter, and the unit of its typed values.
     pub fn written(&self) -> (Name, Option<&'static Unit>) {
         match self {
             Self::Range(range) => (range.name, range.unit),

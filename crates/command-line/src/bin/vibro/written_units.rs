@@ -1,5 +1,5 @@
-//! Numbers without a unit on a command's axes; they are in the units in which the machine was
-//! written.
+//! Numbers without a unit on a command's axes. Such a number is in the machine's written unit of
+//! the parameter.
 
 use crate::arguments::Command;
 use crate::ranges::{self, InWrittenUnit, ParameterRange};
@@ -16,8 +16,7 @@ pub struct Words {
     pub remark: Option<String>,
 }
 
-/// Converts the numbers without a unit on a command's axes from the units in which its machine was
-/// written.
+/// Converts the numbers without a unit on a command's axes from the machine's written units.
 ///
 /// # Errors
 /// An error if a value is outside its parameter's range.

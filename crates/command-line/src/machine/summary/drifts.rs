@@ -10,7 +10,7 @@ use vibro_studies::common_period;
 
 /// Mean speed, relative to the largest speed of the span, below which a body stays in place.
 const STAYS: f64 = 1e-6;
-/// Number of times in a span at which speeds are sampled to find their size.
+/// Number of samples of the speeds in a span, to find their size.
 const SPEEDS: u32 = 16;
 
 /// The span of a motion that repeats.
@@ -50,8 +50,8 @@ pub(super) fn drifts(assembly: &Assembly) -> Vec<String> {
     d.bodies.iter().zip(&system.bodies).filter_map(line).collect()
 }
 
-/// Time over which the mean speed of a body is taken, s, and the name of this time: the body's
-/// record or sweep, which does not repeat, otherwise the machine's common period.
+/// Time for the mean speed of a body, s, and the name of this time: the body's record or sweep,
+/// which does not repeat, otherwise the machine's common period.
 fn span(own: &Integrated, d: &Description) -> Option<(f64, &'static str)> {
     if own.level != Level::Acceleration {
         return None;

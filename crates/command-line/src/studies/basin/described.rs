@@ -63,7 +63,7 @@ impl ShownBasins for Machine {
     }
 }
 
-/// Relative difference up to which coordinates count as one position of rest.
+/// Relative tolerance for one position of rest.
 const ONE_PLACE: f64 = 1e-6;
 
 /// The share of the motions that came to rest, and where; `None` if none did.

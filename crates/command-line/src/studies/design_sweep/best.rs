@@ -60,7 +60,7 @@ pub(super) fn told(choice: &Choice) -> &[usize] {
     &choice.possible[..choice.possible.len().min(MAX_LISTED)]
 }
 
-/// Number of designs that were measured again, and the method.
+/// Number of remeasured designs, and the method.
 fn what_was_done<M: Labelled>(request: &SweepRequest<M>, choice: &Choice) -> Vec<String> {
     let again = || choice.rows.values().filter_map(|row| row.again.as_ref());
     let mut lines = Vec::new();

@@ -39,8 +39,7 @@ struct Extremum {
     design: Vec<f64>,
 }
 
-/// Relative spread up to which a value is shown without its spread, because the spread is only
-/// rounding.
+/// Relative spread of rounding; a value with a smaller spread is shown without it.
 const REGULAR: f64 = 1e-6;
 
 /// Summary of a sweep.
@@ -55,11 +54,11 @@ pub(super) struct Collected<M: Labelled> {
     pub records: Vec<MeasureRecord<M>>,
     draws: bool,
     count: usize,
-    /// Number of designs that lack a value.
+    /// Number of designs without a value.
     bad: usize,
     /// Number of designs without any value.
     empty: usize,
-    /// Number of designs that have all values but had not settled.
+    /// Number of designs with all values that had not settled.
     unsettled: usize,
     /// First reason why a design lacks a value, and first reason why one had not settled.
     reasons: [Option<String>; 2],
@@ -226,8 +225,7 @@ fn design_or_none(reason: &str) -> &str {
     reason.strip_prefix(": ").unwrap_or(reason)
 }
 
-/// A design in words, in the units in which the machine was written:
-/// `block.m = 1.2 kg, stop.gap = 10 mm`.
+/// A design in words, in the written units of the machine: `block.m = 1.2 kg, stop.gap = 10 mm`.
 fn design_in_words<M: Labelled>(set: &M, names: &[M::Name], values: &[f64]) -> String {
     let told =
         |(name, value): (&M::Name, &f64)| format!("{} = {}", M::name(name), set.with_unit(name, *value));

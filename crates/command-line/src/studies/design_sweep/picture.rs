@@ -11,7 +11,7 @@ use vibro_studies::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 
 /// Largest number of panels of a picture.
 const PANELS: usize = 6;
-/// Relative difference up to which values count as equal.
+/// Relative tolerance of equal values.
 const SAME: f64 = 1e-9;
 
 /// The picture; `None` for a single design and for too many designs.
@@ -101,7 +101,7 @@ fn kind<M: Labelled>(set: &M, measure: &M::Measure) -> (String, &'static str) {
     (kind, set.measure_unit(measure))
 }
 
-/// Axis of a parameter over the range of the data, in the unit in which it was written.
+/// Axis of a parameter over the range of the data, in its written unit.
 fn unbounded_axis<M: Labelled>(set: &M, name: &M::Name) -> Axis {
     Axis { range: None, ..set.axis(name) }
 }

@@ -47,7 +47,7 @@ impl Cell {
 }
 
 /// Columns: parameters; outputs; reason; spreads of the outputs; periods of the window; number of
-/// values between the values of `over`. With several motions per design, an output has its
+/// values between the values of `over`. If a design has several motions, an output has its
 /// smallest, mean and largest value, and the motion with the largest.
 fn columns<M: Labelled>(set: &M, request: &SweepRequest<M>) -> Vec<SweepColumn> {
     let number = |name: String, unit: &str| SweepColumn { name, unit: Some(unit.into()) };

@@ -12,7 +12,7 @@ pub trait Labelled: DesignMachine + Subject {
     fn symbol(&self, name: &Self::Name) -> String;
     /// A parameter's axis, over the range of the data.
     fn axis(&self, name: &Self::Name) -> Axis;
-    /// Factor from SI to the unit in which a parameter is shown.
+    /// Factor from SI to a parameter's unit of display.
     fn shown(&self, name: &Self::Name) -> f64;
     /// A parameter's SI unit.
     fn si_unit(&self, name: &Self::Name) -> String;
@@ -27,7 +27,7 @@ pub trait Labelled: DesignMachine + Subject {
     fn words(measure: &Self::Measure) -> String;
     /// A measure's SI unit; `1` if it has none.
     fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
-    /// The unit in which pictures show a measure.
+    /// A measure's unit of display in pictures.
     fn measure_shown(&self, measure: &Self::Measure) -> MeasureUnit;
     /// Whether a measure is a text, not a number.
     fn is_class(measure: &Self::Measure) -> bool;
@@ -35,7 +35,7 @@ pub trait Labelled: DesignMachine + Subject {
     fn is_closed_form(measure: &Self::Measure) -> bool;
     /// Colour of a measure.
     fn colour(&self, measure: &Self::Measure) -> Colour;
-    /// Name of the periods in which motions are counted.
+    /// Name of the counted periods.
     fn periods() -> &'static str;
 }
 
@@ -127,7 +127,7 @@ impl Labelled for vibro_studies::Machine {
     }
 }
 
-/// Unit in which a picture shows a measure, with its factor from SI.
+/// A measure's unit of display in pictures, with its factor from SI.
 #[derive(Clone, Debug)]
 pub struct MeasureUnit {
     /// Factor from SI.

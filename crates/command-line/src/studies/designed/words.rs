@@ -5,7 +5,7 @@ use crate::studies::orbits::shown_unit;
 use vibro_design::{Attractor, Best, DesignRequest, Designed, Rival, Side, Stage, Value, Verdict};
 use vibro_studies::Measure;
 
-/// Largest number of other designs, and of attractors, that are listed.
+/// Cap on the listed other designs, and on the listed attractors.
 const LISTED: usize = 4;
 
 /// A value with half its error bar and its unit.

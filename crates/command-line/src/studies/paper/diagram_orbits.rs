@@ -324,7 +324,7 @@ pub(crate) fn end_in_words(set: &ParameterSet, name: Name, end: RangeEnd) -> Str
     format!("{label}{}", located(set, name, end.value))
 }
 
-/// A located value in the unit in which the parameter was written.
+/// A located value in the parameter's written unit.
 fn located(set: &ParameterSet, name: Name, value: f64) -> String {
     match set.unit(name) {
         Some(unit) => format!("{:.DECIMALS$} {}", unit.number(value), unit.symbol()),
@@ -372,7 +372,7 @@ fn covering(family: &Family, tree: &Tree, point: &SweepPoint) -> Result<Covering
     Ok(if covered { Covering::Transient } else { Covering::Missing })
 }
 
-/// Table of the ranges in which branches are stable.
+/// Table of the stable ranges of branches.
 fn range_table(sweep: &Sweep, branches: &[Branch]) -> Result<Vec<u8>> {
     let name = sweep.axis.name.name();
     let (from, to) = (format!("{name}_from"), format!("{name}_to"));

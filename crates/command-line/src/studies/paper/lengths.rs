@@ -1,4 +1,4 @@
-//! The unit in which pictures show lengths and speeds: units of L, or SI if the machine was given
+//! The display unit of lengths and speeds in pictures: units of L, or SI if the machine was given
 //! in SI.
 
 use vibro_figures::chart::Axis;
@@ -17,8 +17,8 @@ pub(in crate::studies) struct LengthUnit {
 }
 
 impl LengthUnit {
-    /// The unit in which the gap was written; mm for a gap below [`SMALL_GAP`] written in m or
-    /// without a unit.
+    /// The written unit of the gap; mm for a gap below [`SMALL_GAP`] written in m or without a
+    /// unit.
     pub fn of(set: &ParameterSet) -> Self {
         let written = Name::find("stop.gap").ok().and_then(|gap| set.unit(gap));
         match written.map(|unit| (unit.number(1.0), unit.symbol())) {
@@ -103,9 +103,8 @@ impl Lengths {
         if self.unit.is_some() { format!("{symbol}·L") } else { symbol.into() }
     }
 
-    /// Factor of lengths in units of L for a machine in which parameter `name` has the value
-    /// `value` and not the set's. In SI it converts units of that machine's gap to units of the
-    /// set's gap.
+    /// Factor of lengths in units of L for a machine whose parameter `name` is `value` instead of
+    /// the set's value. In SI it converts units of that machine's gap to units of the set's gap.
     pub fn ratio(&self, name: Name, value: f64) -> f64 {
         if self.unit.is_some() && name.name() == "stop.gap" { value / self.gap } else { 1.0 }
     }

@@ -32,8 +32,8 @@ impl CurveStart for LocusStart {
     }
 }
 
-/// The study of curves over the two parameters of a family; `problems` are the reasons for points
-/// from which no curve could be followed.
+/// The study of curves over the two parameters of a family. `problems` are the reasons for points
+/// without a curve.
 ///
 /// # Errors
 /// [`Error::Output`](crate::Error::Output).

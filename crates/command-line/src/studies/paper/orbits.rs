@@ -131,7 +131,7 @@ pub(in crate::studies) fn special_table(span: &Span, all: &[Branch]) -> Result<V
 
 fn axes(set: &ParameterSet, span: &Span) -> [Axis; 2] {
     let (x, lengths) = (parameter_axis(set, span.name, (span.from, span.to)), Lengths::of(set));
-    // Over the gap itself each point is in units of its own gap.
+    // If the parameter is the gap, the unit of each point is the gap of that point.
     let y = match span.name.name() {
         "stop.gap" => Axis::new("largest X₂ (units of L)"),
         _ => lengths.axis(&format!("largest {}", lengths.displacement("X₂"))),

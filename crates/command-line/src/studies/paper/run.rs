@@ -195,7 +195,7 @@ fn account(p: &Parameters, history: &History) -> Vec<String> {
     lines
 }
 
-/// The class of the motion after the run, from the next whole drive period on.
+/// The class of the motion after the run, observed from the next whole drive period.
 fn class(simulator: &mut Simulator) -> Result<String> {
     let parameters = *simulator.parameters();
     let period = parameters.period();
@@ -284,8 +284,8 @@ mod tests {
 
     #[test]
     fn closed_form_of_a_free_box_under_a_constant_load() {
-        // x1 = f t²/2m up to the end of the record: the largest x is at the end, rms x(T)/√5.
-        // There are no impacts, since the gap is wide.
+        // x1 = f t²/2m up to the end of the record: the largest x is at the end, rms x(T)/√5. The
+        // gap is too wide for impacts.
         let p = Parameters {
             box_stiffness: 0.0,
             box_damping: 0.0,

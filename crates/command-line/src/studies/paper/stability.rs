@@ -17,13 +17,13 @@ use vibro_studies::paper::{ParameterSet, find_group, short};
 /// Text of the legend for the machine's own values.
 const OWN: &str = "this set of parameters";
 const POINTS: u32 = 200;
-/// Number of values at which the exact orbit's limits are found.
+/// Number of values for the exact orbit's limits.
 const EXACT_POINTS: u32 = 16;
 /// Nodes of each search for the exact orbit's limits.
 const NODES: usize = 200;
 /// Largest ε of figure 5b, unless the machine's own is larger.
 const LARGEST_EPSILON: f64 = 0.1;
-/// Force range in which the exact orbit's limits are searched.
+/// Force range searched for the exact orbit's limits.
 const FORCES: (f64, f64) = (0.01, 12.0);
 /// Masri's mass ratio and damping ratio (paper 3.3).
 const MASRI_EPSILON: f64 = 0.05;
@@ -33,8 +33,8 @@ fn steps(from: f64, to: f64, count: u32) -> Vec<f64> {
     (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect()
 }
 
-/// The smallest and largest C, here A2/(1-ε+ε²), of stable exact orbits along the force. `None` if
-/// there is no such orbit.
+/// The smallest and largest C, here A2/(1-ε+ε²), of stable exact orbits along the force. `None`
+/// without such an orbit.
 fn exact_limits(set: &ParameterSet) -> Result<Option<[f64; 2]>> {
     let along = find_group("f10")?;
     let found = response(set, along, FORCES, Method::ExactOrbit, NODES)?;

@@ -1,4 +1,4 @@
-//! The exported functions, except those that access values (FMI 3.0.2, 2.2, 2.3, 3.2 and 4.2).
+//! The exported functions, except the access to values (FMI 3.0.2, 2.2, 2.3, 3.2 and 4.2).
 
 /// Exports a [`Component`](crate::Component) by FMI 3.0: all functions of the standard, each a
 /// public function with its C name. The macro belongs in a module of the library that hosts load,
@@ -45,7 +45,7 @@ macro_rules! export_fmi3 {
                 |instance, _| FMUState.replace(|old| instance.deserialize(serializedState, old));
 
             "2.3.2":
-            /// Never allowed, since there are no structural parameters.
+            /// Always refused, since no parameter is structural.
             fmi3EnterConfigurationMode, EnterConfigurationMode() |instance, _| instance.never();
 
             "2.3.6":

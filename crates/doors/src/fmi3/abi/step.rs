@@ -162,7 +162,7 @@ unsafe fn step_with_callback<C: Component>(
 /// [`Fault::Panic`] if the callback unwinds.
 ///
 /// # Safety
-/// The callback is valid, and the environment is what it expects.
+/// The callback is valid, and the environment is the one given with the callback.
 unsafe fn ask(
     callback: FmiIntermediateUpdate,
     environment: *mut c_void,

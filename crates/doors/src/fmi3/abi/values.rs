@@ -8,8 +8,8 @@ macro_rules! __values_of_fmi3 {
         $crate::__functions_of_fmi3! {
             $component;
             "2.2.7.2":
-            /// There are no variables of this type, so any reference is an error. This holds for
-            /// all such types below.
+            /// Fails for any reference, since no variable has this type. This holds for all such
+            /// types below.
             fmi3GetFloat32, GetFloat32(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 out values: f32[nValues], value nValues: usize)
                 |instance, _| instance.get_any($crate::fmi3::instance::none("Float32"), valueReferences, nValues, &mut |_, _| ());
@@ -99,7 +99,7 @@ macro_rules! __values_of_fmi3 {
                 |instance, _| instance.set_any($crate::fmi3::instance::none("Binary"), valueReferences, nValues, &|_| 0.0);
 
             "2.2.8.4":
-            /// There are no input clocks, so any reference is an error.
+            /// Fails for any reference, since no variable is an input clock.
             fmi3SetClock, SetClock(array valueReferences: u32[nValueReferences], value nValueReferences: usize,
                 array values: $crate::fmi3::types::FmiBoolean[nValueReferences])
                 |instance, _| instance.set_any($crate::fmi3::instance::none("input Clock"), valueReferences, nValueReferences, &|_| 0.0);
@@ -137,8 +137,8 @@ macro_rules! __values_of_fmi3 {
                     (unknowns, knowns), (seed, nSensitivity), |i, x| sensitivity.put(i, x));
 
             "2.2.8":
-            /// Never allowed, since there are no input clocks. This holds for all functions of
-            /// intervals and shifts below.
+            /// Always refused, since no variable is an input clock. This holds for all functions
+            /// of intervals and shifts below.
             fmi3GetIntervalDecimal, GetIntervalDecimal(array valueReferences: u32[nValueReferences],
                 value nValueReferences: usize, out intervals: f64[nValueReferences],
                 out qualifiers: $crate::fmi3::types::FmiIntervalQualifier[nValueReferences])

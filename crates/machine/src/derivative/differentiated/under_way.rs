@@ -13,8 +13,8 @@ use nalgebra::DVector;
 use std::sync::Arc;
 
 impl Differentiated {
-    /// Differentiates a motion under way with respect to numbers that change from now on. The
-    /// present state does not vary, except to follow the constraints of held contacts. After
+    /// Differentiates a motion under way with respect to numbers that change at the present time.
+    /// The present state does not vary, except to follow the constraints of held contacts. After
     /// [`from_state`](Self::from_state) it does not follow them.
     ///
     /// # Errors

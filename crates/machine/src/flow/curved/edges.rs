@@ -18,18 +18,19 @@ const PASSED: f64 = 4.0;
 const STATE: f64 = 1e-18;
 /// Value of a power that counts as 0 in a watched functional, relative to the sizes of its terms.
 const WATCHED: f64 = 1e-17;
-/// Largest effect of the slope of such a power of a rate on a derivative of the motion, relative to it.
+/// Largest effect of the slope of such a power of a rate on a derivative of the motion, relative
+/// to it.
 const OF_RATE: f64 = 1e-14;
 /// The same for a power of a displacement, over the time of one series: the changed rate acts much
 /// longer. A contact lasts 1e8 to 1e10 times as long.
 const OF_PLACE: f64 = 1e-22;
-/// Number of orders from which the norm of a body that begins to move is taken.
+/// Number of orders for the norm of a body that begins to move.
 pub(crate) const FIRST: usize = 6;
 /// Factor on an argument and a time within which a power at its edge has to be negligible.
 const ROOM: f64 = 2.5;
-/// Part of the time to the edge over which a series is first computed if it cannot pass the edge.
+/// Initial span of a series that cannot pass the edge, as a fraction of the time to the edge.
 const TO_EDGE: f64 = 1.0;
-/// Largest part of the way to the edge that a series without a proved remainder covers.
+/// Limit for a series without a proved remainder, as a fraction of the way to the edge.
 const OF_WAY: f64 = 0.6;
 /// Factor from one tried part of a span to the next.
 const SHORTER: f64 = 0.8;
@@ -144,8 +145,8 @@ fn effects(curves: &[CurveInMode], i: usize, z: &[f64]) -> [f64; 2] {
     effects
 }
 
-/// The part of a span at which a power first comes to its edge, of the forces whose series continue
-/// beyond it; at most `part`. With `backwards` the series goes back in time.
+/// The part of a span, at most `part`, before a power first comes to its edge. Only forces whose
+/// series continue beyond the edge count. If `backwards` is true, the series goes back in time.
 pub(crate) fn part_to_edge(
     curves: &[CurveInMode],
     series: &[CurveSeries],

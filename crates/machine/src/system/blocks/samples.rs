@@ -95,8 +95,8 @@ fn dot(row: &StateRow, z: &[f64]) -> f64 {
 
 impl System {
     /// Applies the actions of blocks at an instant. First, outputs under way act. Then blocks
-    /// compute outputs from what they read, in the order of their d. Finally, blocks that have
-    /// read update their states. Variations are carried along.
+    /// compute outputs from their inputs, in the order of their d. Finally, blocks that have read
+    /// update their states. Variations are carried along.
     pub(crate) fn sample(
         &self,
         actions: &[SampleAction],
@@ -134,8 +134,8 @@ impl System {
         }
     }
 
-    /// Returns the outputs of the blocks that read their inputs, in the order in which they depend
-    /// on each other.
+    /// Returns the outputs of the blocks that read their inputs, in the order of their
+    /// dependencies.
     pub(super) fn read_outputs<'s>(
         &'s self,
         actions: &'s [SampleAction],

@@ -186,7 +186,7 @@ fn touch(family: &Family, word: &OrbitWord, phases: &[f64], values: &[f64]) -> R
 /// The point of the curve near a start, with the second parameter fixed.
 ///
 /// A located special point is itself the guess: it is not first moved to an orbit at its
-/// parameters. Beyond a fold there is no orbit, and the rounded parameters of the fold may lie
+/// parameters. Beyond a fold no orbit exists, and the rounded parameters of the fold may lie
 /// beyond it; the equations of the curve are regular there. A rougher guess is first moved to the
 /// orbit at its parameters.
 pub(crate) fn first_point<'a>(

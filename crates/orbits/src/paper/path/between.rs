@@ -19,10 +19,11 @@ const LOCATION: f64 = 1e-14;
 const ROUNDING: f64 = 1e-12;
 /// Accuracy of the first location of a sign change, as a fraction of a step.
 const ROUGHLY: f64 = 1e-4;
-/// Largest distance from the unit circle, at this first location, of a pair of multipliers that
-/// may have crossed it.
+/// Distance limit from the unit circle, at this first location, for a pair of multipliers that may
+/// have crossed it.
 const NEAR_CIRCLE: f64 = 0.1;
-/// Largest multiplier with which multipliers on the unit circle keep ten digits.
+/// Size limit of the largest multiplier, up to which multipliers on the unit circle keep ten
+/// digits.
 const RESOLVED: f64 = 1e6;
 
 /// A special point within a step.
@@ -148,10 +149,10 @@ impl Follower<'_> {
         last.tangent[n] * next.tangent[n] < 0.0 || beside
     }
 
-    /// Whether a pair of multipliers may cross the unit circle in a step in which the pair's test
-    /// function changes sign. `zero` locates the sign change to a tolerance. The sign also changes
-    /// at neutral saddles and, with very large multipliers, by rounding. This check avoids an
-    /// accurate location of such changes.
+    /// Whether a pair of multipliers may cross the unit circle in a step with a sign change of the
+    /// pair's test function. `zero` locates the sign change to a tolerance. The sign also changes
+    /// at neutral saddles and, for very large multipliers, because of rounding. This check avoids
+    /// an accurate location of such changes.
     fn may_be_torus(
         &self,
         last: &Position,

@@ -15,7 +15,7 @@ const SHIFT: f64 = 1e-12;
 /// Smallest value of [`SHIFT`], in units in the last place of the displacements. It applies to
 /// large displacements, since w is their difference.
 const SHIFT_UNITS: f64 = 4.0;
-/// Smallest distance within which a block is in contact, as a multiple of the shift.
+/// Lower limit of the contact width, as a multiple of the shift.
 const CONTACT_SHIFTS: f64 = 2.0;
 
 impl Continuous {
@@ -62,8 +62,8 @@ impl Continuous {
         let rebound = -side * z[RELATIVE_RATE];
         let pressing = side * self.model.acceleration(SmoothMode::Flight, &z, Some(self.data.forces)).free;
         // The height of the bounce is rebound²/(2 pressing). A bounce is low if its height is at
-        // most the contact width plus the distance by which the host's solver has let the block
-        // pass the stop. Dampers make the bounces of an elastic block low, too.
+        // most the contact width plus `past`, the penetration that the host's solver has caused.
+        // Dampers make the bounces of an elastic block low, too.
         let low = pressing > 0.0 && rebound * rebound <= 2.0 * pressing * (self.contact_width() + past);
         if low && self.rest(z, side) {
             report(&Event::Rest { time, side: stop });
@@ -113,7 +113,7 @@ impl Continuous {
         }
     }
 
-    /// Distance by which the block must be moved off stop `side`, m; 0 if it is farther inside.
+    /// Distance that moves the block off stop `side`, m; 0 if it is farther inside.
     fn way_off(&self, side: f64) -> f64 {
         (side * self.excess(side, self.model.gap - self.shift())).max(0.0)
     }

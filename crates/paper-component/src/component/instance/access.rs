@@ -124,7 +124,7 @@ impl Instance {
         Err(fmi_doors::Problem::NotSettable { name, phase, allowed }.into())
     }
 
-    /// Time derivatives of the quantities from which outputs are computed.
+    /// Jets (truncated Taylor series in time) of the quantities that outputs read.
     pub(super) fn jets(&self) -> Outcome<OutputValues<Jet>> {
         let (motion, parameters, loads, theta, values) = match self.present()? {
             Present::Simulation(s) => {

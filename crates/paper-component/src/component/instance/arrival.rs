@@ -1,5 +1,6 @@
-//! The end of a step, and the return to its beginning after an error. By rounding, the simulator's
-//! own time may be past the end of a step, and an event at the end may be slightly past it.
+//! The end of a step, and the return to its beginning after an error. Because of rounding, the
+//! simulator's own time may be past the end of a step, and an event at the end may be slightly
+//! past it.
 
 use super::ComponentProblem;
 use vibro_impact::State;
@@ -60,22 +61,23 @@ fn is_clear(simulator: &Simulator, late: f64) -> bool {
 /// end.
 pub(super) const UNITS: f64 = 4.0;
 
-/// Largest distance in time from a step's end at which an impact counts as at the end, s.
+/// Tolerance on the time between an impact and a step's end, s. Within it the impact counts as at
+/// the end.
 pub(super) fn rounding(end: f64) -> f64 {
     UNITS * f64::EPSILON * end.abs()
 }
 
-/// Largest time past a step's end at which an event counts as at the end, s: the rounding of times
-/// plus the rounding of w divided by the speed |w'|. The latter is the error of an impact's time
-/// (docs/numerics.md, section 2, *The root*). If a master steps to the announced time of an
-/// impact, a slow block may still be a few units in the last place of w before the stop. It then
-/// counts as at the stop.
+/// Tolerance on the time of an event after a step's end, s. Within it the event counts as at the
+/// end. The tolerance is the rounding of times plus the rounding of w divided by the speed |w'|.
+/// The quotient is the error of an impact's time (docs/numerics.md, section 2, *The root*). If a
+/// master steps to the announced time of an impact, a slow block may still be a few units in the
+/// last place of w before the stop. It then counts as at the stop.
 fn lateness(simulator: &Simulator, end: f64) -> f64 {
     /// Rounding of w in units in its last place. Since the announcement, each sub-step that
     /// differs from the sub-steps with which the time was found may have moved w by one unit.
     const UNITS: f64 = 256.0;
-    /// Largest time that the rounding of w may add, as a fraction of the fastest time constant:
-    /// slower bounces are the last of a chatter run. The time is also at most this fraction of
+    /// Cap on the time for the rounding of w, as a fraction of the fastest time constant; slower
+    /// bounces are the last ones of a chatter run. The time is also at most this fraction of
     /// max(1, |t|), a tenth of the tolerance of a master's time
     /// ([`TIME_TOLERANCE`](fmi_doors::TIME_TOLERANCE)).
     const LONGEST: f64 = 1e-10;

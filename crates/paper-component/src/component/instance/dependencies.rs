@@ -15,9 +15,9 @@ use vibro_impact::simulator::{Contact, State};
 const CONTACTS: [Contact; 3] = [Contact::Flight, Contact::RestUpper, Contact::RestLower];
 
 impl Instance {
-    /// Dependencies of a variable: before the end of initialization, of its initial value; later,
-    /// in the present contact. They are a subset of the declared dependencies: box and block
-    /// depend on each other's loads in rest, but not in flight.
+    /// Dependencies of a variable in the present contact, or, before the end of initialization,
+    /// dependencies of its initial value. The result is a subset of the declared dependencies: box
+    /// and block depend on each other's loads in rest, but not in flight.
     ///
     /// # Errors
     /// [`Reference`](fmi_doors::Problem::Reference) if no variable has the reference.

@@ -13,7 +13,8 @@ use std::borrow::Cow;
 use vibro_impact::parameters::Parameters;
 use vibro_impact::simulator::{Contact, DueEvent, Event, ImpactRecord, Loads, Simulator};
 
-/// The motion from which values are read now: a copy after the event if the host handles an event.
+/// Source of all values at present: the motion, or its copy after the event while the host handles
+/// an event.
 #[allow(clippy::large_enum_variant)] // it lives while it is read, and boxes would allocate
 pub(super) enum Present<'a> {
     None,
@@ -94,7 +95,7 @@ impl Instance {
         self.life.phase == Phase::Event && self.life.handling.event_mode && !self.events.carried_out
     }
 
-    /// The motion from which values are read now.
+    /// Source of all values at present.
     ///
     /// # Errors
     /// If a value that was set is not possible.

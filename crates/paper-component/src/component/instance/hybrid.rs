@@ -127,7 +127,7 @@ impl Hybrid for Instance {
         };
         let counts = wanted || self.life.handling.event_mode;
         let report: EventObserver = if counts { Some(&mut show) } else { None };
-        // With early return a step also ends at releases.
+        // If the host allows early return, a step also ends at releases.
         let every = self.life.handling.early_return;
         let met = match &mut self.engine {
             Engine::Simulation(simulator) => run(simulator, end, (until, every), report)?,
@@ -190,8 +190,8 @@ impl Hybrid for Instance {
         self.events.latched = shown;
     }
 
-    /// Loads that have followed polynomials keep their present values from now on. If the step has
-    /// stopped before its end, they continue to follow the polynomials.
+    /// Holds loads that have followed polynomials at their present values. If the step has stopped
+    /// before its end, these loads continue to follow the polynomials.
     fn end_step(&mut self, ended: Ended) {
         self.events.pending = ended.event;
         if ended.due || !self.life.handling.event_mode {

@@ -33,7 +33,7 @@ impl LastStep {
 }
 
 impl Instance {
-    /// Brings the derivatives over the last step up to date. They include the law of an impact at
+    /// Updates the derivatives over the last step. The derivatives include the law of an impact at
     /// the end of the step once the impact is shown. Without a last step, for a closed form, or if
     /// the motion cannot be replayed, they are the derivatives of a step of length zero.
     pub(super) fn refresh_step_matrices(&mut self) {

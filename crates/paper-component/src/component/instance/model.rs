@@ -18,8 +18,8 @@ const INPUT_ORDER: i32 = 3;
 /// Highest order of output derivatives: the derivatives of displacements are known up to the fifth
 /// order, so the derivatives of accelerations up to the third.
 const OUTPUT_ORDER: i32 = 3;
-/// Largest |w| that a solver may set, in gaps, in all editions except the first. A solver that
-/// searches for an impact stays within this limit; a larger |w| is an error.
+/// Limit of |w| in a state set by a solver, in gaps, in all editions except the first. A solver
+/// that searches for an impact stays within this limit; a larger |w| is an error.
 const REACH: f64 = 10.0;
 
 #[allow(refining_impl_trait)] // numbers of the model are arrays

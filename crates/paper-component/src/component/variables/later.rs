@@ -33,7 +33,7 @@ pub(super) const fn prediction(
     Variable { variability, ..row }
 }
 
-/// A variable for descriptions in which derivatives of states and event indicators are variables.
+/// A variable for descriptions that list derivatives of states and event indicators.
 const fn structural(
     section: Section,
     name: &'static str,

@@ -8,7 +8,7 @@ use crate::component::settings::{Derived, Settings};
 use crate::component::values::{OutputValues, Prediction, StepMatrices, Tick};
 use vibro_impact::parameters::FIELDS;
 
-/// Source from which a variable is read.
+/// Source of a variable's value.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Get {
     /// From the settings.
@@ -96,12 +96,12 @@ pub(crate) static READERS: [Reader; COUNT] = {
 pub(crate) struct Writer {
     /// Base type.
     base: Base,
-    /// Phases in which it may be set: the bits below.
+    /// Phases that allow setting the variable: the bits below.
     when: u8,
     /// Whether it is an input.
     pub(crate) input: bool,
-    /// Smallest and largest value that needs no further check. The smallest is above the largest
-    /// if every value needs one.
+    /// Range of values that need no further check. The smallest value is above the largest if
+    /// every value needs a check.
     range: (f64, f64),
     /// Destination of its value.
     pub(crate) set: Set,
@@ -120,7 +120,7 @@ impl Writer {
     /// it.
     pub(crate) const UNCHANGED_STATES: u8 = 8;
 
-    /// The phases in which a variable may be set. Inputs are also accepted before initialization,
+    /// The phases that allow setting a variable. Inputs are also accepted before initialization,
     /// although the standards keep their start values there: several hosts set them there.
     const fn of(variable: &Variable) -> Self {
         let input = matches!(variable.causality, Causality::Input);

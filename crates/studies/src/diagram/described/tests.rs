@@ -77,7 +77,7 @@ fn closed_form_values_at_the_section_are_the_steady_motions() {
             assert!(start.is_some() && point == points[i]);
         }
     }
-    // Observed twice per period, the motion is 2T with half as many times of each.
+    // Observed twice per period, the motion is 2T, and each maximum is counted half as often.
     let twice = Machine { section: crate::SectionRule::Period(0.1), ..machine };
     let found = diagram(&twice, &request(2), &Task::ALL).unwrap().unwrap();
     let point = found.up[0].as_ref().unwrap();

@@ -1,4 +1,4 @@
-//! Record of a motion over drive periods, from which its attractor is recognized.
+//! Record of a motion over drive periods, the data for recognizing its attractor.
 
 use super::{Attractor, distance};
 use crate::class::{LONGEST, OBSERVED, RETURN, comes_nearer, least_period};

@@ -40,7 +40,7 @@ impl Extent {
         Self { coordinate, least: f64::INFINITY, largest: f64::NEG_INFINITY, squares, square: 0.0 }
     }
 
-    /// Smallest and largest value, clipped to ± a bound that only rounding can exceed.
+    /// Range of the values, clipped to ± a bound that only rounding can exceed.
     pub fn within(&self, bound: f64) -> (f64, f64) {
         (self.least.max(-bound), self.largest.min(bound))
     }

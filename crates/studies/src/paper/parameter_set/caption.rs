@@ -4,8 +4,7 @@ use super::{Base, Given, Name, ParameterSet, Unit};
 use crate::significant;
 use vibro_impact::parameters::{FIELDS, GROUPS, Group, LOADS};
 
-/// Largest relative difference of two values that counts as rounding of a conversion and its
-/// inverse.
+/// Relative tolerance for the rounding of a unit conversion and its inverse.
 const ROUNDING: f64 = 1e-12;
 
 impl Base {
@@ -65,7 +64,7 @@ impl ParameterSet {
         format!("{} ({})", values.join(", "), self.origin())
     }
 
-    /// The unit in which a physical parameter was written, if it had one.
+    /// Written unit of a physical parameter, if it had one.
     pub fn unit(&self, name: Name) -> Option<&'static Unit> {
         match name {
             Name::Si(field) => self.units.get(field.name),
@@ -79,15 +78,14 @@ impl ParameterSet {
         format!("{}{}", name.symbol(), if cyclic { "/2π" } else { "" })
     }
 
-    /// Label of an axis: the symbol, and the unit in which the parameter was written or its SI
-    /// unit.
+    /// Label of an axis: the symbol, and the parameter's written unit or its SI unit.
     pub fn label(&self, name: Name) -> String {
         let unit = self.unit(name).map(Unit::symbol).filter(|symbol| symbol != "1");
         unit.map_or_else(|| name.label(), |unit| format!("{} ({unit})", self.symbol(name)))
     }
 
-    /// A value of a parameter, given in SI, with the unit in which the parameter was written, or
-    /// with its SI unit.
+    /// A value of a parameter, given in SI, shown in the parameter's written unit or in its SI
+    /// unit.
     pub fn with_unit(&self, name: Name, value: f64) -> String {
         let in_unit = |u: &Unit| format!("{} {}", significant(u.number(value)), u.symbol());
         self.unit(name).filter(|u| u.plain() != "1").map_or_else(|| name.with_unit(value), in_unit)
@@ -108,8 +106,8 @@ impl ParameterSet {
         format!("{} = {}", self.symbol(name), self.with_unit(name, value))
     }
 
-    /// Whether a caption lists a group. Of the two names of the coupling it lists the one that is
-    /// held constant, and it lists μ13 only if it is held.
+    /// Whether a caption lists a group. The caption lists the one name of the coupling that is
+    /// held constant, and μ13 only if it is held.
     fn is_held(&self, group: &Group) -> bool {
         match group.name {
             "alpha23" => !self.holds_beta2,

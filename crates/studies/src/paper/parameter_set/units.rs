@@ -8,8 +8,8 @@ use vibro_impact::parameters::{FIELDS, LOADS};
 pub use vibro_impact::quantities::{Quantity, Unit, quantity_in};
 use vibro_impact::quantities::{UNITS, in_si, split, symbols};
 
-/// Unit in which each physical parameter was written: its index in [`UNITS`] plus 1, or 0 without
-/// a unit. Serialized as a map from parameter names to unit symbols.
+/// Written unit of each physical parameter: its index in [`UNITS`] plus 1, or 0 without a unit.
+/// Serialized as a map from parameter names to unit symbols.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "BTreeMap<String, String>", into = "BTreeMap<String, String>")]
 pub(super) struct Units([u8; FIELDS.len() + LOADS.len()]);
@@ -90,10 +90,9 @@ pub fn typed_unit(name: Name, text: &str) -> Option<&'static Unit> {
     quantity(name, text).ok()?.unit
 }
 
-/// The values of several numbers of one parameter, and the unit in which they were written. Either
-/// all numbers have a unit or none has one, so `9:11Hz` is refused. Ranges are not checked, since
-/// the meaning of a number without a unit may depend on [how the parameter was
-/// written](super::ParameterSet::unit).
+/// The values of several numbers of one parameter, and their unit. Either all numbers have a unit
+/// or none has one, so `9:11Hz` is refused. Ranges are not checked, since the meaning of a number
+/// without a unit may depend on the parameter's [written unit](super::ParameterSet::unit).
 ///
 /// # Errors
 /// As [`number`], and [`Error::Form`] if only some of the numbers have a unit.

@@ -40,12 +40,12 @@ pub(super) struct LaneRecord {
     /// Drive period at which it is checked whether impacts will follow; each impact postpones it.
     watched: u32,
     tangent: Tangent,
-    /// Time at which the tangent begins, s, and whether it has begun.
+    /// Start time of the tangent, s, and whether it has begun.
     tangent_from: f64,
     tangent_begun: bool,
     /// Whether there were events since the last check of the exponent.
     moved_on: bool,
-    /// Time at which the observation began, s.
+    /// Start time of the observation, s.
     observed_from: f64,
     attractor: Option<Attractor>,
     exponent: Option<LargestExponent>,
@@ -173,7 +173,7 @@ impl LaneRecord {
     }
 }
 
-/// Motions that a thread works on.
+/// Motions of one thread.
 pub(super) struct Motions<'a> {
     starts: &'a mut dyn Iterator<Item = (usize, Start)>,
     program: &'a Program,
@@ -240,7 +240,7 @@ impl<'a> Motions<'a> {
                     && is_damped(&record.parameters)
                     && free_motion::keeps_clear(&record.parameters, &simulator.state())
                 {
-                    // Chaos has ended in a motion without impacts in which everything except the
+                    // Chaos has ended in a motion without impacts, and everything except the
                     // drive's phase is damped, so the exponent is certainly negative. Without this
                     // proof impacts may return, since the impacts of a lightly damped box come in
                     // bursts.

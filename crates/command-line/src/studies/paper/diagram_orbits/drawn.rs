@@ -20,7 +20,7 @@ const PALE: f64 = 0.55;
 /// Longest period of an orbit whose unstable pieces are drawn. Hundreds of orbits with longer
 /// periods would cover the picture.
 pub(super) const UNSTABLE: u32 = 2;
-/// Longest period of an orbit that is drawn if its branch has no stable range.
+/// Upper limit of the drawn orbits' periods, for a branch without a stable range.
 pub(super) const NEVER_STABLE: u32 = 1;
 
 /// A curve of a local maximum along a piece of a branch.

@@ -5,9 +5,9 @@ use vibro_figures::chart::Path;
 
 /// Largest number of windows of an envelope; a panel has about as many pixels.
 const WINDOWS: f64 = 400.0;
-/// Largest number of columns into which a curve is thinned; a panel has fewer pixels.
+/// Cap on the columns of a thinned curve; a panel has fewer pixels.
 pub(super) const COLUMNS: usize = 1500;
-/// Relative change below which a quantity counts as constant: a panel has fewer pixels.
+/// Relative tolerance of a constant quantity: a panel has fewer pixels.
 const CHANGE: f64 = 1e-3;
 
 /// A point of an envelope: time, and the smallest and largest value of its window.

@@ -13,8 +13,8 @@ use vibro_impact::load::Load;
 use vibro_impact::simulator::Contact;
 use vibro_studies::paper::ParameterSet;
 
-/// Largest number of drive periods of a run that is drawn in detail as a whole. Curves of a longer
-/// run would fill the panel.
+/// Limit for a run drawn in detail as a whole, in drive periods. Curves of a longer run would fill
+/// the panel.
 const DRAWN: f64 = 40.0;
 /// Number of drive periods drawn in detail, at the end of a longer run.
 const DETAIL: f64 = 10.0;
@@ -110,7 +110,7 @@ impl<'a> RunPicture<'a> {
         self.end() > DRAWN * self.period * (1.0 + 1e-9)
     }
 
-    /// Time at which the last `periods` drive periods begin; 0 for a run that is drawn as a whole.
+    /// Start time of the last `periods` drive periods; 0 for a run drawn as a whole.
     fn last(&self, periods: f64) -> f64 {
         if self.is_long() { self.end() - periods * self.period } else { 0.0 }
     }
