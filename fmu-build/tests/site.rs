@@ -21,7 +21,7 @@ fn pages(folder: &Path) -> Vec<PathBuf> {
 /// Builds the site, where a warning or a failing notebook is an error. The site must load nothing
 /// from elsewhere, and its search must have the words of the notebooks.
 #[test]
-#[ignore = "installs Sphinx, runs six notebooks: cargo test -p fmu-build --test site -- --ignored"]
+#[ignore = "installs Sphinx, runs seven notebooks: cargo test -p fmu-build --test site -- --ignored"]
 fn the_site_is_built_with_its_notebooks_and_loads_nothing_from_elsewhere() {
     let python = common::python::python_with_package();
     let ask = "import sysconfig; print(sysconfig.get_path('platlib'))";

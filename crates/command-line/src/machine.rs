@@ -15,7 +15,7 @@ pub use fit_record::{check_record, read_record};
 pub use fitted_file::write_with_numbers;
 pub use picture::figure;
 pub use start::read_start;
-pub use summary::summary;
+pub use summary::{steep, summary};
 
 use crate::table::{CsvRows, exact};
 use crate::{Error, Result, parameter_file};

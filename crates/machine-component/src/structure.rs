@@ -226,8 +226,8 @@ impl<'a> Structure<'a> {
             Action::Rubbing => {
                 let mut knowns = self.holding(element);
                 join(&mut knowns, &self.signals(element), Discrete);
-                // Friction that falls with the rate is not linear in any of them.
-                if element.is_curved() {
+                // Friction that depends on the rate is not linear in any of them.
+                if element.rubs_by_rate() {
                     knowns.values_mut().for_each(|kind| *kind = Dependent);
                 }
                 knowns

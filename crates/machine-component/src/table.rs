@@ -402,7 +402,7 @@ pub(crate) fn is_start(name: &str) -> bool {
 }
 
 /// Whether a parameter may be set after the motion has begun. Excluded are start values, lever
-/// arms (on which the choice of coordinates depends), periods, and the course of sweeps. A
+/// arms (on which the choice of coordinates depends), exponents, periods, and the course of sweeps. A
 /// frequency is excluded if its phase, which must change with it, follows from a named parameter.
 /// A named parameter is tunable if all numbers that follow from it are, and none is a frequency.
 fn is_tunable(machine: &Description, name: &str) -> bool {
@@ -415,7 +415,8 @@ fn is_tunable(machine: &Description, name: &str) -> bool {
     let is_time = |name: &str| name.ends_with(".repeat") || is_swept(name) || is_sampled(name);
     let is_origin = |name: &str| name.ends_with(".motion.s") || name.ends_with(".motion.v");
     let is_start = |name: &str| is_start(name) || is_origin(name);
-    let is_free = |name: &str| !is_start(name) && !name.contains(".arms.") && !is_time(name);
+    let is_fixed = |name: &str| name.contains(".arms.") || name.ends_with(".exponent") || is_time(name);
+    let is_free = |name: &str| !is_start(name) && !is_fixed(name);
     let phase = name.strip_suffix(".frequency").map(|of| format!("{of}.phase"));
     let follows = machine.named.numbers_of(name);
     is_free(name)

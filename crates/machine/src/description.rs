@@ -243,10 +243,11 @@ impl Spring {
         }
     }
 
-    /// Stiffness and damping that act along e. A spring across the motion has them in its
-    /// [formula](Self::formula).
+    /// Stiffness and damping that act along e, with a power whose exponent is 1. A spring across the
+    /// motion has them in its [formula](Self::formula).
     pub(crate) fn along(&self) -> [f64; 2] {
-        if self.across.is_some() { [0.0; 2] } else { [self.stiffness, self.damping] }
+        let stiffness = self.stiffness + OddPower::straight(self.power);
+        if self.across.is_some() { [0.0; 2] } else { [stiffness, self.damping] }
     }
 }
 
@@ -276,8 +277,20 @@ impl Across {
 pub struct OddPower {
     /// Coefficient, N/m^exponent or N s^exponent/m^exponent; N m and rad for rotations.
     pub coefficient: f64,
-    /// Exponent, greater than 1. It is not a parameter.
+    /// Exponent, at least 1. It is a parameter only if it follows from named parameters.
     pub exponent: f64,
+}
+
+impl OddPower {
+    /// Whether the exponent is 1, so that the force is straight.
+    pub fn is_straight(self) -> bool {
+        self.exponent == 1.0
+    }
+
+    /// The coefficient of a power with the exponent 1, otherwise 0.
+    fn straight(power: Option<Self>) -> f64 {
+        power.filter(|own| own.is_straight()).map_or(0.0, |own| own.coefficient)
+    }
 }
 
 /// Coefficients of the second to the fifth power in a force.
@@ -319,6 +332,11 @@ impl Damper {
         self.quadratic.is_some() || self.cubic.is_some() || self.power.is_some() || self.force.is_some()
     }
 
+    /// The linear damping, with a power whose exponent is 1.
+    pub(crate) fn along(&self) -> f64 {
+        self.damping + OddPower::straight(self.power)
+    }
+
     /// The powers of e' with the sign of e'.
     pub fn odd_powers(&self) -> impl Iterator<Item = OddPower> {
         let square = self.quadratic.map(|coefficient| OddPower { coefficient, exponent: 2.0 });
@@ -347,7 +365,7 @@ pub struct Stop {
 /// damping x') with x = e - gap > 0 and the exponent p.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLaw {
-    /// Exponent, at least 1. It is not a parameter.
+    /// Exponent, at least 1. It is a parameter only if it follows from named parameters.
     pub exponent: f64,
     /// Dissipation of Hunt and Crossley, s/m or s/rad, not negative; `None` if the file does not
     /// give it. The damping is 0 if it is given.
@@ -426,9 +444,31 @@ pub struct Friction {
     pub static_force: Option<Signal>,
     /// Stop whose force the levels follow; `force` is then zero and `static_force` is `None`.
     pub follows: Option<Follows>,
-    /// Stribeck's speed v, m/s or rad/s: while it slips, the level is `force` + (`static_force` -
-    /// `force`) exp(-(e'/v)²). Requires `static_force`.
-    pub stribeck: Option<f64>,
+    /// How the level falls from `static_force` to `force` while it slips. Requires `static_force`.
+    pub stribeck: Option<Stribeck>,
+    /// Viscous damping, N s/m or N m s/rad, whose force is added; `None` if the file does not give
+    /// it.
+    pub viscous: Option<f64>,
+}
+
+/// Stribeck's curve: the level of a friction while it slips is `force` + (`static_force` - `force`)
+/// exp(-(|e'|/speed)ᵖ) with the exponent p.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stribeck {
+    /// Speed, m/s or rad/s; positive.
+    pub speed: f64,
+    /// Exponent p. It is not a parameter.
+    pub exponent: StribeckExponent,
+}
+
+/// Exponent of Stribeck's curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StribeckExponent {
+    /// 1: exp(-|e'|/v).
+    One,
+    /// 2: exp(-(e'/v)²).
+    #[default]
+    Two,
 }
 
 /// Friction levels that follow the force N of a compliant stop: coefficient · max(0, N).

@@ -209,6 +209,11 @@ impl<'a> Element<'a> {
         }
     }
 
+    /// Whether this is a friction whose force depends on its rate while it slips.
+    pub fn rubs_by_rate(self) -> bool {
+        matches!(self, Self::Friction(own) if own.stribeck.is_some() || own.viscous.is_some())
+    }
+
     /// The formula in the force.
     pub(crate) fn formula(self) -> Option<Cow<'a, Formula>> {
         match self {

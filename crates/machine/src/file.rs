@@ -49,6 +49,7 @@ mod series;
 mod signals;
 mod start;
 mod stepped;
+mod stribeck;
 mod syntax;
 mod write;
 

@@ -69,7 +69,8 @@ impl Description {
         if self.named.all().iter().any(|own| !own.value.is_finite()) || self.named.all().is_empty() {
             return Vec::new();
         }
-        let mut named = std::mem::take(&mut self.named);
+        // The machine keeps them: which exponents are numbers of the machine follows from them.
+        let mut named = self.named.clone();
         let mut problems = Vec::new();
         if let Err((place, text)) = named.evaluate() {
             problems.push(Problem::new(&named.all()[place].name, None, text));

@@ -118,16 +118,9 @@ pub const QUADRATIC_DAMPING: NumberKind =
     kind("Coefficient of e' abs(e')", "N.s2/m2", "N.m.s2/rad2", Range::FINITE);
 /// Dissipation of a contact by Hunt and Crossley.
 pub const DISSIPATION: NumberKind = kind("Dissipation of the contact", "s/m", "s/rad", Range::NOT_NEGATIVE);
-/// Exponent of a stop's force.
+/// Exponent of a force.
 pub const EXPONENT: NumberKind =
     kind("Exponent of the force", "1", "1", between(1.0, MOST_EXPONENT, "a number from 1 to 20"));
-/// Exponent of a force with two sides.
-pub const ODD_EXPONENT: NumberKind = kind(
-    "Exponent of the force",
-    "1",
-    "1",
-    Range { min: 1.0, max: MOST_EXPONENT, open_min: true, allowed: "a number greater than 1, up to 20" },
-);
 pub const PRELOAD: NumberKind = kind("Force at e = 0", "N", "N.m", Range::FINITE);
 pub const POINT: NumberKind = kind("Elongation of a point of the force", "m", "rad", Range::FINITE);
 pub const POINT_FORCE: NumberKind = kind("Force at a point", "N", "N.m", Range::FINITE);
@@ -145,6 +138,9 @@ pub const RESTITUTION: NumberKind =
 pub const FORCE: NumberKind = kind("Force or torque", "N", "N.m", Range::FINITE);
 pub const STRIBECK: NumberKind =
     kind("Speed at which friction falls from its static level", "m/s", "rad/s", Range::POSITIVE);
+/// Viscous damping of a friction.
+pub const VISCOUS: NumberKind =
+    kind("Viscous damping of the friction", "N.s/m", "N.m.s/rad", Range::NOT_NEGATIVE);
 pub const LEVEL: NumberKind = kind("Level of friction", "N", "N.m", Range::NOT_NEGATIVE);
 pub const COEFFICIENT: NumberKind = kind("Coefficient of friction", "1", "1", Range::NOT_NEGATIVE);
 /// The coefficient of friction of a contact, which enters the stiffness of the slip.

@@ -44,6 +44,7 @@ pub mod signals;
 mod slots;
 pub mod sparse_factor;
 pub mod start;
+pub mod steep;
 mod stepped;
 pub mod system;
 pub mod table;

@@ -80,6 +80,11 @@ impl NamedParameters {
         !self.numbers.is_empty()
     }
 
+    /// Names of the numbers of the machine that follow from parameters.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = &str> {
+        self.numbers.keys().map(String::as_str)
+    }
+
     /// The expression of a number of the machine.
     pub(crate) fn of_number(&self, name: &str) -> Option<&Expression> {
         self.numbers.get(name)

@@ -16,10 +16,15 @@ pub(crate) struct Slot<'a> {
     pub value: &'a mut f64,
 }
 
+/// End of the name of an exponent.
+pub(crate) const EXPONENT: &str = ".exponent";
+
 /// Collector of slots; `dimension` is the dimension of the current body or element.
 struct Slots<'a> {
     all: Vec<Slot<'a>>,
     dimension: Dimension,
+    /// Names of the exponents that follow from named parameters. Other exponents are not parameters.
+    exponents: Vec<String>,
 }
 
 impl<'a> Slots<'a> {
@@ -166,13 +171,23 @@ impl<'a> Slots<'a> {
         if let Some(OddPower { coefficient, exponent }) = power {
             let kind = kinds::coefficient_of_power(*exponent, of_rate);
             self.push(format!("{of}.coefficient"), kind, coefficient);
+            self.exponent(of, exponent);
         }
     }
 
-    /// Collects the numbers of a curved contact: no exponent, which has no derivative here.
+    /// Collects an exponent if it follows from named parameters.
+    fn exponent(&mut self, of: &str, exponent: &'a mut f64) {
+        let name = format!("{of}{EXPONENT}");
+        if self.exponents.contains(&name) {
+            self.push(name, kinds::EXPONENT, exponent);
+        }
+    }
+
+    /// Collects the numbers of a curved contact.
     fn contact(&mut self, of: &str, law: &'a mut StopLaw, contact: &'a mut ContactLaw) {
         let StopLaw::Compliant { stiffness, damping, .. } = law else { return };
         self.push(format!("{of}.stiffness"), kinds::stiffness_of_power(contact.exponent), stiffness);
+        self.exponent(of, &mut contact.exponent);
         match &mut contact.dissipation {
             Some(dissipation) => self.push(format!("{of}.dissipation"), kinds::DISSIPATION, dissipation),
             None => self.push(format!("{of}.damping"), kinds::DAMPING, damping),
@@ -299,7 +314,9 @@ pub(crate) fn of_sweep(of: &str, i: usize, count: usize) -> String {
 pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
     let bodies: Vec<_> = machine.bodies.iter().map(|b| (b.name.clone(), b.dimension)).collect();
     let inputs: Vec<_> = machine.blocks.iter().map(|block| machine.inputs_of(block)).collect();
-    let mut slots = Slots { all: Vec::new(), dimension: Dimension::Translation };
+    let exponents = machine.named.numbers().filter(|name| name.ends_with(EXPONENT)).map(str::to_owned);
+    let mut slots =
+        Slots { all: Vec::new(), dimension: Dimension::Translation, exponents: exponents.collect() };
     slots.push("gravity".into(), kinds::GRAVITY, &mut machine.gravity);
     let own = machine.modals.iter().filter(|own| own.has_masses);
     let has_masses: Vec<String> = own.map(|own| own.name.clone()).collect();
@@ -350,8 +367,11 @@ pub(crate) fn slots(machine: &mut Description) -> Vec<Slot<'_>> {
         if let Some(level) = &mut friction.static_force {
             slots.level(&format!("{of}.static"), level);
         }
-        if let Some(speed) = &mut friction.stribeck {
-            slots.push(format!("{of}.stribeck"), kinds::STRIBECK, speed);
+        if let Some(stribeck) = &mut friction.stribeck {
+            slots.push(format!("{of}.stribeck"), kinds::STRIBECK, &mut stribeck.speed);
+        }
+        if let Some(viscous) = &mut friction.viscous {
+            slots.push(format!("{of}.viscous"), kinds::VISCOUS, viscous);
         }
     }
     for contact in &mut machine.contacts {

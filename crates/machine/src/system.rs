@@ -317,7 +317,7 @@ impl System {
                     self.add_spring(&spring.arms, stiffness, spring.damping, preload)
                 }
                 Element::Damper(damper) => {
-                    let parts = self.add_spring(&damper.arms, 0.0, damper.damping, 0.0);
+                    let parts = self.add_spring(&damper.arms, 0.0, damper.along(), 0.0);
                     if let Some(cubic) = damper.cubic {
                         self.add_curve(true, [0.0, cubic, 0.0, 0.0]);
                     }
@@ -350,7 +350,11 @@ impl System {
                             self.add_friction(&friction.arms, &rows[level], static_level.map(|i| &rows[i]))
                         }
                     };
-                    friction.stribeck.iter().for_each(|speed| self.add_stribeck(*speed));
+                    friction.stribeck.iter().for_each(|own| self.add_stribeck(*own));
+                    if let Some(viscous) = friction.viscous {
+                        let dashpot = self.add_spring(&friction.arms, 0.0, viscous, 0.0);
+                        self.parts[i].extend(dashpot);
+                    }
                 }
                 Element::Load(_) => self.parts[i].extend(loads.next().map(Part::Load)),
                 _ => {}

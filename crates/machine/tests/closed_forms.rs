@@ -161,6 +161,7 @@ fn others_models_coupled_clutches() {
         static_force: Some(peak),
         follows: None,
         stribeck: None,
+        viscous: None,
     };
     let quarter = std::f64::consts::FRAC_PI_2;
     let d = Description {

@@ -4,7 +4,7 @@ use crate::common::assembled;
 use vibro_machine::derivative::Extremes;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion, Reached};
-use vibro_machine::{Differentiated, Quantity, What};
+use vibro_machine::{Assembly, Description, Differentiated, Quantity, What};
 
 /// Γ(7/5)/Γ(9/10) √π from 40 digits: the duration of a Hertz impact is 2 xₘ/v times this.
 const HERTZ: f64 = 1.471_637_592_162_352_3;
@@ -393,8 +393,8 @@ fn refused_contacts_and_powers() {
         ),
         (
             "exponent = 1.5, dissipation",
-            "exponent = \"= 3/2\", dissipation",
-            "stop.h.exponent = \"= 3/2\": expected a number from 1 to 20, without a unit or an expression",
+            "exponent = \"= 3/4\", dissipation",
+            "stop.h.exponent = \"= 3/4\": is 0.75; expected a number from 1 to 20",
         ),
         (
             "dissipation = \"0.1 s/m\"",
@@ -433,8 +433,8 @@ fn refused_contacts_and_powers() {
         ),
         (
             "coefficient = \"5 N/m^1.5\", exponent = 1.5 }",
-            "coefficient = 5, exponent = 1 }",
-            "spring.k.exponent = 1: expected a number greater than 1",
+            "coefficient = 5, exponent = 0.9 }",
+            "spring.k.exponent = 0.9: expected a number from 1 to 20",
         ),
         (
             "coefficient = \"5 N/m^1.5\", exponent = 1.5 }",
@@ -475,4 +475,59 @@ fn round_trip_of_contacts_and_powers() {
     let typed = text.split("dissipation").next().unwrap_or_default();
     let offers = vibro_machine::file::completion(&format!("{typed}diss"), "").offers;
     assert_eq!(offers, [("dissipation".to_string(), "dissipation = ".to_string())]);
+}
+
+/// Exponents by a named parameter: the parameter is set and varied, and the file keeps it. A motion
+/// has no derivative by it.
+#[test]
+fn invariant_exponents_follow_parameters() {
+    let text = |exponent: &str| {
+        format!(
+            "name = \"P\"\nbody.b = {{ mass = 1.0, start = {{ s = 0.1, v = 0.5 }} }}\n\
+             spring.k = {{ between = [\"ground\", \"b\"], coefficient = 40.0, exponent = {exponent} }}\n\
+             damper.d = {{ between = [\"ground\", \"b\"], coefficient = 0.2, exponent = {exponent} }}\n\
+             stop.h = {{ between = [\"ground\", \"b\"], gap = 0.11, stiffness = 9e3, exponent = {exponent} }}\n\
+             parameters.p = 1.5\n"
+        )
+    };
+    let follows = parse(&text("\"= p\""), "m.toml", &no_records).expect("a machine");
+    assert_eq!(follows, parse(&follows.to_toml(), "m.toml", &no_records).expect("the same machine"));
+    let end = |d: Description| {
+        let mut motion = Motion::new(Assembly::new(d).expect("a machine").into()).expect("a motion");
+        motion.advance_to(1.0).expect("an end");
+        motion.states()
+    };
+    for p in [1.0, 1.5, 2.0, 2.2] {
+        let own = parse(&text(&format!("{p:?}")), "m.toml", &no_records).expect("a machine");
+        let (found, own) = (end(follows.with([("p", p)]).expect("a machine")), end(own));
+        assert!(found.iter().zip(&own).all(|(a, b)| (a - b).abs() < IMPACT), "{p}: {found:?} {own:?}");
+    }
+    let refused = follows.with([("p", 0.5)]).expect_err("a refusal").to_string();
+    assert!(refused.contains("p = 0.5: then"), "{refused}");
+    let assembly = Assembly::new(follows).expect("a machine");
+    let refused = Differentiated::new(assembly.into(), &["p"]).err().expect("a refusal").to_string();
+    assert!(refused.contains("no derivative with respect to"), "{refused}");
+}
+
+/// Powers with the exponent 1 are stiffness and damping, also in derivatives by their coefficients.
+#[test]
+fn invariant_the_exponent_1_is_straight() {
+    let text = |spring: &str, damper: &str| {
+        format!(
+            "name = \"S\"\nbody.b = {{ mass = 1.0, start = {{ s = 0.1, v = 0.5 }} }}\n\
+             spring.k = {{ between = [\"ground\", \"b\"], {spring} }}\n\
+             damper.d = {{ between = [\"ground\", \"b\"], {damper} }}\n\
+             stop.w = {{ between = [\"ground\", \"b\"], gap = 0.11, restitution = 0.6 }}\n"
+        )
+    };
+    let power = text("stiffness = 15.0, coefficient = 25.0, exponent = 1", "coefficient = 0.2, exponent = 1");
+    let end = |text: &str, names: &[&str]| {
+        let mut motion = Differentiated::new(assembled(text), names).expect("a motion");
+        motion.advance_to(3.0).expect("an end");
+        let energy = motion.motion().energy().balance();
+        (motion.motion().states(), [0, 1].map(|p| motion.state_derivative(p).expect("a derivative")), energy)
+    };
+    let own = end(&power, &["spring.k.coefficient", "damper.d.coefficient"]);
+    let straight = text("stiffness = 40.0", "damping = 0.2");
+    assert_eq!(own, end(&straight, &["spring.k.stiffness", "damper.d.damping"]));
 }

@@ -662,3 +662,21 @@ fn second_method_a_gradient_of_straight_formulas() {
         assert!((a - b).abs() < SAME * a.abs().max(1.0), "{keys:?} {formula:?}");
     }
 }
+
+/// Largest difference of a speed from that of a body against a constant friction, m/s: the body passes
+/// rates of some 1e-9 m/s at the start, where the friction is less.
+const BEGINNING: f64 = 1e-9;
+
+/// A body is pushed with 10 N against a friction of 1 N by tanh, which is saturated but for the first
+/// 1e-10 s: v = 9 t. Its series is 1e9 times longer than its radius of convergence suggests.
+#[test]
+fn closed_form_saturated_smooth_friction() {
+    let text = "name = \"Saturated\"\nbody.m = { mass = 1.0 }\nload.push = { on = \"m\", constant = 10.0 }\n\
+                damper.d = { between = [\"ground\", \"m\"], force = \"= tanh(rate / 1e-9)\" }\n";
+    for time in [1e-3, 1.0, 100.0] {
+        let mut motion = Motion::new(assembled(text)).expect("a motion");
+        motion.advance_to(time).expect("an end");
+        let off = motion.body(0)[1] - 9.0 * time;
+        assert!(off.abs() < BEGINNING * time.max(1.0), "{off:e} after {time} s");
+    }
+}

@@ -149,3 +149,26 @@ fn too_many_events_in_a_call_are_told_with_what_helps() {
     }
     motion.advance_to(time + 1e-3).unwrap();
 }
+
+/// Tolerance on a rate that a few operations give.
+const RATE: f64 = 1e-14;
+
+/// A formula so steep that a second of motion takes 10⁹ series: its slope 8/10⁻⁹ N s/m over 2 kg. A
+/// call that would take many times its limit ends after a second or two of computing, and one that
+/// reaches its limit ends there; both name the element.
+#[test]
+fn closed_form_a_steep_formula_is_named() {
+    let text = "name = \"Steep\"\nbody.m = { mass = 2.0, start = { s = 0.0, v = 1e-12 } }\n\
+                spring.k = { between = [\"ground\", \"m\"], stiffness = 50.0, preload = 1.0 }\n\
+                damper.d = { between = [\"ground\", \"m\"], force = \"= 8 * tanh(rate / 1e-9)\" }\n";
+    let assembly = assembled(text);
+    let steep = assembly.steepest_at_zero().expect("a curved force");
+    assert_eq!(steep.element, "damper.d");
+    assert!((steep.rate / 4e9 - 1.0).abs() < RATE, "{}", steep.rate);
+    for (most, series) in [(1_000, "1000 series"), (20_000_000, "500000 series")] {
+        let mut motion = Motion::new(assembly.clone()).expect("a motion").with_most_work(most);
+        let error = motion.advance_to(1e3).expect_err("an end").to_string();
+        let is_named = error.contains(series) && error.contains("the force of damper.d changes as fast as");
+        assert!(is_named && motion.time() < 1e-2, "{error}");
+    }
+}

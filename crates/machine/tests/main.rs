@@ -49,6 +49,7 @@ mod quantum;
 mod random;
 mod rest;
 mod rounding;
+mod rubbing;
 mod second_method;
 mod series;
 mod signals_hold;

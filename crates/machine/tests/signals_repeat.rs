@@ -196,7 +196,7 @@ fn invariant_what_is_refused_of_repeat() {
     let refused = Differentiated::new(assembly, &["load.l.repeat"]).map(drop).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "load.l.repeat: a motion has no derivative with respect to a period or a time between samples; use one of the \
+        "load.l.repeat: a motion has no derivative with respect to a period, a time between samples or an exponent; use one of the \
          machine's other numbers"
     );
 }

@@ -3,6 +3,9 @@
 mod drifts;
 mod growth;
 mod spans;
+mod steep;
+
+pub use steep::steep;
 
 use super::{MotionRecord, event_in_words};
 use crate::Result;
@@ -107,6 +110,7 @@ pub fn summary(machine: Description) -> Result<String> {
     lines.push(format!("natural frequencies in the start's mode{}{small}", of_blocks(d)));
     lines.extend(frequencies(&assembly, &motion));
     lines.extend(growth::growth(&assembly));
+    lines.extend(steep::steep(&assembly));
     Ok(lines.join("\n"))
 }
 

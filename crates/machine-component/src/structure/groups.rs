@@ -128,8 +128,8 @@ impl<'a> Structure<'a> {
                 Action::Driving => self.driving(element),
                 Action::Rubbing => {
                     let (mut rate, mut knowns) = (Knowns::new(), self.signals(element));
-                    // Friction that falls with the rate is not linear in it.
-                    if element.is_curved() {
+                    // Friction that depends on the rate may not be linear in it.
+                    if element.rubs_by_rate() {
                         self.elongation(element, 1, &mut rate);
                         join(&mut knowns, &rate, Dependent);
                     }

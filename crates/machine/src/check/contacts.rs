@@ -5,7 +5,7 @@ use super::refused;
 use crate::description::{
     Arms, BodyKind, Contact, ContactLaw, DampingLimit, Description, OddPower, Stop, StopLaw,
 };
-use crate::kinds::{EXPONENT, NumberKind, ODD_EXPONENT};
+use crate::kinds::EXPONENT;
 use crate::refusal::Problem;
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     let dampers = machine.dampers.iter().map(|own| (format!("damper.{}", own.name), own.power));
     for (name, power) in springs.chain(dampers) {
         if let Some(OddPower { exponent, .. }) = power {
-            check_exponent(&name, exponent, ODD_EXPONENT, problems);
+            check_exponent(&name, exponent, problems);
         }
     }
     for stop in &machine.stops {
@@ -87,19 +87,19 @@ const PARALLEL: f64 = 1e-14;
 pub(crate) const FOLLOWS: &str = "friction at a stop with `exponent` or `dissipation` is not supported; use a stop \
                                   with `stiffness` and `damping`";
 
-fn check_exponent(of: &str, exponent: f64, kind: NumberKind, problems: &mut Vec<Problem>) {
-    if !kind.contains(exponent) {
+fn check_exponent(of: &str, exponent: f64, problems: &mut Vec<Problem>) {
+    if !EXPONENT.contains(exponent) {
         problems.push(refused(
             format!("{of}.exponent"),
             exponent,
-            format!("expected {}", kind.range.allowed),
+            format!("expected {}", EXPONENT.range.allowed),
         ));
     }
 }
 
 fn check_contact(stop: &Stop, contact: ContactLaw, problems: &mut Vec<Problem>) {
     let of = format!("stop.{}", stop.name);
-    check_exponent(&of, contact.exponent, EXPONENT, problems);
+    check_exponent(&of, contact.exponent, problems);
     let mut refuse = |text: &str| problems.push(Problem::new(&of, None, text));
     if stop.stepped.is_some() {
         refuse(

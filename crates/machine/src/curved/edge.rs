@@ -38,10 +38,10 @@ impl Piece {
         match operation {
             Operation::OneSided(p) if polynomial(*p).is_some() => Self::Positive,
             Operation::OneSided(_) if is_near || a < 0.0 => Self::Still,
-            Operation::TwoSided(_) if is_near => Self::Still,
+            Operation::TwoSided(_) | Operation::Decay if is_near => Self::Still,
             Operation::OneSided(_) => Self::Positive,
-            Operation::TwoSided(_) if a < 0.0 => Self::Negative,
-            Operation::TwoSided(_) => Self::Positive,
+            Operation::TwoSided(_) | Operation::Decay if a < 0.0 => Self::Negative,
+            Operation::TwoSided(_) | Operation::Decay => Self::Positive,
             _ => Self::Whole,
         }
     }

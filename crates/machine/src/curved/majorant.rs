@@ -14,6 +14,9 @@ const NESTED: f64 = 1.0 / 1.05;
 const SMALLER: f64 = 0.87;
 /// Largest number of tried radii.
 const TRIALS: usize = 120;
+/// Radii without a bound that are tried before each next radius is half the last one. The series of a
+/// saturated tanh has small terms over spans a billion times longer than its radius.
+const FEW: usize = 60;
 /// Largest change of the argument of ln, as a fraction of its value.
 const OF_LOGARITHM: f64 = 0.97;
 /// Largest change of the argument of a positive power, as a fraction of its value.
@@ -107,6 +110,8 @@ fn scale(operation: &Operation, sums: [Sums; 2], centre: f64, w: [&[f64]; 2], ra
             (p.fract() == 0.0 || others <= OF_ROOT * first).then(|| (first + others).powf(*p))
         }
         Operation::OneSided(_) | Operation::TwoSided(_) => Some(0.0),
+        // In a mode this is an exponential function.
+        Operation::Decay => None,
         Operation::Logarithm => (others <= OF_LOGARITHM * first).then(|| -(-others / first).ln_1p()),
         // By induction over k wₖ = Σ j aⱼ gₖ₋ⱼ, with g = ±w or the other one of sine and cosine.
         Operation::Exponential | Operation::Sine | Operation::Cosine => {
@@ -136,7 +141,7 @@ impl CurveTerms<'_> {
         let mut radius = nested.fold(radius, |least, own| least.min(NESTED * known[own.0].radius));
         (self.radius, self.scale) = (radius, f64::INFINITY);
         let mut tail = f64::INFINITY;
-        for _ in 0..TRIALS {
+        for trial in 0..TRIALS {
             let [first, second] = &self.arguments;
             let sums = first.sums(a, known, radius);
             let others = if self.operation.is_of_two() { second.sums(b, known, radius) } else { sums };
@@ -149,7 +154,7 @@ impl CurveTerms<'_> {
                 tail = found;
                 (self.radius, self.scale) = (radius, scale);
             }
-            radius *= SMALLER;
+            radius *= if trial < FEW || tail.is_finite() { SMALLER } else { 0.5 };
         }
     }
 }

@@ -20,6 +20,8 @@ pub enum Operation {
     TwoSided(f64),
     /// exp a.
     Exponential,
+    /// exp(-|a|). In a mode it is exp a or exp(-a).
+    Decay,
     /// ln a, for a > 0.
     Logarithm,
     /// sin a.
@@ -87,6 +89,7 @@ impl Operation {
             Self::OneSided(p) => power(a.max(0.0), *p),
             Self::TwoSided(p) => power(a.abs(), *p).copysign(a),
             Self::Exponential => a.exp(),
+            Self::Decay => (-a.abs()).exp(),
             Self::Logarithm => a.ln(),
             Self::Sine => a.sin(),
             Self::Cosine => a.cos(),
@@ -122,6 +125,8 @@ impl Operation {
             Self::OneSided(p) => p * power(a.max(0.0), p - 1.0),
             Self::TwoSided(p) => p * power(a.abs(), p - 1.0),
             Self::Exponential => a.exp(),
+            Self::Decay if a == 0.0 => 0.0,
+            Self::Decay => (-a.abs()).exp().copysign(-a),
             Self::Logarithm => 1.0 / a,
             Self::Sine => a.cos(),
             Self::Cosine => -a.sin(),
@@ -143,6 +148,7 @@ impl Operation {
             Self::TwoSided(_) if a == 0.0 => 0.0,
             Self::OneSided(p) | Self::TwoSided(p) => (p * (p - 1.0) * power(a.abs(), p - 2.0)).copysign(a),
             Self::Exponential => a.exp(),
+            Self::Decay => (-a.abs()).exp(),
             Self::Logarithm => -1.0 / (a * a),
             Self::Sine => -a.sin(),
             Self::Cosine => -a.cos(),
@@ -178,6 +184,7 @@ impl Operation {
             Self::TwoSided(p) => p * power(most, p - 1.0),
             Self::Power(p) => p.abs() * power(if *p < 1.0 { least } else { most }, p - 1.0),
             Self::Exponential => (centres[0] + r).exp(),
+            Self::Decay => (-least).exp(),
             Self::Logarithm => 1.0 / least,
             Self::Sine | Self::Cosine => 1.0,
             Self::HyperbolicTangent => least.cosh().powi(-2),

@@ -62,7 +62,8 @@ pub(super) fn next(
         return;
     }
     match operation {
-        Operation::Polynomial(_) | Operation::OneSided(_) | Operation::TwoSided(_) => {}
+        // Each of these is another operation on a side of 0.
+        Operation::Polynomial(_) | Operation::OneSided(_) | Operation::TwoSided(_) | Operation::Decay => {}
         Operation::Product => w[k] = product(a, b, (0, k)),
         Operation::Power(p) => {
             w[k] = power(a, w, (*p, is_majorant), k);

@@ -54,6 +54,7 @@ impl CurveSeries {
         match operation {
             Operation::Polynomial(force) => self.next_of_polynomial(force, k, arguments[0]),
             Operation::OneSided(_) | Operation::TwoSided(_) => self.next_of_side(operation, k, arguments[0]),
+            Operation::Decay => self.next_of_decay(k, arguments[0]),
             _ => self.next_of_operation((operation, false), k, arguments),
         }
     }
@@ -77,6 +78,15 @@ impl CurveSeries {
                 0.0
             }
         }
+    }
+
+    /// [`next`](Self::next) for exp(-|x|). If x begins at 0, its first nonzero coefficient has the
+    /// side.
+    fn next_of_decay(&mut self, k: usize, x: f64) -> f64 {
+        if k > 0 && self.piece == Piece::Still && x != 0.0 {
+            self.piece = Piece::of(&Operation::Decay, x, 0.0);
+        }
+        self.next_of_operation((&Operation::Exponential, false), k, [-self.piece.sign() * x, 0.0])
     }
 
     /// [`next`](Self::next) for an operation other than a polynomial; with `is_majorant`, for the
@@ -242,6 +252,9 @@ impl CurveSizes {
     /// The sizes for the arguments at the start and for the sizes to which their rounding errors
     /// are relative.
     pub fn of(operation: &Operation, arguments: [f64; 2], shifts: [f64; 2]) -> Self {
+        if let Operation::Decay = operation {
+            return Self::of(&Operation::Exponential, [-arguments[0].abs(), 0.0], shifts);
+        }
         let piece = Piece::of(operation, arguments[0], NEAR * shifts[0]);
         if piece == Piece::Still {
             return Self::Still;

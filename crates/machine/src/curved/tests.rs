@@ -67,7 +67,9 @@ fn complex(operation: &Operation, a: Complex<f64>, b: Complex<f64>) -> [Complex<
         Operation::Cosine => [a.cos(), -a.sin()],
         Operation::HyperbolicTangent => [a.tanh(), one - a.tanh() * a.tanh()],
         Operation::Arctangent => [a.atan(), one / (one + a * a)],
-        Operation::Polynomial(_) | Operation::OneSided(_) | Operation::TwoSided(_) => unreachable!(),
+        Operation::Polynomial(_) | Operation::OneSided(_) | Operation::TwoSided(_) | Operation::Decay => {
+            unreachable!()
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use crate::assembly::Assembly;
 use crate::description::Description;
 use crate::error::Error;
 use crate::refusal::{Problem, Refusal};
+use crate::slots::EXPONENT;
 use std::fmt;
 
 /// A column of derivatives: a number with respect to which a motion is differentiated.
@@ -45,7 +46,7 @@ impl fmt::Display for By {
 }
 
 /// Whether motions have derivatives with respect to a parameter. The period of a signal has none,
-/// nor have the sample times and delays of blocks.
+/// nor have the sample times and delays of blocks, nor an exponent.
 ///
 ///
 /// ```
@@ -66,8 +67,8 @@ pub fn has_derivative(d: &Description, name: &str) -> bool {
     let is_sampled = |name: &str| {
         name.starts_with("block.") && [".sample", ".delay"].iter().any(|end| name.ends_with(end))
     };
-    let is_period = |name: &str| name.ends_with(".repeat") || is_sampled(name);
-    !is_period(name) && !d.named.numbers_of(name).iter().any(|name| is_period(name))
+    let has_none = |name: &str| name.ends_with(".repeat") || name.ends_with(EXPONENT) || is_sampled(name);
+    !has_none(name) && !d.named.numbers_of(name).iter().any(|name| has_none(name))
 }
 
 impl By {
@@ -88,8 +89,8 @@ impl By {
                 Self::Parameter(name) => {
                     *name = usual.next().unwrap_or_default();
                     if !has_derivative(d, name) {
-                        let text = "a motion has no derivative with respect to a period or a time \
-                            between samples; use one of \
+                        let text = "a motion has no derivative with respect to a period, a time \
+                            between samples or an exponent; use one of \
                             the machine's other numbers";
                         return Err(Refusal::one(Problem::new(&*name, None, text)).into());
                     }

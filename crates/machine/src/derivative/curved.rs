@@ -59,6 +59,13 @@ impl CurvesInMode {
         if system.curved.is_empty() {
             return Self::default();
         }
+        let in_mode = |(own, mut by): (&Curved, CurveTangent)| {
+            if let Some(factor) = own.factor_in(mode) {
+                by.arguments[0] = factor * &by.arguments[0];
+            }
+            by
+        };
+        let by = by.into_iter().map(|all| system.curved.iter().zip(all).map(in_mode).collect()).collect();
         let (rate, weights) = norm(a, system.signals.one);
         let (coordinates, one) = (system.coordinates, system.signals.one);
         Self { forces: CurveInMode::all(system, mode, a, &weights), by, rate, weights, coordinates, one }

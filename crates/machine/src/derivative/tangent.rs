@@ -6,7 +6,9 @@ use super::rows::{
     BlockTangents, BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
 };
 use crate::curved::Polynomial;
-use crate::description::{Arms, BodyKind, Description, Follows, Free, Signal, StopLaw};
+use crate::description::{
+    Arms, BodyKind, Description, Follows, Free, Signal, StopLaw, Stribeck, StribeckExponent,
+};
 use crate::formula::{Formula, Line, Step};
 use crate::functional::{Functional, StateRow};
 use crate::mode::{Contact, FrictionState, Mode, StopState};
@@ -84,7 +86,18 @@ fn direction(d: &Description, name: &str) -> Description {
         let follows = follow.get(slot.name.as_str()).copied();
         *slot.value = follows.unwrap_or(if slot.name == name { 1.0 } else { 0.0 });
     }
+    keep_exponents(d, &mut along);
     along
+}
+
+/// Sets the exponents of `along` to the ones of `d`: motions have no derivatives by exponents.
+fn keep_exponents(d: &Description, along: &mut Description) {
+    let powers = along.springs.iter_mut().map(|own| &mut own.power);
+    let powers = powers.chain(along.dampers.iter_mut().map(|own| &mut own.power));
+    let own = d.springs.iter().map(|own| own.power).chain(d.dampers.iter().map(|own| own.power));
+    for (power, own) in powers.zip(own) {
+        power.iter_mut().zip(own).for_each(|(by, own)| by.exponent = own.exponent);
+    }
 }
 
 /// Returns all signals in the system's order: motions, loads, levels, counters of levels, sources.
@@ -196,7 +209,7 @@ impl Tangent {
         let powers: Vec<_> =
             powers.chain(along.dampers.iter().map(|own| own.odd_powers().collect())).collect();
         let dampers = d.dampers.iter().zip(&along.dampers);
-        let dampers = dampers.map(|(s, by)| (s.arms.clone(), by.arms.clone(), 0.0, by.damping, 0.0));
+        let dampers = dampers.map(|(s, by)| (s.arms.clone(), by.arms.clone(), 0.0, by.along(), 0.0));
         let matrices = d.matrices.iter().flat_map(|own| own.springs()).map(|spring| {
             let mut by = spring.arms.clone();
             by.terms.iter_mut().for_each(|term| term.1 = 0.0);
@@ -210,11 +223,14 @@ impl Tangent {
                 (spring.arms, by, dk, dc, 0.0)
             })
         });
+        let viscous = d.frictions.iter().zip(&along.frictions).filter_map(|(own, by)| {
+            own.viscous.and(by.viscous).map(|dc| (own.arms.clone(), by.arms.clone(), 0.0, dc, 0.0))
+        });
         let springs_along = along.springs.iter().map(|spring| spring.formula());
         let dampers_along = along.dampers.iter().map(|damper| damper.force.as_ref().map(Cow::Borrowed));
         let formulas: Vec<_> = springs_along.chain(dampers_along).collect();
         for (rows, (arms, by, dk, dc, preload)) in
-            system.springs.iter().zip(springs.chain(dampers).chain(modals).chain(matrices))
+            system.springs.iter().zip(springs.chain(dampers).chain(modals).chain(matrices).chain(viscous))
         {
             let own = self.elongation(system, &arms, &by);
             let e = &rows.elongation;
@@ -360,8 +376,8 @@ impl Tangent {
                 (Some(own), Some(by)) => self.following(system, i, (own, by)),
                 _ if friction.stribeck.is_some() => {
                     let moved = Functional::of(&static_level - &level);
-                    let speeds = [friction.stribeck, by.stribeck].map(Option::unwrap_or_default);
-                    self.put_stribeck((&system.frictions[i], &elongation), speeds, moved);
+                    let curves = [friction.stribeck, by.stribeck];
+                    self.put_stribeck((&system.frictions[i], &elongation), curves, moved);
                     vec![LevelTangent { static_level: level.clone(), level }]
                 }
                 _ => vec![LevelTangent { level, static_level }],
@@ -375,12 +391,14 @@ impl Tangent {
     fn put_stribeck(
         &mut self,
         (rows, own): (&FrictionRows, &ElongationTangent),
-        [speed, by]: [f64; 2],
+        curves: [Option<Stribeck>; 2],
         levels: Functional,
     ) {
+        let [Some(Stribeck { speed, exponent }), Some(Stribeck { speed: by, .. })] = curves else { return };
         let (zeros, rate) = (Functional::zeros(levels.len()), Functional::of(own.rate.clone()));
         let argument = &((1.0 / speed) * &rate) - &((by / (speed * speed)) * &rows.elongation.rate);
-        for argument in [argument, zeros.clone(), levels] {
+        let exponential = (exponent == StribeckExponent::Two).then(|| zeros.clone());
+        for argument in std::iter::once(argument).chain(exponential).chain([levels]) {
             let force = Polynomial { coefficients: [0.0; 4] };
             self.curves.push(CurveTangent { arguments: [argument, zeros.clone()], force });
         }

@@ -12,6 +12,7 @@ use super::reading::{Entry, FileTable, Reading};
 use super::series;
 use super::signals::{self, Values};
 use super::stepped;
+use super::stribeck;
 use crate::description::{
     Arms, ContactLaw, Damper, Description, Dimension, Freewheel, Friction, Link, Load, Signal, Spring, Stop,
     StopLaw,
@@ -148,7 +149,11 @@ fn damper(reading: &mut Reading, name: String, table: &FileTable, names: &Names)
             let power = powers::read(reading, table, dimension, (true, &[]));
             let keys = ["quadratic", "cubic", "force"];
             if !keys.iter().any(|key| table.has(key)) && !powers::is_given(table) {
-                let damping = reading.required_number(table, "damping", kinds::DASHPOT, dimension);
+                let allowed = kinds::DASHPOT.allowed(dimension);
+                let allowed =
+                    format!("{allowed}; a curve, such as `quadratic` or `cubic`, or `force` may replace it");
+                let damping = reading.required(table, "damping", &allowed);
+                let damping = damping.and_then(|own| reading.number(&own, kinds::DASHPOT, dimension));
                 return Some((damping?, [None; 2], power?));
             }
             let damping = reading.number_or(table, "damping", kinds::CURVED_DAMPING, dimension, 0.0);
@@ -208,20 +213,36 @@ fn friction(
 ) -> Option<Friction> {
     reading.known(
         table,
-        &["between", "arms", "force", "static", "follows", "coefficient", "static_coefficient", "stribeck"],
+        &[
+            "between",
+            "arms",
+            "force",
+            "static",
+            "follows",
+            "coefficient",
+            "static_coefficient",
+            "stribeck",
+            "stribeck_exponent",
+            "viscous",
+        ],
     );
     if table.has("follows") || table.has("coefficient") || table.has("static_coefficient") {
         let (arms, follows) =
             with_arms(reading, table, names, |reading, _| follows::read(reading, table, stops))?;
-        if let Some(entry) = reading.optional(table, "stribeck") {
-            reading.refuse(&entry, "cannot be combined with `follows`: use `force` and `static`");
-            return None;
-        }
         let (force, follows) = (Signal::default(), Some(follows));
-        return Some(Friction { name, arms, force, static_force: None, follows, stribeck: None });
+        let (static_force, stribeck, viscous) = (None, None, None);
+        return stribeck::none(reading, table).then_some(Friction {
+            name,
+            arms,
+            force,
+            static_force,
+            follows,
+            stribeck,
+            viscous,
+        });
     }
-    let (arms, (force, static_force, stribeck)) = with_arms(reading, table, names, |reading, dimension| {
-        let stribeck = stribeck(reading, table, dimension);
+    let (arms, (force, static_force, curve)) = with_arms(reading, table, names, |reading, dimension| {
+        let curve = stribeck::read(reading, table, dimension);
         let values = Values { kind: kinds::FORCE, alone: kinds::LEVEL, dimension };
         let allowed = format!("{}, or a signal", kinds::LEVEL.allowed(dimension));
         let force = reading.required(table, "force", &allowed);
@@ -230,20 +251,10 @@ fn friction(
             None => Some(None),
             Some(entry) => signals::value(reading, &entry, values).map(Some),
         };
-        Some((force?, static_force?, stribeck?))
+        Some((force?, static_force?, curve?))
     })?;
-    Some(Friction { name, arms, force, static_force, follows: None, stribeck })
-}
-
-/// Reads Stribeck's speed; the outer `None` if it is refused.
-fn stribeck(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<Option<f64>> {
-    let Some(entry) = reading.optional(table, "stribeck") else { return Some(None) };
-    if !table.has("static") {
-        let text = "requires `static`: the level falls from `static` to `force` as the speed grows";
-        reading.refuse(&entry, text);
-        return None;
-    }
-    reading.number(&entry, kinds::STRIBECK, dimension).map(Some)
+    let (stribeck, viscous) = curve;
+    Some(Friction { name, arms, force, static_force, follows: None, stribeck, viscous })
 }
 
 fn load(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -> Option<Load> {

@@ -9,8 +9,20 @@ use crate::named::Expression;
 /// Keys of a spring that cannot be combined with a formula.
 const EXCLUDED: [&str; 3] = ["points", "series_damping", "slip"];
 /// Keys of a spring that cannot be combined with `offset`.
-const ALONG: [&str; 9] =
-    ["points", "series_damping", "slip", "preload", "force", "quadratic", "cubic", "quartic", "quintic"];
+const ALONG: [&str; 12] = [
+    "points",
+    "series_damping",
+    "slip",
+    "slider",
+    "preload",
+    "force",
+    "quadratic",
+    "cubic",
+    "quartic",
+    "quintic",
+    "coefficient",
+    "exponent",
+];
 /// Keys of a spring across the motion.
 pub(super) const ACROSS: [&str; 2] = ["offset", "free_length"];
 

@@ -7,7 +7,7 @@ use crate::check::problem_of_name;
 use crate::description::Description;
 use crate::elements::SECTIONS;
 use crate::named::{Expression, Named, NamedParameters};
-use crate::slots::slots;
+use crate::slots::{EXPONENT, slots};
 use std::collections::HashSet;
 use vibro_numerics::quantities::UNITS;
 
@@ -87,8 +87,12 @@ pub(super) fn put(reading: &mut Reading, machine: &mut Description) {
         machine.named = std::mem::take(&mut reading.named);
         return;
     }
-    let names: HashSet<String> = slots(machine).into_iter().map(|slot| slot.name).collect();
     machine.named = std::mem::take(&mut reading.named);
+    // An exponent is a number of the machine only with an expression.
+    let (exponents, follow): (Vec<_>, Vec<_>) =
+        follow.into_iter().partition(|(entry, _)| entry.ends_with(EXPONENT));
+    exponents.into_iter().for_each(|(name, expression)| machine.named.put(name, expression));
+    let names: HashSet<String> = slots(machine).into_iter().map(|slot| slot.name).collect();
     for (entry, expression) in follow {
         match candidates(&entry).into_iter().find(|name| names.contains(name)) {
             Some(name) => machine.named.put(name, expression),

@@ -1,7 +1,6 @@
 //! Reading of powers with an exponent: a power with two sides of springs and dampers, and the
 //! curved force of a stop.
 
-use super::numbers::finite;
 use super::reading::{Entry, FileTable, Reading};
 use super::stepped;
 use crate::description::{ContactLaw, DampingLimit, Dimension, OddPower, Signal, StopLaw};
@@ -29,9 +28,7 @@ pub(super) fn read(
     if !is_given(table) {
         return Some(None);
     }
-    let allowed = kinds::ODD_EXPONENT.allowed(dimension);
-    let exponent = reading.required(table, "exponent", &allowed);
-    let exponent = exponent.and_then(|entry| exponent_of(reading, &entry, kinds::ODD_EXPONENT));
+    let exponent = reading.required_number(table, "exponent", kinds::EXPONENT, dimension);
     let kind = kinds::coefficient_of_power(exponent.unwrap_or(f64::NAN), of_rate);
     let coefficient = reading.required(table, "coefficient", &kind.allowed(dimension))?;
     if let Some(other) = excluded.iter().find(|other| table.has(other)) {
@@ -41,17 +38,6 @@ pub(super) fn read(
     }
     let value = of_power(reading, &coefficient, (kind, exponent), dimension);
     Some(Some(OddPower { coefficient: value?, exponent: exponent? }))
-}
-
-/// Reads an exponent: a plain number, as no parameter varies it.
-fn exponent_of(reading: &mut Reading, entry: &Entry, kind: NumberKind) -> Option<f64> {
-    let found = finite(entry.value).filter(|exponent| kind.contains(*exponent));
-    if found.is_none() {
-        let allowed = kind.allowed(Dimension::Translation);
-        let no_text = if entry.value.is_str() { ", without a unit or an expression" } else { "" };
-        reading.refuse(entry, format!("{allowed}{no_text}"));
-    }
-    found
 }
 
 /// Reads a number whose unit has the exponent.
@@ -117,10 +103,7 @@ pub(super) fn contact(
     table: &FileTable,
     dimension: Dimension,
 ) -> Option<(StopLaw, Option<ContactLaw>)> {
-    let exponent = match reading.optional(table, "exponent") {
-        Some(entry) => exponent_of(reading, &entry, kinds::EXPONENT),
-        None => Some(1.0),
-    };
+    let exponent = reading.number_or(table, "exponent", kinds::EXPONENT, dimension, 1.0);
     let is_sound = alone(reading, table);
     let kind = kinds::stiffness_of_power(exponent.unwrap_or(f64::NAN));
     let allowed = kind.allowed(dimension);
@@ -142,7 +125,9 @@ pub(super) fn contact(
     let (exponent, dissipation) = (exponent?, dissipation?);
     let limit = DampingLimit::NoPull;
     let law = StopLaw::Compliant { stiffness: stiffness?, damping: damping?, limit };
-    let is_curved = exponent != 1.0 || dissipation.is_some();
+    // A parameter may give an exponent other than 1.
+    let follows = reading.optional(table, "exponent").is_some_and(|entry| entry.value.is_str());
+    let is_curved = exponent != 1.0 || follows || dissipation.is_some();
     is_sound.then_some((law, is_curved.then_some(ContactLaw { exponent, dissipation })))
 }
 

@@ -2,7 +2,8 @@
 
 use crate::description::{
     Arms, Block, Body, BodyKind, Closing, Contact, Description, Dimension, Feed, ForcePoint, Free, Friction,
-    Given, Level, MatrixDamping, Modal, OddPower, SeriesLaw, Signal, Spring, Stop, StopLaw,
+    Given, Level, MatrixDamping, Modal, OddPower, SeriesLaw, Signal, Spring, Stop, StopLaw, Stribeck,
+    StribeckExponent,
 };
 use crate::elements::Element;
 use crate::formula::Formula;
@@ -370,7 +371,7 @@ impl Writing<'_> {
     fn power(&self, text: &mut String, of: &str, power: Option<OddPower>) {
         if let Some(OddPower { coefficient, exponent }) = power {
             self.line(text, of, "coefficient", coefficient);
-            line!(text, "exponent = {exponent:?}");
+            self.line(text, of, "exponent", exponent);
         }
     }
 
@@ -392,7 +393,7 @@ impl Writing<'_> {
             StopLaw::Compliant { stiffness, damping, limit } => {
                 self.stiffness(text, of, stiffness, stop.stepped.as_ref());
                 if let Some(contact) = stop.contact {
-                    line!(text, "exponent = {:?}", contact.exponent);
+                    self.line(text, of, "exponent", contact.exponent);
                 }
                 match stop.contact.and_then(|contact| contact.dissipation) {
                     Some(dissipation) => self.line(text, of, "dissipation", dissipation),
@@ -416,8 +417,14 @@ impl Writing<'_> {
         if let Some(level) = &friction.static_force {
             line!(text, "static = {}", self.level(&format!("{of}.static"), level));
         }
-        if let Some(speed) = friction.stribeck {
+        if let Some(Stribeck { speed, exponent }) = friction.stribeck {
             self.line(text, of, "stribeck", speed);
+            if exponent == StribeckExponent::One {
+                line!(text, "stribeck_exponent = 1");
+            }
+        }
+        if let Some(viscous) = friction.viscous {
+            self.line(text, of, "viscous", viscous);
         }
     }
 

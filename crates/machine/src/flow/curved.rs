@@ -90,6 +90,7 @@ impl CurveInMode {
         let velocities = system.coordinates..2 * system.coordinates;
         let places: Vec<usize> = system.curved.iter().map(|curved| curved.place).collect();
         let in_mode = |(known, curved): (usize, &Curved)| {
+            let curved = &curved.in_mode(mode);
             let of = |row: &Functional| RowNorms::of(row, &velocities, &places[..known], weights);
             let mut rows = [of(&curved.argument), of(&curved.second)];
             if curved.polynomial().is_some() && rows[0].nested.is_empty() {

@@ -29,7 +29,7 @@ mod order;
 
 use super::Sizes;
 use super::box_qp::Jam;
-use crate::curved::{CurveSeries, CurveSizes, NEAR, Piece, TERMS};
+use crate::curved::{CurveSeries, CurveSizes, NEAR, Operation, Piece, TERMS};
 use crate::functional::StateRow;
 use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState};
 use crate::system::System;
@@ -439,10 +439,14 @@ impl<'a> Selection<'a> {
         let order = self.derivatives.len();
         let factorial = (1..=order).fold(1.0, |product, k| product * k as f64);
         for (curved, (series, sizes)) in self.system.curved.iter().zip(&mut self.curves) {
-            let arguments = curved.arguments(next).map(|x| x / factorial);
+            let mut arguments = curved.arguments(next).map(|x| x / factorial);
+            let terms = curved.argument_sizes(size).map(|x| x / factorial);
+            if curved.operation == Operation::Decay && arguments[0].abs() <= NEAR * terms[0] {
+                // A rounding has no side.
+                arguments[0] = 0.0;
+            }
             next[curved.place] = factorial * series.next(&curved.operation, order, arguments);
-            let arguments = curved.argument_sizes(size).map(|x| x / factorial);
-            size[curved.place] = factorial * sizes.next(order, arguments);
+            size[curved.place] = factorial * sizes.next(order, terms);
         }
     }
 

@@ -4,6 +4,7 @@ use super::Motion;
 use crate::curved::Curved;
 use crate::elements::Element;
 use crate::error::Error;
+use crate::steep::Steep;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -25,6 +26,11 @@ const EDGE: f64 = 1e-9;
 
 /// Distance at which a motion without a proved series counts as ending at the edge of a domain.
 const NEAR: f64 = 1e-4;
+
+/// Series of curved forces after which the pace of a call is checked, a second or two of computing;
+/// and the multiple of the call's limit at which it ends there. A call that is slow for a short time
+/// is not ended.
+pub(super) const PACE: (u64, f64) = (500_000, 10.0);
 
 /// Sub-steps between two checks of the interruption flag: some hundredths of a second.
 const LOOK: u64 = 1 << 16;
@@ -75,6 +81,17 @@ impl Motion {
             return Err(Error::Interrupted { time: self.time() });
         }
         Ok(())
+    }
+
+    /// Refuses a call under curved forces that would need many times its limit of sub-steps at the
+    /// pace of the last [`PACE`] ones, which covered `progress`; `left` is the time to its end, s.
+    pub(super) fn check_pace(&self, left: f64, progress: f64) -> Result<(), Error> {
+        let (series, multiple) = PACE;
+        let needed = left / progress * series as f64;
+        match self.table().is_curved() && needed > multiple * self.most_work as f64 {
+            true => Err(self.too_stiff(series)),
+            false => Ok(()),
+        }
     }
 
     /// Refuses coordinates and rates whose energies would not be finite.
@@ -179,7 +196,17 @@ impl Motion {
     }
 
     /// Error of a call that exceeds its limit of sub-steps.
-    pub(super) fn too_stiff(&self) -> Error {
+    pub(super) fn too_stiff(&self, sub_steps: u64) -> Error {
+        let curved = self.assembly.steepest(&self.hybrid.z).filter(|_| self.table().is_curved());
+        if let Some(Steep { element, rate }) = curved {
+            let cause = format!(
+                "{sub_steps} series in one call; here a series is {:e} s long, since the force of {element} \
+                 changes as fast as {rate:e} 1/s; a flatter curve makes series longer, dry friction is a \
+                 [friction.NAME], and another call continues from here",
+                self.full_length()
+            );
+            return Error::TooStiff { time: self.time(), cause };
+        }
         let (table, system, n) = (self.table(), &self.assembly.system, self.assembly.system.coordinates);
         let rate = |k: usize| {
             let row = table.a.row_of(n + k);
@@ -188,11 +215,11 @@ impl Motion {
         let fastest = (0..n).max_by(|i, j| rate(*i).total_cmp(&rate(*j)));
         let name = fastest.map_or("", |k| &self.assembly.description.bodies[system.bodies_of[k]].name);
         let cause = format!(
-            "{} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, which \
+            "{sub_steps} sub-steps in one call; here a sub-step is {:e} s for rates up to {:e} rad/s, which \
              stiffness and damping \
              give body.{name}; softer springs, more damping or a greater mass make sub-steps \
              longer, and another call continues from here",
-            self.most_work, table.length, table.rate
+            table.length, table.rate
         );
         Error::TooStiff { time: self.time(), cause }
     }

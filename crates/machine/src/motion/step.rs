@@ -2,6 +2,7 @@
 
 use super::instant::end_of_instant;
 use super::jump::Parted;
+use super::limits::PACE;
 use super::passage::{LEAVES_ZERO, PassageSearch, StepPoint};
 use super::{Due, Hybrid, Motion, Observer, Reached, Scratch};
 use crate::energy::{EIGHT, NODES, Rule, Samples};
@@ -137,8 +138,13 @@ impl Motion {
         let target = DoubleDouble::new(end);
         let began = self.time();
         let (mut work, mut from) = (WORK.0 as f64, began);
+        let mut seen = began;
         for sub_steps in 0..self.most_work {
             self.check_interruption(sub_steps)?;
+            if sub_steps > 0 && sub_steps % PACE.0 == 0 {
+                self.check_pace(end - self.time(), self.time() - seen)?;
+                seen = self.time();
+            }
             let sample = if self.hybrid.clocks.is_empty() { None } else { self.next_sample() };
             let sample = sample.filter(|sample| *sample <= end).map(DoubleDouble::new);
             let remaining = target.minus(self.hybrid.time).value();
@@ -207,7 +213,7 @@ impl Motion {
                 return Err(self.too_many(sub_steps + 1, began));
             }
         }
-        Err(self.too_stiff())
+        Err(self.too_stiff(self.most_work))
     }
 
     /// Length of a sub-step without an event, s; with curved forces, the length of the last

@@ -7,6 +7,10 @@ use std::f64::consts::PI;
 
 /// Longest text of an expression, bytes; it bounds the depth of its parentheses.
 const LONGEST: usize = 1_000;
+/// Longest text of a force, bytes: a thousand operations with names.
+const LONGEST_FORCE: usize = 40_000;
+/// Largest number of operations of a force; it bounds the depth of its parentheses.
+const MOST_OPERATIONS: usize = 1_000;
 
 /// Largest size of an exponent.
 const LARGEST_EXPONENT: f64 = 64.0;
@@ -79,8 +83,15 @@ impl Function {
 
 /// Functions and signs with corners, which a force cannot have.
 const WITH_CORNERS: [&str; 6] = ["abs", "sign", "min", "max", "floor", "ceil"];
+/// First characters of comparisons.
+const COMPARISONS: [char; 5] = ['<', '>', '=', '!', '?'];
 /// Advice on corners.
 pub(crate) const CORNERS: &str = "a formula has no corners: points, stops and friction have them";
+
+/// The fault of a comparison in a force.
+fn of_comparison(rest: &str) -> String {
+    format!("comparisons are not supported at `{rest}`: {CORNERS}")
+}
 
 impl Expression {
     /// Parses the text after the `=`; `names` are the names of the parameters.
@@ -113,19 +124,18 @@ impl Expression {
         names: impl Iterator<Item = &'t str> + Clone,
         is_force: bool,
     ) -> Result<Self, String> {
-        if text.len() > LONGEST {
-            return Err(format!("expected an expression of at most {LONGEST} bytes"));
+        let longest = if is_force { LONGEST_FORCE } else { LONGEST };
+        if text.len() > longest {
+            return Err(format!("expected an expression of at most {longest} bytes"));
         }
         if text.is_empty() {
             return Err("the expression is empty; write a number or a parameter after `=`".into());
         }
-        let mut parser = Parser { rest: text, names, is_force };
+        let mut parser = Parser { rest: text, names, is_force, operations: 0 };
         let root = parser.sum()?;
         match parser.rest {
             "" => Ok(Self { text: text.into(), root }),
-            rest if is_force && rest.starts_with(['<', '>', '=', '!', '?']) => {
-                Err(format!("comparisons are not supported at `{rest}`: {CORNERS}"))
-            }
+            rest if is_force && rest.starts_with(COMPARISONS) => Err(of_comparison(rest)),
             rest if rest.starts_with('^') || rest.starts_with("**") => {
                 Err("powers are not supported; write a product, such as k * k".into())
             }
@@ -279,6 +289,8 @@ struct Parser<'t, N> {
     names: N,
     /// Whether the expression is a force, with powers and functions.
     is_force: bool,
+    /// Number of operations and parentheses so far.
+    operations: usize,
 }
 
 /// A hint if a unit may have been meant.
@@ -292,6 +304,15 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
         self.rest = self.rest[bytes..].trim_start();
     }
 
+    /// Counts an operation or a parenthesis.
+    fn count(&mut self) -> Result<(), String> {
+        self.operations += 1;
+        match self.operations > MOST_OPERATIONS {
+            true => Err(format!("expected an expression of at most {MOST_OPERATIONS} operations")),
+            false => Ok(()),
+        }
+    }
+
     fn operator(&mut self, allowed: [(char, Operator); 2]) -> Option<Operator> {
         let first = self.rest.chars().next()?;
         let found = allowed.into_iter().find(|(c, _)| *c == first)?.1;
@@ -302,6 +323,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
     fn sum(&mut self) -> Result<Term, String> {
         let mut term = self.product()?;
         while let Some(operator) = self.operator([('+', Operator::Plus), ('-', Operator::Minus)]) {
+            self.count()?;
             term = Term::Of(operator, Box::new((term, self.product()?)));
         }
         Ok(term)
@@ -310,6 +332,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
     fn product(&mut self) -> Result<Term, String> {
         let mut term = self.factor()?;
         while let Some(operator) = self.operator([('*', Operator::Times), ('/', Operator::Over)]) {
+            self.count()?;
             term = Term::Of(operator, Box::new((term, self.factor()?)));
         }
         Ok(term)
@@ -317,6 +340,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
 
     fn factor(&mut self) -> Result<Term, String> {
         if self.rest.starts_with('-') {
+            self.count()?;
             self.skip(1);
             return Ok(Term::Minus(Box::new(self.factor()?)));
         }
@@ -330,6 +354,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
         if !self.rest.starts_with('^') {
             return Ok(base);
         }
+        self.count()?;
         self.skip(1);
         let exponent = self.factor()?;
         let mut variables = Vec::new();
@@ -349,12 +374,14 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
     fn atom(&mut self) -> Result<Term, String> {
         match self.rest.chars().next() {
             Some('(') => {
+                self.count()?;
                 self.skip(1);
                 let term = self.sum()?;
                 if !self.rest.starts_with(')') {
                     let rest = self.rest;
                     return Err(match rest {
                         "" => "a `)` is missing at the end of the expression".into(),
+                        _ if self.is_force && rest.starts_with(COMPARISONS) => of_comparison(rest),
                         _ => format!("expected `)` or an operator before `{rest}`{}", no_unit(rest)),
                     });
                 }
@@ -427,6 +454,7 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
             let near = advice(name, Function::ALL.iter().map(|own| own.1));
             return Err(format!("no function is called `{name}`; {near}"));
         };
+        self.count()?;
         self.skip(end);
         // A bracket follows the name.
         Ok(Term::Function(function, Box::new(self.atom()?)))

@@ -3,7 +3,7 @@
 use super::formula::{FormulaRows, Numbers, Operations, reference};
 use super::{Elongation, FrictionRows, LevelRows, Part, System};
 use crate::curved::{Curved, Operation, POWERS, Polynomial};
-use crate::description::{Description, OddPower};
+use crate::description::{Description, OddPower, Stribeck, StribeckExponent};
 use crate::elements::Element;
 use crate::formula::{Atom, Compiled, Line, Step};
 use crate::functional::Functional;
@@ -15,22 +15,48 @@ pub(crate) fn compiled(element: Element) -> Option<Compiled> {
     element.formula()?.compiled().ok()
 }
 
+/// Whether a power is not straight.
+fn is_bent(power: &OddPower) -> bool {
+    !power.is_straight()
+}
+
 /// Number of operations of curved forces of a machine.
 pub fn count(d: &Description) -> usize {
     let of_formula = |element| compiled(element).map_or(0, |own| own.steps.len());
     let of_law = |element| match element {
-        Element::Spring(own) => usize::from(own.has_polynomial()) + own.power.iter().count(),
-        Element::Damper(own) => own.cubic.iter().count() + own.odd_powers().count(),
+        Element::Spring(own) => {
+            usize::from(own.has_polynomial()) + own.power.into_iter().filter(is_bent).count()
+        }
+        Element::Damper(own) => own.cubic.iter().count() + own.odd_powers().filter(is_bent).count(),
         Element::Stop(own) => {
             own.contact.map_or(0, |own| usize::from(own.exponent != 1.0) + own.dissipation.iter().count())
         }
-        Element::Friction(friction) if friction.stribeck.is_some() => STRIBECK,
+        Element::Friction(friction) => friction.stribeck.map_or(0, operations_of),
         _ => 0,
     };
     d.elements().map(|element| of_law(element) + of_formula(element)).sum()
 }
 
 impl Curved {
+    /// The operation in a mode. In the direction σ of a friction that slips, exp(-|a|) is
+    /// exp(-σ a); while it does not slip, a is 0.
+    pub(crate) fn in_mode(&self, mode: &Mode) -> Self {
+        let Some(factor) = self.factor_in(mode) else { return self.clone() };
+        let argument = match factor == 0.0 {
+            true => Functional::zeros(self.argument.len()),
+            false => factor * &self.argument,
+        };
+        Self { operation: Operation::Exponential, argument, ..self.clone() }
+    }
+
+    /// The factor of the argument in a mode; `None` for operations that are the same in all modes.
+    pub(crate) fn factor_in(&self, mode: &Mode) -> Option<f64> {
+        match (self.owner, self.operation) {
+            (Part::Friction(i), Operation::Decay) => Some(-mode.frictions[i].direction()),
+            _ => None,
+        }
+    }
+
     /// The column of xᵖ of a released contact, as if the contact had its force: accounts and event
     /// functions need this power beyond the release.
     pub(crate) fn released(&self, system: &System, mode: &Mode) -> Option<Vec<(usize, f64)>> {
@@ -48,7 +74,12 @@ pub fn first(d: &Description) -> Option<String> {
 }
 
 /// Number of operations of Stribeck's curve.
-const STRIBECK: usize = 3;
+fn operations_of(own: Stribeck) -> usize {
+    match own.exponent {
+        StribeckExponent::One => 2,
+        StribeckExponent::Two => 3,
+    }
+}
 
 impl System {
     /// Whether any force is a formula.
@@ -141,8 +172,8 @@ impl System {
     }
 
     /// Adds Stribeck's curve to the friction that was added last: its level is sliding + (largest -
-    /// sliding) exp(-(e'/v)²) for both directions of e', and equals the static level at e' = 0.
-    pub(crate) fn add_stribeck(&mut self, speed: f64) {
+    /// sliding) exp(-(|e'|/v)ᵖ) for both directions of e', and equals the static level at e' = 0.
+    pub(crate) fn add_stribeck(&mut self, Stribeck { speed, exponent }: Stribeck) {
         let (place, size) = (self.signals.curved + self.curved.len(), self.signals.size);
         let owner = Part::Friction(self.frictions.len() - 1);
         let Some(FrictionRows { elongation, levels, has_static, .. }) = self.frictions.last_mut() else {
@@ -153,16 +184,22 @@ impl System {
         coefficients[0] = 1.0;
         let square = Operation::Polynomial(Polynomial { coefficients });
         for LevelRows { level, static_level } in levels {
-            let rows = [
-                (square, (1.0 / speed) * &elongation.rate, zeros.clone(), true),
-                (Operation::Exponential, unit(place, -1.0), zeros.clone(), false),
-                (Operation::Product, &*static_level - &*level, unit(place + 1, 1.0), false),
-            ];
+            let ratio = (1.0 / speed) * &elongation.rate;
+            let mut rows = match exponent {
+                StribeckExponent::One => vec![(Operation::Decay, ratio, zeros.clone(), true)],
+                StribeckExponent::Two => vec![
+                    (square, ratio, zeros.clone(), true),
+                    (Operation::Exponential, unit(place, -1.0), zeros.clone(), false),
+                ],
+            };
+            let factor = unit(place + rows.len() - 1, 1.0);
+            rows.push((Operation::Product, &*static_level - &*level, factor, false));
+            let last = place + rows.len() - 1;
             for (i, (operation, argument, second, is_of_rate)) in rows.into_iter().enumerate() {
                 let place = place + i;
                 self.curved.push(Curved { argument, second, operation, place, is_of_rate, owner });
             }
-            *level = &*level + &unit(place + 2, 1.0);
+            *level = &*level + &unit(last, 1.0);
             *static_level = level.clone();
         }
         // The level falls without a jump.
@@ -170,9 +207,9 @@ impl System {
     }
 
     /// Adds powers with two sides to the spring that was added last, of its elongation or of its
-    /// rate.
+    /// rate. A power with the exponent 1 is part of its stiffness or damping.
     pub(crate) fn add_odd_powers(&mut self, is_of_rate: bool, powers: impl IntoIterator<Item = OddPower>) {
-        for OddPower { coefficient, exponent } in powers {
+        for OddPower { coefficient, exponent } in powers.into_iter().filter(is_bent) {
             let Some(spring) = self.springs.last() else { return };
             let Elongation { e, rate, .. } = &spring.elongation;
             let argument = if is_of_rate { rate } else { e }.clone();

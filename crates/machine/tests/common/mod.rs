@@ -148,6 +148,7 @@ pub fn friction(terms: &[(usize, f64)], force: f64) -> Friction {
         static_force: None,
         follows: None,
         stribeck: None,
+        viscous: None,
     }
 }
 

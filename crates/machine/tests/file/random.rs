@@ -173,7 +173,7 @@ prop_compose! {
         let friction = |(i, (raw, force, static_force)): (usize, (Raw, Signal, Option<Signal>))| {
             let low = |level: &Signal| level.is_constant() && force.is_constant() && level.constant < force.constant;
             let static_force = static_force.filter(|level| !low(level));
-            Friction { name: format!("friction_{i}"), arms: arms_of(&bodies, raw), force, static_force, follows: None, stribeck: None }
+            Friction { name: format!("friction_{i}"), arms: arms_of(&bodies, raw), force, static_force, follows: None, stribeck: None, viscous: None }
         };
         let frictions = frictions.into_iter().enumerate().map(friction).collect();
         let load = |(i, (body, force)): (usize, (usize, Signal))| {

@@ -88,6 +88,7 @@ impl Added {
                 static_force: None,
                 follows: None,
                 stribeck: None,
+                viscous: None,
             };
             found.push(Self { friction, words });
         }

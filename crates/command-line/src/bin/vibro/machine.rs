@@ -17,7 +17,7 @@ use vibro::manifest::Manifest;
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_figures::canvas;
-use vibro_machine::Start;
+use vibro_machine::{Assembly, Description, Element, Start};
 use vibro_sketch::Sketch;
 use vibro_studies::Machine;
 
@@ -68,6 +68,15 @@ fn sketch(file: &Path, common: &Common) -> Result<()> {
     output::say(&format!("drawn in {}.svg and .png", stem.display()))
 }
 
+/// Prints a note on a curved force that makes the motion slow. Other faults of the machine are
+/// reported when its motion begins.
+fn note_steep(machine: &Description) {
+    if machine.elements().any(Element::is_curved) {
+        let words = Assembly::new(machine.clone()).ok().and_then(|own| vibro::machine::steep(&own));
+        words.iter().for_each(|words| crate::note(words));
+    }
+}
+
 fn follow(
     file: &Path,
     RunArguments { samples, start, of_file: a, .. }: &RunArguments,
@@ -112,6 +121,7 @@ fn follow(
     // The folder is checked before work begins.
     let out = destination.place(&[destination.result(RESULT)])?;
     let stop = interruption::flag(Second::Waits);
+    note_steep(&machine.description);
     let progress = Progress::new(0, TIME);
     let what = (&times[..], &columns.further[..]);
     let record =
