@@ -200,9 +200,11 @@ fn second_method_octave_has_every_digit_of_the_command_line() {
     for (name, _, arguments) in CALLS {
         code += &format!("dump(vibro.{name}({arguments}), '{name}.txt');\n");
     }
-    // The numbers of fit.json, in the order of the file.
-    code += "found = vibro.fit('drive.toml', 'data', 'record.csv', 'free', 'spring.mount.stiffness');\n\
-             printf('%s\\n', num2hex(found.fit.parameters.spring_mount_stiffness.value));";
+    code += "fitted = vibro.fit('drive.toml', 'data', 'record.csv', 'free', \
+             {'spring.mount.stiffness', 'friction.guide.force'}); fit = fitted.fit;\n\
+             for one = {fit.parameters.spring_mount_stiffness, fit.parameters.friction_guide_force}\n\
+             printf('%s\\n', num2hex(one{1}.value), num2hex(one{1}.error)); end\n\
+             printf('%s\\n', num2hex(fit.correlation.matrix(1, 2)), num2hex(fit.rms.slide_s), fit.verdict);";
     let said = octave(&home, &code);
     let mut tables = 0;
     for (name, ..) in CALLS {
@@ -214,13 +216,18 @@ fn second_method_octave_has_every_digit_of_the_command_line() {
         tables += expected.keys().filter_map(|key| key.split(' ').next()).collect::<BTreeSet<_>>().len();
     }
     assert!(tables >= 20, "{tables} tables were compared");
-    let fit = ["fit", "drive.toml", "--data=record.csv", "--free=spring.mount.stiffness", "--out=one"];
-    let (_, printed, _) = vibro(&home, &fit);
-    let json = fs::read_to_string(home.join("one/fit.json")).expect("fit.json");
-    let value = json.split("\"value\": ").nth(1).and_then(|rest| rest.split([',', '\n']).next());
-    let value: f64 =
-        value.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("{json} {printed}"));
-    assert_eq!(said.trim(), bits(value));
+    // The numbers of fit.json: value and error of both parameters, a correlation, a residual.
+    let json = fs::read_to_string(home.join("fit/fit.json")).expect("fit.json");
+    let numbers = |mark: &str| -> Vec<String> {
+        let ends = json.split(mark).skip(1).map(|rest| rest.split([',', '}', ']']).next().unwrap_or(""));
+        ends.map(|number| bits(number.trim().parse().expect("a number"))).collect()
+    };
+    let (values, errors) = (numbers("\"value\": "), numbers("\"error\": "));
+    let correlation = &numbers("\"matrix\": [[1.0, ")[0];
+    let rms = &numbers("\"rms\": {\"slide.s\": ")[0];
+    let expected = [&values[0], &errors[0], &values[1], &errors[1], correlation, rms];
+    let lines: Vec<&str> = said.trim().lines().collect();
+    assert!(lines[..6] == expected && lines[6] == "fits", "{lines:?} {expected:?}");
 }
 
 /// The lines of the example and of `vibro.show` pass through the rows of `response.csv`.
@@ -383,6 +390,10 @@ fn a_missing_program_and_arguments_of_another_kind_are_refused() {
     let cells = "t = vibro.read_table('cells.csv'); disp(isequaln(t.('d'), [Inf; -Inf]));\n\
                  disp(isequaln(t.('a'), [1; NaN])); disp(isequal(t.('b, c'), {['x \"y\"', 10]; 'z'}));";
     assert_eq!(octave(&home, cells).split_whitespace().collect::<Vec<_>>(), ["1"; 3]);
+    // Numbers within strings of JSON stay text; lists of lists are matrices.
+    let json = "x = vibro.inner.json('{\"t.u\": \"x, 5\", \"m\": [[1, -0.25], [2, 3e-5]], \"n\": null}');\n\
+                disp(strcmp(x.t_u, 'x, 5') && isequal(x.m, [1, -0.25; 2, 3e-5]) && isempty(x.n));";
+    assert_eq!(octave(&home, json).trim(), "1");
 }
 
 /// The blocks of docs/matlab.md, one after another in one folder.

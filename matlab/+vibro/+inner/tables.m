@@ -13,7 +13,7 @@ function found = tables(folder)
     if strcmp(ending, '.csv')
       found.(field) = vibro.read_table(path);
     elseif strcmp(entries(k).name, 'fit.json')
-      found.fit = jsondecode(fileread(path));
+      found.fit = vibro.inner.json(fileread(path));
     end
   end
 end
