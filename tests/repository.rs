@@ -7,6 +7,10 @@ mod circles;
 mod citations;
 #[path = "repository/clauses.rs"]
 mod clauses;
+#[path = "repository/paper.rs"]
+mod paper;
+#[path = "repository/published.rs"]
+mod published;
 #[path = "repository/texts.rs"]
 mod texts;
 
@@ -23,13 +27,13 @@ fn invariant_comments_are_not_wider_than_a_screen() {
     let mut found = Vec::new();
     for (path, text) in all() {
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        if !["rs", "py", "js", "mjs", "toml"].contains(&ending) {
+        if !["rs", "py", "js", "mjs", "toml", "m"].contains(&ending) {
             continue;
         }
         for (number, line) in text.lines().enumerate() {
             let line = line.trim_start();
             // Tables and diagrams count too, and in a Cargo.toml comments after an entry.
-            let comment = ["//", "# ", "* "].iter().any(|mark| line.starts_with(mark));
+            let comment = ["//", "# ", "* ", "% "].iter().any(|mark| line.starts_with(mark));
             let behind = ending == "toml" && line.contains(" # ");
             if (comment || behind) && line.chars().count() > WIDEST {
                 found.push(format!("{}:{}", shown(&path), number + 1));
@@ -266,8 +270,18 @@ fn invariant_the_readme_is_short_and_the_index_has_every_page() {
 
 /// Paths of the repository that a page names between backquotes.
 fn named_paths(page: &str) -> Vec<&str> {
-    const FOLDERS: [&str; 9] =
-        ["crates/", "src/", "web/", "python/", "fmu-build/", "tests/", "benches/", "examples/", "docs/"];
+    const FOLDERS: [&str; 10] = [
+        "crates/",
+        "src/",
+        "web/",
+        "python/",
+        "fmu-build/",
+        "tests/",
+        "benches/",
+        "examples/",
+        "docs/",
+        "matlab/",
+    ];
     let quoted = page
         .lines()
         .filter(|line| !line.starts_with("```"))

@@ -8,6 +8,7 @@
 
 pub mod agreement;
 pub mod changelog;
+mod citation;
 pub mod contents;
 pub mod machines;
 pub mod notes;

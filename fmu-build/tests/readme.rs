@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Pages of docs/ whose blocks and commands of an installed `vibro` another test runs, and that
 /// test.
-const RUN_ELSEWHERE: [(&str, &str); 9] = [
+const RUN_ELSEWHERE: [(&str, &str); 11] = [
     ("paper-machine.md", "fmu-build/tests/guides.rs"),
     ("design-a-damper.md", "fmu-build/tests/guides.rs"),
     ("python.md", "tests/python/test_guide.py"),
@@ -18,6 +18,8 @@ const RUN_ELSEWHERE: [(&str, &str); 9] = [
     ("machine-studies.md", "crates/command-line/tests/assembly_orbits.rs"),
     ("fit.md", "crates/command-line/tests/fit.rs"),
     ("reduce.md", "crates/command-line/tests/reduce.rs"),
+    ("against-experiment.md", "crates/command-line/tests/experiment.rs"),
+    ("matlab.md", "crates/command-line/tests/octave.rs"),
     ("assemblies.md", "crates/machine/tests/file/examples.rs"),
     ("machine-file.md", "crates/machine/tests/file/examples.rs"),
 ];

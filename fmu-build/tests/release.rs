@@ -27,26 +27,40 @@ use vibro_paper_component::component::identity::VERSION;
 use vibro_paper_component::fmi2::description::guid;
 use vibro_paper_component::fmi3::description::{MAIN, instantiation_token};
 
+/// Files by which the software is cited, archived and packaged by others.
+const CITED: [&str; 5] =
+    ["CITATION.cff", "codemeta.json", ".zenodo.json", "python/conda/meta.yaml", "docs/paper/paper.md"];
+/// The day of the release in the copies.
+const DAY: &str = "2026-01-31";
+
 /// Files of the workspace that must agree in some fact.
 fn files_that_agree() -> Vec<String> {
-    let named = ["Cargo.toml", "CHANGELOG.md", "CITATION.cff", "python/pyproject.toml"].map(str::to_owned);
+    let named = ["Cargo.toml", "CHANGELOG.md", "python/pyproject.toml"].into_iter().chain(CITED);
+    let named = named.map(str::to_owned);
     let descriptions = ["modelDescription", "fmi3"].map(|name| format!("modelDescription/{name}.xml"));
     let manifest: toml::Table = fs::read_to_string(workspace().join("Cargo.toml")).unwrap().parse().unwrap();
     let members = manifest["workspace"]["members"].as_array().unwrap().iter();
     let members = members.map(|member| format!("{}/Cargo.toml", member.as_str().unwrap()));
-    named.into_iter().chain(descriptions).chain(members).collect()
+    named.chain(descriptions).chain(members).collect()
 }
 
 /// A copy of these files whose changes belong to the version.
 fn copy_to_be_released() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for name in files_that_agree() {
-        let text = fs::read(workspace().join(&name)).unwrap();
-        archive::write_file(&folder.path().join(&name), &text).unwrap();
+        let text = fs::read_to_string(workspace().join(&name)).unwrap();
+        let is_dated = |line: &&str| {
+            ["date-released", "dateModified", "publication_date"].iter().any(|key| line.contains(key))
+        };
+        let stated = text
+            .lines()
+            .find(is_dated)
+            .and_then(|line| line.split(['"', ' ', ',']).find(|word| word.starts_with("20")));
+        let text = stated.map_or(text.clone(), |day| text.replace(day, DAY));
+        archive::write_file(&folder.path().join(&name), text.as_bytes()).unwrap();
     }
-    let changes = format!(
-        "# Changelog\n\n## [Unreleased]\n\n## [{VERSION}] - 2026-01-31\n\n### Added\n- Everything.\n"
-    );
+    let changes =
+        format!("# Changelog\n\n## [Unreleased]\n\n## [{VERSION}] - {DAY}\n\n### Added\n- Everything.\n");
     fs::write(folder.path().join("CHANGELOG.md"), changes).unwrap();
     folder
 }
@@ -71,9 +85,10 @@ fn sources_that_agree_are_released() {
 fn each_altered_copy_of_the_sources_is_refused_by_name() {
     let (guid, main) = (guid(), instantiation_token(MAIN));
     let (version, in_xml) = (format!("version = \"{VERSION}\""), format!(" version=\"{VERSION}\""));
-    let section = format!("## [{VERSION}] - 2026-01-31");
+    let section = format!("## [{VERSION}] - {DAY}");
+    let required = format!("version = \"{VERSION}\" }}");
     let other = "{00000000-0000-0000-0000-000000000000}";
-    let alterations: [(&str, &str, &str, &str); 15] = [
+    let alterations: [(&str, &str, &str, &str); 25] = [
         ("Cargo.toml", &version, "version = \"7.0.0\"", "was compiled from"),
         (
             "crates/paper-component/Cargo.toml",
@@ -83,7 +98,22 @@ fn each_altered_copy_of_the_sources_is_refused_by_name() {
         ),
         ("python/Cargo.toml", "version.workspace = true", "version = \"7.0.0\"", "python/Cargo.toml"),
         ("python/pyproject.toml", "dynamic = [\"version\"]", "version = \"7.0.0\"", "python/pyproject.toml"),
-        ("CITATION.cff", VERSION, "7.0.0", "CITATION.cff: version 7.0.0"),
+        ("Cargo.toml", &required, "version = \"7.0.0\" }", "is required in version 7.0.0"),
+        ("CITATION.cff", VERSION, "7.0.0", "CITATION.cff: version \"7.0.0\""),
+        (
+            "CITATION.cff",
+            DAY,
+            "2026-02-01",
+            "CITATION.cff: date-released \"2026-02-01\", expected \"2026-01-31\"",
+        ),
+        ("CITATION.cff", "title: ", "name: ", "codemeta.json: name"),
+        ("codemeta.json", VERSION, "7.0.0", "codemeta.json: version \"7.0.0\""),
+        ("codemeta.json", "text files", "files", "codemeta.json: description"),
+        ("codemeta.json", "{", "", "codemeta.json: text"),
+        (".zenodo.json", DAY, "2026-02-01", ".zenodo.json: publication_date"),
+        (".zenodo.json", "periodic orbits", "orbits", ".zenodo.json: title"),
+        ("python/conda/meta.yaml", VERSION, "7.0.0", "python/conda/meta.yaml: version"),
+        ("docs/paper/paper.md", "periodic orbits", "orbits", "docs/paper/paper.md: title"),
         (
             "modelDescription/modelDescription.xml",
             &in_xml,

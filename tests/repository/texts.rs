@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Extensions of files whose text people read.
-const TEXTS: [&str; 10] = ["rs", "py", "md", "toml", "html", "ts", "js", "mjs", "yml", "cff"];
+const TEXTS: [&str; 11] = ["rs", "py", "md", "toml", "html", "ts", "js", "mjs", "yml", "cff", "m"];
 /// Folders that are made, fetched, or input of another program.
 pub const PASSED_OVER: [&str; 7] =
     ["target", "dist", ".git", "corpus", "node_modules", "snapshots", "vibro-out"];

@@ -26,6 +26,11 @@
 //! | `attractors` | other motions of a design |
 //! | `search` | the order of these phases |
 
+// The Rust block of the package's page is run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeBlocks;
+
 mod attractors;
 mod candidate;
 mod comparison;

@@ -9,6 +9,11 @@
 //! `docs/assembly-law.md` states the law, `docs/machine-file.md` the grammar of the file.
 #![forbid(unsafe_code)]
 
+// The Rust block of the package's page is run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeBlocks;
+
 pub mod assembly;
 mod check;
 pub mod components;

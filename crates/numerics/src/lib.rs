@@ -16,6 +16,11 @@
 //! | `polynomial` of the lanes | one polynomial in each lane | many motions side by side |
 #![forbid(unsafe_code)]
 
+// The Rust block of the package's page is run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeBlocks;
+
 pub mod bernstein;
 pub mod digest;
 pub mod double_double;

@@ -8,6 +8,11 @@
 //! motion over a word is linear in its start. An orbit's unknowns are its start and the times of
 //! its events. A word is found by the machine's own motion, never written by hand.
 
+// The Rust block of the package's page is run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeBlocks;
+
 mod bifurcation;
 mod branch;
 mod closing;

@@ -28,6 +28,11 @@
 //! | [`natural`] | natural frequencies | closed forms |
 //! | [`sobol`] | the Sobol sequence | SciPy's |
 
+// The Rust block of the package's page is run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeBlocks;
+
 mod axis;
 pub mod basin;
 mod class;

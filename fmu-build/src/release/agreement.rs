@@ -2,6 +2,7 @@
 //! the tag, the work tree.
 
 use super::changelog::{self, ChangelogSection};
+use super::citation::{self, read};
 use crate::error::{Error, Result};
 use crate::xml::Element;
 use std::path::Path;
@@ -30,7 +31,8 @@ pub struct Agreed {
     pub changes: ChangelogSection,
 }
 
-/// Compares all versions, instantiation tokens and changelog entries in the workspace at `folder`.
+/// Compares all versions, instantiation tokens, changelog entries and files of citation in the
+/// workspace at `folder`.
 ///
 /// # Errors
 /// [`Error::Release`] with all disagreements; [`Error::File`] if a file cannot be read.
@@ -46,7 +48,6 @@ pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
     }
     wrong.extend(packages(folder, workspace)?);
     wrong.extend(python(folder, &version)?);
-    wrong.extend(citation(folder, &version)?);
     for (name, token) in tokens() {
         let found = read(folder, name)?;
         wrong.extend(description(name, &found, token, &version));
@@ -58,6 +59,8 @@ pub fn agreed(folder: &Path, intent: &Intent) -> Result<Agreed> {
         wrong.extend(uncommitted(folder));
     }
     let changes = changelog::of(&read(folder, "CHANGELOG.md")?, &version, intent.preview);
+    let day = changes.as_ref().ok().and_then(|section| section.date.as_deref());
+    wrong.extend(citation::disagreements(folder, &version, day)?);
     match changes {
         Ok(changes) if wrong.is_empty() => Ok(Agreed { version, changes }),
         Ok(_) => Err(Error::Release(wrong)),
@@ -91,11 +94,18 @@ pub(super) fn description(place: &str, xml: &str, token: String, version: &str) 
     found.into_iter().chain(token).collect()
 }
 
-/// Packages of the workspace that do not inherit its version. Packages under `tests/` are not
-/// shipped and not checked.
+/// Packages that do not inherit the workspace's version, and dependencies that name another
+/// version beside their path. Packages under `tests/` are not shipped and not checked.
 fn packages(folder: &Path, workspace: &Value) -> Result<Vec<String>> {
     let members = workspace["members"].as_array().into_iter().flatten().map(text);
     let mut wrong = Vec::new();
+    let own = text(&workspace["package"]["version"]);
+    for (name, dependency) in workspace["dependencies"].as_table().into_iter().flatten() {
+        let required = dependency.get("version").filter(|_| dependency.get("path").is_some());
+        if let Some(other) = required.map(text).filter(|required| *required != own) {
+            wrong.push(format!("Cargo.toml: {name} is required in version {other}: expected {own}"));
+        }
+    }
     for member in members.filter(|member| !member.starts_with("tests/")) {
         let name = format!("{member}/Cargo.toml");
         let version = &toml(folder, &name)?["package"]["version"];
@@ -124,14 +134,6 @@ fn python(folder: &Path, version: &str) -> Result<Option<String>> {
     })
 }
 
-/// The version in the software's citation.
-fn citation(folder: &Path, version: &str) -> Result<Option<String>> {
-    let file = read(folder, "CITATION.cff")?;
-    let cited = file.lines().find_map(|line| line.strip_prefix("version:")).unwrap_or("none").trim();
-    Ok((cited.trim_matches('"') != version)
-        .then(|| format!("CITATION.cff: version {cited}, where Cargo.toml has {version}")))
-}
-
 /// Uncommitted changes of the work tree, if it is a git repository.
 fn uncommitted(folder: &Path) -> Option<String> {
     let mut git = Command::new("git");
@@ -148,11 +150,6 @@ fn uncommitted(folder: &Path) -> Option<String> {
 
 fn text(value: &Value) -> &str {
     value.as_str().unwrap_or("none")
-}
-
-fn read(folder: &Path, name: &str) -> Result<String> {
-    let path = folder.join(name);
-    std::fs::read_to_string(&path).map_err(Error::file("reading", &path))
 }
 
 fn toml(folder: &Path, name: &str) -> Result<Table> {

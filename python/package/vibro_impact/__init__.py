@@ -1,4 +1,4 @@
-"""Exact simulation of piecewise linear vibro-impact machines on NumPy arrays: motions, studies, periodic orbits, FMUs.
+"""Exact simulation of vibro-impact machines on NumPy arrays: motions, studies, periodic orbits, FMUs.
 
 A :class:`Machine` is described by a file, a text or a dictionary of bodies, springs, stops, friction and loads.
 
@@ -17,6 +17,9 @@ the box, and a secondary oscillator hangs on the block. It has closed forms and 
 >>> machine = vi.PaperMachine.from_groups(f10=1.5, kappa=0.75)
 >>> machine.simulate(periods=200).s.shape
 (40001, 3)
+
+A page for coding assistants, ``AGENTS.md``, and all keys of a machine's file, ``docs/machine-file.md``, are in the folder of this
+package.
 
 Lengths are in m, times in s, masses in kg and forces in N unless stated otherwise. Long calls let other Python threads run, end on
 Ctrl-C, and show a progress bar with ``progress=True``. The paper is P. Fritzkowski and J. Awrejcewicz, Nonlinear Dynamics 106 (2021)
