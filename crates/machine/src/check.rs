@@ -5,6 +5,7 @@ mod contacts;
 mod flexible;
 mod links;
 mod names;
+mod residual;
 mod starts;
 mod stepped;
 
@@ -89,6 +90,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     series(machine, &mut problems);
     curves(machine, &mut problems);
     contacts::check(machine, &mut problems);
+    residual::check(machine, &mut problems);
     stepped::check(machine, &mut problems);
     blocks::check(machine, &mut problems);
     if !problems.is_empty() {

@@ -44,6 +44,7 @@ mod numbers;
 mod points;
 mod powers;
 mod reading;
+mod residual;
 mod records;
 mod series;
 mod signals;

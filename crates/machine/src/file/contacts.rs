@@ -80,10 +80,9 @@ fn contact(reading: &mut Reading, name: String, table: &FileTable, names: &Names
 
 fn stiffness(reading: &mut Reading, table: &FileTable) -> Option<f64> {
     if !table.has("stiffness") {
-        let text = "requires `stiffness`, the normal stiffness: a rigid contact requires the residual \
-                    flexibility of its nodes, which is not supported; use [stop.NAME] for a rigid stop";
-        reading.refuse_table(table, text);
-        return None;
+        reading.excluded(table, "preload", "requires `stiffness`: use `gap` for a rigid contact");
+        reading.excluded(table, "damping", "requires `stiffness`");
+        return Some(f64::INFINITY);
     }
     reading.required_number(table, "stiffness", kinds::NORMAL_STIFFNESS, Dimension::Translation)
 }
