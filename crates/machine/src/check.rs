@@ -11,6 +11,7 @@ mod stepped;
 
 pub(crate) use flexible::MOST_COORDINATES;
 pub(crate) use names::{GROUND, problem_of as problem_of_name};
+pub(crate) use residual::RIGID;
 
 use crate::description::{
     Arms, Body, BodyKind, Description, Dimension, Follows, Interpolation, Record, Signal, Spring, Stop,

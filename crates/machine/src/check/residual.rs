@@ -14,8 +14,13 @@ use crate::refusal::Problem;
 /// Tolerance of symmetry, and of negative eigenvalues, relative to the largest entry or eigenvalue.
 const SYMMETRIC: f64 = 1e-9;
 
-/// What to do about an element that cannot act on residual flexibility.
-const REDUCE: &str = "reduce the body with `--method rubin` or `craig-bampton`, which keep the flexibility as modes";
+/// Fault of a contact without a stiffness.
+pub(crate) const RIGID: &str = "requires `stiffness`, the normal stiffness; it may be left out only where every node of `normal` has residual \
+     flexibility; use [stop.NAME] for a rigid stop";
+
+/// Advice for an element that cannot act on residual flexibility.
+const REDUCE: &str = "reduce the body with `--method rubin` or `craig-bampton`, which keep the flexibility as modes, or take the node \
+     out of `residual`";
 
 /// Adds the problems of the indices of nodes, which no file has.
 pub(super) fn structure(machine: &Description, modal: &Modal, problems: &mut Vec<Problem>) {
@@ -56,8 +61,10 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     loads(machine, &forces, problems);
     blocks(machine, &on_nodes, problems);
     jumps(machine, &forces, problems);
-    if problems.len() == before {
+    if problems.is_empty() {
         rest(machine, &forces, problems);
+    }
+    if problems.len() == before {
         unique::check(machine, &forces, problems);
     }
 }
@@ -99,7 +106,9 @@ fn rigid(machine: &Description, problems: &mut Vec<Problem>) {
         nodes.peek().is_some() && nodes.all(|node| machine.has_residual(node))
     };
     for Stop { name, arms, law, .. } in &machine.stops {
-        if matches!(law, StopLaw::Compliant { stiffness, .. } if stiffness.is_infinite()) && !is_flexible(arms) {
+        if matches!(law, StopLaw::Compliant { stiffness, .. } if stiffness.is_infinite())
+            && !is_flexible(arms)
+        {
             let text = "requires `restitution` (rigid stop) or `stiffness` (compliant stop); neither is needed \
                         only where every node of the stop has residual flexibility";
             problems.push(Problem::new(format!("stop.{name}"), None, text));
@@ -107,19 +116,13 @@ fn rigid(machine: &Description, problems: &mut Vec<Problem>) {
     }
     for contact in machine.contacts.iter().filter(|own| own.stiffness.is_infinite()) {
         if !is_flexible(&contact.normal) {
-            let text = "requires `stiffness`, the normal stiffness; it may be left out only where every node of \
-                        `normal` has residual flexibility; use [stop.NAME] for a rigid stop";
-            problems.push(Problem::new(format!("contact.{}", contact.name), None, text));
+            problems.push(Problem::new(format!("contact.{}", contact.name), None, RIGID));
         }
     }
 }
 
 /// Refuses elements whose rate or impulse would act on a node without mass, and curved forces.
-fn elements(
-    machine: &Description,
-    on_nodes: &dyn Fn(&Arms) -> Option<usize>,
-    problems: &mut Vec<Problem>,
-) {
+fn elements(machine: &Description, on_nodes: &dyn Fn(&Arms) -> Option<usize>, problems: &mut Vec<Problem>) {
     let mut refuse = |name: String, node: usize, what: &str| {
         let node = &machine.bodies[node].name;
         let text = format!("{what} cannot act on `{node}`, which has residual flexibility; {REDUCE}");
@@ -131,7 +134,9 @@ fn elements(
         match element {
             Element::Spring(own) if own.damping != 0.0 => refuse(format!("{of}.damping"), node, "a dashpot"),
             Element::Spring(own) if own.series.is_some() => refuse(of, node, "a dashpot or slider in series"),
-            Element::Spring(own) if own.stepped.is_some() => refuse(of, node, "a stiffness that steps in time"),
+            Element::Spring(own) if own.stepped.is_some() => {
+                refuse(of, node, "a stiffness that steps in time")
+            }
             Element::Spring(own) if own.is_curved() || !own.points.is_empty() => {
                 refuse(of, node, "a curved force")
             }
@@ -201,11 +206,7 @@ fn loads(machine: &Description, forces: &ResidualForces, problems: &mut Vec<Prob
 }
 
 /// Refuses blocks that read nodes with residual flexibility.
-fn blocks(
-    machine: &Description,
-    on_nodes: &dyn Fn(&Arms) -> Option<usize>,
-    problems: &mut Vec<Problem>,
-) {
+fn blocks(machine: &Description, on_nodes: &dyn Fn(&Arms) -> Option<usize>, problems: &mut Vec<Problem>) {
     let elements: Vec<Element> = machine.elements().collect();
     for block in &machine.blocks {
         for input in &block.inputs {
@@ -230,8 +231,8 @@ fn blocks(
     }
 }
 
-/// Refuses contacts with friction beside prescribed bodies that jump: the slider's way would depend
-/// on the order in which coupled contacts move.
+/// Refuses contacts with friction in a machine with prescribed bodies that jump: the slider's way
+/// would depend on the order of the coupled contacts.
 fn jumps(machine: &Description, forces: &ResidualForces, problems: &mut Vec<Problem>) {
     let jumps = |kind: &BodyKind| matches!(kind, BodyKind::Prescribed { motion, .. } if jumps_in(motion));
     let Some(body) = machine.bodies.iter().find(|body| jumps(&body.kind)) else { return };
@@ -256,8 +257,8 @@ fn rest(machine: &Description, forces: &ResidualForces, problems: &mut Vec<Probl
     let between = forces.between();
     let is_coupled = (0..between.nrows()).any(|i| (0..i).any(|j| between[(i, j)] != 0.0));
     if machine.starts_at_rest && is_coupled {
-        let text = "\"rest\" is not supported with several elements that share residual flexibility; give the \
-                    start of each body";
-        problems.push(Problem::new("start", None, text));
+        let text = "is not supported with several elements that share residual flexibility; give the start of each \
+                    body";
+        problems.push(Problem::new("start", Some("\"rest\"".into()), text));
     }
 }

@@ -84,7 +84,9 @@ pub(super) struct Varied<'a> {
 
 impl Machine {
     pub fn new(assembly: Arc<Assembly>, columns: Vec<By>) -> Result<Self, Error> {
-        if let Some(name) = assembly.description.modals.iter().find_map(|own| own.residual.as_ref().map(|_| &own.name)) {
+        if let Some(name) =
+            assembly.description.modals.iter().find_map(|own| own.residual.as_ref().map(|_| &own.name))
+        {
             let text = "derivatives of motions with residual flexibility are not supported; reduce the body with \
                         `--method rubin` or `craig-bampton`";
             let problem = Problem::new(format!("modal.{name}.residual"), None, text);

@@ -3,6 +3,7 @@
 use super::bodies::Names;
 use super::elements::{End, NO_BODY, between, joined, levers};
 use super::reading::{Entry, FileTable, Reading};
+use crate::check::RIGID;
 use crate::description::{Arms, Closing, Contact, Description, Dimension, Tangent};
 use crate::kinds;
 use crate::refusal::Problem;
@@ -79,6 +80,10 @@ fn contact(reading: &mut Reading, name: String, table: &FileTable, names: &Names
 }
 
 fn stiffness(reading: &mut Reading, table: &FileTable) -> Option<f64> {
+    if !table.has("stiffness") && !reading.has_residual() {
+        reading.refuse_table(table, RIGID);
+        return None;
+    }
     if !table.has("stiffness") {
         reading.excluded(table, "preload", "requires `stiffness`: use `gap` for a rigid contact");
         reading.excluded(table, "damping", "requires `stiffness`");

@@ -13,8 +13,8 @@ use super::series;
 use super::signals::{self, Values};
 use super::stepped;
 use crate::description::{
-    Arms, ContactLaw, Damper, DampingLimit, Description, Dimension, Freewheel, Friction, Link, Load, Signal, Spring, Stop,
-    StopLaw,
+    Arms, ContactLaw, Damper, DampingLimit, Description, Dimension, Freewheel, Friction, Link, Load, Signal,
+    Spring, Stop, StopLaw,
 };
 use crate::kinds;
 use crate::parameters::has_unit;
@@ -180,7 +180,7 @@ type Law = (StopLaw, Option<Signal>, Option<ContactLaw>);
 fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<Law> {
     let others = ["damping", "law", "exponent", "dissipation"];
     if !table.has("restitution") && !table.has("stiffness") {
-        if !others.iter().any(|key| table.has(key)) {
+        if reading.has_residual() && !others.iter().any(|key| table.has(key)) {
             let (stiffness, damping, limit) = (f64::INFINITY, 0.0, DampingLimit::NoPull);
             return Some((StopLaw::Compliant { stiffness, damping, limit }, None, None));
         }

@@ -2,9 +2,9 @@
 
 use super::bodies::{DIMENSIONS, Names};
 use super::matrices;
-use super::residual;
 use super::numbers::finite;
 use super::reading::{Entry, FileTable, Reading};
+use super::residual;
 use crate::check::{MOST_COORDINATES, problem_of_name};
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Modal};
 use crate::kernel::sort_by_place;
@@ -29,7 +29,8 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &mut Names, m
 }
 
 fn modal(reading: &mut Reading, name: &str, table: &FileTable, machine: &mut Description) -> Option<Modal> {
-    reading.known(table, &["frequencies", "damping_ratio", "masses", "gravity", "start", "nodes", "residual"]);
+    reading
+        .known(table, &["frequencies", "damping_ratio", "masses", "gravity", "start", "nodes", "residual"]);
     let allowed = "expected a list of natural frequencies, such as [\"12 Hz\", \"75 Hz\"]";
     let entry = reading.required(table, "frequencies", allowed)?;
     let frequencies = list(reading, &entry, kinds::NATURAL, None, allowed)?;

@@ -10,12 +10,7 @@ const ALLOWED: &str =
     "expected a table such as { nodes = [\"tip.x\", \"tip.y\"], flexibility = [[2e-8, 1e-9], [1e-9, 3e-8]] }";
 
 /// Reads the residual flexibility of a body whose nodes have been read.
-pub(super) fn read(
-    reading: &mut Reading,
-    body: &str,
-    table: &FileTable,
-    names: &Names,
-) -> Option<Residual> {
+pub(super) fn read(reading: &mut Reading, body: &str, table: &FileTable, names: &Names) -> Option<Residual> {
     let entry = reading.optional(table, "residual")?;
     let table = reading.table(&entry, ALLOWED)?;
     reading.known(&table, &["nodes", "flexibility"]);

@@ -13,7 +13,7 @@ use crate::system::{Acting, Part, Residual};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Number of configurations that a motion keeps.
+/// A motion keeps up to this number of configurations.
 const KEPT: usize = 64;
 
 /// The machine with the rows of the configurations that a motion has met.
@@ -58,7 +58,7 @@ impl Motion {
     }
 
     /// Selects the mode that follows the present state of a machine with residual flexibility: the
-    /// configuration in which the first nonzero derivative of every event function is negative.
+    /// configuration whose event functions all have a negative first nonzero derivative.
     pub(super) fn select_configured(&self, residual: &Residual, flags: &Flags) -> Result<Mode, Error> {
         let mut found = None;
         let begin = self.guess(residual, flags);

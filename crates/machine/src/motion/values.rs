@@ -86,8 +86,8 @@ impl Motion {
         // sign. A host's solver goes beyond the end of a contact and sees the pull that its
         // accelerations contain.
         let system = &self.assembly.system;
-        let is_contact = (system.first_contact..system.first_corner).contains(&i)
-            || system.is_residual(Part::Stop(i));
+        let is_contact =
+            (system.first_contact..system.first_corner).contains(&i) || system.is_residual(Part::Stop(i));
         let is_seen = self.overshoot > 0.0 || (system.stops[i].may_pull() && !is_contact);
         if is_seen { force } else { force.max(0.0) }
     }

@@ -58,7 +58,7 @@ pub(crate) struct Component {
     pub part: Part,
     /// Reciprocal stiffness of the element, m/N.
     pub compliance: f64,
-    /// Of a slider: the index of the force along its normal, and the coefficient of friction.
+    /// For a slider, the index of the force along its normal, and the coefficient of friction.
     pub limit: Option<(usize, f64)>,
     /// The elongation without forces of elements on residual flexibility.
     pub e: Functional,
@@ -104,9 +104,10 @@ impl Residual {
         self.components.iter().position(|own| own.part == part)
     }
 
-    /// The configuration in which nothing presses.
+    /// The configuration without pressed stops.
     fn apart(&self) -> Vec<Acting> {
-        let acts = |own: &Component| if matches!(own.part, Part::Spring(_)) { Acting::On } else { Acting::Off };
+        let acts =
+            |own: &Component| if matches!(own.part, Part::Spring(_)) { Acting::On } else { Acting::Off };
         self.components.iter().map(acts).collect()
     }
 
@@ -128,7 +129,7 @@ impl Residual {
 }
 
 impl System {
-    /// Adds residual flexibility and takes the rows of the configuration in which nothing presses.
+    /// Adds residual flexibility and takes the rows of the configuration without pressed stops.
     pub(super) fn add_residual(&mut self, d: &Description) {
         let Some(all) = ResidualForces::of(d) else { return };
         let size = self.signals.size;
@@ -142,7 +143,8 @@ impl System {
             .collect();
         // Displacement of a direction of the nodes by the loads.
         let driven = |factors: &dyn Fn(usize) -> f64, which: usize| {
-            let terms = all.loads.iter().zip(&own_loads).map(|(&(_, node), rows)| (factors(node), &rows[which]));
+            let terms =
+                all.loads.iter().zip(&own_loads).map(|(&(_, node), rows)| (factors(node), &rows[which]));
             Functional::sum(size, terms.filter(|term| term.0 != 0.0))
         };
         let mut components = Vec::new();
@@ -176,15 +178,7 @@ impl System {
                 };
                 (normal, friction)
             });
-            components.push(Component {
-                part,
-                compliance: force.compliance,
-                limit,
-                e,
-                rate,
-                x,
-                preload,
-            });
+            components.push(Component { part, compliance: force.compliance, limit, e, rate, x, preload });
         }
         let nodes = all.nodes.iter().enumerate().map(|(k, &body)| {
             let rows = &self.bodies[body];
@@ -294,7 +288,7 @@ impl System {
         let loads: Vec<f64> = own.loads.iter().map(|load| self.loads[load.0].at(z)).collect();
         let mut stored = 0.0;
         for (c, component) in own.components.iter().enumerate() {
-            // Of a spring e = C (p - preload), with the energy k e²/2 + preload e.
+            // A spring has e = C (p - preload) and the energy k e²/2 + preload e.
             let (p, preload) = (forces[c], component.preload);
             stored += 0.5 * component.compliance * (p - preload) * (p + preload);
             stored += (0..forces.len()).map(|j| 0.5 * p * own.between[(c, j)] * forces[j]).sum::<f64>();

@@ -7,7 +7,7 @@ use crate::description::{Description, ResidualForces, ResidualMaker};
 use crate::refusal::Problem;
 use nalgebra::DMatrix;
 
-/// Number of coupled contacts with friction up to which all principal minors are computed.
+/// Largest number of coupled contacts whose principal minors are all computed.
 const MOST: usize = 8;
 /// Least principal minor of the matrix scaled to a diagonal of 1: far above rounding, and far below
 /// what measured flexibilities leave.
@@ -172,7 +172,7 @@ impl Group<'_> {
         match self.contacts.len() {
             _ if !slides => true,
             count if count <= MOST => self.minors(0, &mut self.springs.clone(), &mut Vec::new()),
-            _ => self.is_dominant(),
+            _ => self.is_definite_by_norm(),
         }
     }
 
@@ -205,31 +205,24 @@ impl Group<'_> {
         passes
     }
 
-    /// Whether each row of every one of these matrices is dominated by its diagonal, with tangential
-    /// forces in units of their limits: sufficient for positive principal minors.
-    fn is_dominant(&self) -> bool {
-        // Terms of a row in units of the normal forces: |G| of normals, friction |G| of tangents.
-        let terms = |i: usize| -> f64 {
-            let springs = self.springs.iter().map(|&j| if j == i { 0.0 } else { self.matrix[(i, j)].abs() });
-            let contacts = self.contacts.iter().map(|&(normal, tangent)| {
-                let normal_term = if normal == i { 0.0 } else { self.matrix[(i, normal)].abs() };
-                // A held and a slipping slider both have at most this size.
-                let of = |(t, friction): (usize, f64)| {
-                    if t == i { 0.0 } else { friction * self.matrix[(i, t)].abs() }
-                };
-                let tangent_term = tangent.map_or(0.0, of);
-                normal_term + tangent_term
-            });
-            springs.sum::<f64>() + contacts.sum::<f64>()
+    /// Whether every one of these matrices is positive definite, by the least eigenvalue of C + G
+    /// and the norm of what slips add, both scaled to a diagonal of 1. This is sufficient for
+    /// positive principal minors.
+    fn is_definite_by_norm(&self) -> bool {
+        let members = self.members();
+        let scale = |i: usize| self.matrix[(i, i)].sqrt();
+        let scaled = |i: usize, j: usize| self.matrix[(i, j)] / (scale(i) * scale(j));
+        let count = members.len();
+        let all = DMatrix::from_fn(count, count, |i, j| scaled(members[i], members[j]));
+        let least = all.symmetric_eigenvalues().min();
+        let slides: Vec<_> = self.contacts.iter().filter_map(|own| Some((own.0, own.1?))).collect();
+        // A slip acts on all other forces, but not on its own tangent, which it replaces.
+        let entry = |i: usize, j: usize| {
+            let (row, (normal, (tangent, friction))) = (members[i], slides[j]);
+            let own = if row == tangent { 0.0 } else { scaled(row, tangent) };
+            own * friction * scale(tangent) / scale(normal)
         };
-        let dominates = |diagonal: f64, others: f64| diagonal - others > LEAST * diagonal;
-        let springs = self.springs.iter().all(|&i| dominates(self.matrix[(i, i)], terms(i)));
-        let contacts = self.contacts.iter().all(|&(normal, tangent)| {
-            let own = dominates(self.matrix[(normal, normal)], terms(normal));
-            own && tangent.is_none_or(|(t, friction)| {
-                friction == 0.0 || dominates(friction * self.matrix[(t, t)], terms(t))
-            })
-        });
-        springs && contacts
+        let added = DMatrix::from_fn(count, slides.len(), entry);
+        least - added.singular_values().max() > LEAST
     }
 }

@@ -76,7 +76,7 @@ impl Residual {
     /// The rows of a configuration.
     fn configuration(&self, acting: Vec<Acting>) -> Configuration {
         let forces = self.forces(&acting, |own| &own.x);
-        // A held slider keeps its place, so that the rate of its x is that of its elongation.
+        // A held slider keeps its place: the rate of its x is the rate of its elongation.
         let rates = self.forces(&acting, |own| &own.rate);
         let elongations = self.components.iter().enumerate().map(|(c, own)| {
             let taken = |forces: &[Functional]| self.sum(forces, |j| self.between[(c, j)]);
@@ -91,7 +91,7 @@ impl Residual {
         Configuration { acting, forces, rates, elongations, nodes }
     }
 
-    /// What the forces stretch: the row of x of (A68) of a slider that does not hold.
+    /// The row of the stretch (A69) of a slider that does not hold.
     fn stretch(&self, place: usize, forces: &[Functional]) -> Functional {
         let all = self.sum(forces, |j| self.between[(place, j)]);
         &all + &(self.components[place].compliance * &forces[place])
@@ -116,7 +116,7 @@ impl System {
                     stop.law = StopLaw::Compliant { stiffness, damping: 0.0, limit };
                     let others = |j: usize| if j == c { 0.0 } else { residual.between[(c, j)] };
                     if own.acting[c] == Acting::On {
-                        // What the other forces leave of x is (C + G) p of this force alone.
+                        // Without the shares of the other forces, x is (C + G) p of this force alone.
                         (stop.excess, stop.force) = (alone * &own.forces[c], own.forces[c].clone());
                     } else {
                         stop.excess = &component.x - &residual.sum(&own.forces, others);

@@ -5,10 +5,10 @@ use super::{Acting, Residual};
 use crate::system::{Part, System};
 use std::collections::HashSet;
 
-/// Relative size up to which a value counts as zero.
+/// A value counts as zero up to this fraction of its size.
 const ZERO: f64 = 1e-13;
 
-/// Largest number of combinations of states that are tried one by one.
+/// The search tries at most this number of combinations one by one.
 const MOST_TRIED: usize = 1 << 16;
 
 impl Residual {
@@ -25,7 +25,7 @@ impl Residual {
         all
     }
 
-    /// Finds states in which no force contradicts its state. `wrong` returns a force that does, with
+    /// Finds states that no force contradicts. `wrong` returns a force that does, with
     /// the state that it requires. Each step changes the state of one force, as in Murty's method
     /// for matrices with positive principal minors; if the steps go in a circle, all combinations of
     /// the forces that they have changed are tried.
@@ -72,7 +72,7 @@ impl Residual {
     fn values(&self, acting: &[Acting], x: &[f64]) -> Vec<f64> {
         let active = self.active(acting);
         let right = nalgebra::DVector::from_iterator(active.len(), active.iter().map(|&i| x[i]));
-        // Without forces there is no system to solve.
+        // A system without forces needs no solution.
         let solve = || self.matrix(acting, &active).lu().solve(&right);
         let found = if active.is_empty() { None } else { solve() };
         let mut forces = vec![0.0; acting.len()];
@@ -90,7 +90,7 @@ impl Residual {
         forces
     }
 
-    /// What the forces stretch at one of them.
+    /// The stretch (A69) at one of the forces.
     fn stretched(&self, place: usize, forces: &[f64]) -> f64 {
         let all = forces.iter().enumerate().map(|(j, force)| self.between[(place, j)] * force);
         all.sum::<f64>() + self.components[place].compliance * forces[place]
