@@ -91,7 +91,7 @@ fn check_matrix(modal: &Modal, residual: &Residual, problems: &mut Vec<Problem>)
     let (least, most) = (eigenvalues.min(), eigenvalues.amax());
     if least < -SYMMETRIC * most {
         let text = format!(
-            "has the eigenvalue {least:?}; expected no negative eigenvalue: a force would move its node against \
+            "has the eigenvalue {least:.3e}; expected no negative eigenvalue: a force would move its node against \
              itself"
         );
         problems.push(Problem::new(name, None, text));
@@ -123,16 +123,19 @@ fn rigid(machine: &Description, problems: &mut Vec<Problem>) {
 
 /// Refuses elements whose rate or impulse would act on a node without mass, and curved forces.
 fn elements(machine: &Description, on_nodes: &dyn Fn(&Arms) -> Option<usize>, problems: &mut Vec<Problem>) {
-    let mut refuse = |name: String, node: usize, what: &str| {
+    let mut refuse = |(name, value): (String, Option<f64>), node: usize, what: &str| {
         let node = &machine.bodies[node].name;
         let text = format!("{what} cannot act on `{node}`, which has residual flexibility; {REDUCE}");
-        problems.push(Problem::new(name, None, text));
+        problems.push(Problem::new(name, value.map(|value| format!("{value:?}")), text));
     };
     for element in machine.elements() {
         let Some(node) = element.all_arms().find_map(on_nodes) else { continue };
-        let of = element.dotted();
+        let of = (element.dotted(), None);
+        let key = |key: &str, value: f64| (format!("{}.{key}", element.dotted()), Some(value));
         match element {
-            Element::Spring(own) if own.damping != 0.0 => refuse(format!("{of}.damping"), node, "a dashpot"),
+            Element::Spring(own) if own.damping != 0.0 => {
+                refuse(key("damping", own.damping), node, "a dashpot")
+            }
             Element::Spring(own) if own.series.is_some() => refuse(of, node, "a dashpot or slider in series"),
             Element::Spring(own) if own.stepped.is_some() => {
                 refuse(of, node, "a stiffness that steps in time")
@@ -141,32 +144,35 @@ fn elements(machine: &Description, on_nodes: &dyn Fn(&Arms) -> Option<usize>, pr
                 refuse(of, node, "a curved force")
             }
             Element::Spring(own) if own.stiffness <= 0.0 => {
-                refuse(format!("{of}.stiffness"), node, "a spring without stiffness")
+                refuse(key("stiffness", own.stiffness), node, "a spring without stiffness")
             }
             Element::Damper(_) => refuse(of, node, "a dashpot"),
             Element::Stop(own) => match own.law {
-                StopLaw::Rigid { .. } => {
+                StopLaw::Rigid { restitution } => {
                     let what = "an impulse with a restitution coefficient (leave out `restitution` for a rigid stop \
                                 that the waves in the body rebound from)";
-                    refuse(format!("{of}.restitution"), node, what);
+                    refuse(key("restitution", restitution), node, what);
                 }
                 StopLaw::Compliant { damping, .. } if damping != 0.0 => {
-                    refuse(format!("{of}.damping"), node, "a dashpot");
+                    refuse(key("damping", damping), node, "a dashpot");
                 }
                 StopLaw::Compliant { .. } if own.contact.is_some() => refuse(of, node, "a curved force"),
                 StopLaw::Compliant { .. } if own.stepped.is_some() => {
                     refuse(of, node, "a stiffness that steps in time");
                 }
                 StopLaw::Compliant { stiffness, .. } if stiffness <= 0.0 => {
-                    refuse(format!("{of}.stiffness"), node, "a stop without stiffness");
+                    refuse(key("stiffness", stiffness), node, "a stop without stiffness");
                 }
                 StopLaw::Compliant { .. } => {}
             },
-            Element::Contact(own) if own.damping != 0.0 => refuse(format!("{of}.damping"), node, "a dashpot"),
+            Element::Contact(own) if own.damping != 0.0 => {
+                refuse(key("damping", own.damping), node, "a dashpot")
+            }
             Element::Contact(own) => {
                 let missing = own.tangent.is_some() && on_nodes(&own.normal).is_none();
                 if missing {
-                    refuse(format!("{of}.tangent"), node, "the tangent without the normal of a contact");
+                    let name = format!("{}.tangent", element.dotted());
+                    refuse((name, None), node, "the tangent without the normal of a contact");
                 }
             }
             Element::Friction(_) => refuse(of, node, "a friction element"),
@@ -178,7 +184,11 @@ fn elements(machine: &Description, on_nodes: &dyn Fn(&Arms) -> Option<usize>, pr
     for friction in &machine.frictions {
         let stop = friction.follows.as_ref().and_then(|own| machine.stops.get(own.stop));
         if let Some(node) = stop.and_then(|stop| on_nodes(&stop.arms)) {
-            refuse(format!("friction.{}.follows", friction.name), node, "a stop with a friction element");
+            refuse(
+                (format!("friction.{}.follows", friction.name), None),
+                node,
+                "a stop with a friction element",
+            );
         }
     }
 }
