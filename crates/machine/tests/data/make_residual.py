@@ -16,9 +16,9 @@ import copy
 import random
 import sys
 
-from mpmath import cos, lu_solve, matrix, mp, mpf, nstr, pi, sin
+from mpmath import cos, matrix, mp, mpf, nstr, pi, sin
 
-from make_frictional import GRID, ORDERS, exact, passage, rounded, slope, value
+from make_frictional import ORDERS, exact, passage, rounded, slope, value
 
 mp.dps = 50
 
@@ -314,7 +314,7 @@ def magnified(own, end, q, v):
 
 
 def main():
-    seeds = range(int(sys.argv[1]), int(sys.argv[2])) if len(sys.argv) > 2 else range(30)
+    seeds = range(int(sys.argv[1]), int(sys.argv[2])) if len(sys.argv) > 2 else range(26)
     for seed in seeds:
         own, end = chosen(seed)
         found = run(own, end)
