@@ -31,6 +31,7 @@ DEFINITIONS: Dict[int, str] = {
     63: "a choice of the code: where a power at its edge counts as no force",
     64: "says which path leads to the equilibrium (crates/machine/tests/curves_rest.rs)",
     65: "defines a contact with friction",
+    69: "says how far a slider that does not stick has moved (crates/machine/tests/residual.rs)",
 }
 
 ROUNDING = mpf(10) ** -30
@@ -1104,3 +1105,76 @@ def test_law_67_the_loss_of_a_slider_over_a_step() -> None:
         moved = abs(slope) * (1 - part)
         assert abs(lost - kt * (limit(part) + last) * moved / 2) < mpf(10) ** -20 * (1 + lost)
     assert slipped > 30, slipped
+
+
+def test_law_68_forces_on_residual_flexibility_are_those_of_all_modes() -> None:
+    """All coordinates that the kept ones lack, without mass, hold the springs' forces in balance."""
+    r = random.Random(68)
+    for _ in range(10):
+        kept, left, count = 2, 5, 3
+        stiffness = mp.diag([mpf(r.randint(10, 99)) for _ in range(left)])
+        own, other = rows(r, count, kept), rows(r, count, left)
+        springs = mp.diag([mpf(r.randint(1, 50)) for _ in range(count)])
+        eta = vector(r, kept)
+        flexibility = other * stiffness**-1 * other.T
+        forces = mp.lu_solve(springs**-1 + flexibility, own * eta)
+        # Balance of the coordinates that are left out: stiffness times zeta = -B^T p, p = k (B eta + B zeta).
+        zeta = mp.lu_solve(stiffness + other.T * springs * other, -other.T * springs * own * eta)
+        assert close(springs * (own * eta + other * zeta), forces)
+
+
+def test_law_70_stored_energy_is_the_work_done() -> None:
+    r = random.Random(70)
+    for _ in range(10):
+        count = 3
+        root = rows(r, count, count)
+        flexibility, compliance = root * root.T, mp.diag([mpf(r.randint(1, 9)) / 10 for _ in range(count)])
+        places, loads = ([[number(r) for _ in range(3)] for _ in range(count)] for _ in range(2))
+
+        def at(polynomials: List[List[mpf]], t: mpf) -> matrix:
+            return matrix([mp.polyval(p, t) for p in polynomials])
+
+        def force(t: mpf, g: matrix = flexibility, c: matrix = compliance, s: List = places, f: List = loads) -> matrix:
+            return mp.lu_solve(c + g, at(s, t) + g * at(f, t))
+
+        def stored(t: mpf, g: matrix = flexibility, c: matrix = compliance, f: List = loads) -> mpf:
+            p = force(t)
+            left = at(f, t) - p
+            return (p.T * c * p)[0] / 2 + (left.T * g * left)[0] / 2
+
+        def moved(t: mpf, g: matrix = flexibility, f: List = loads) -> matrix:
+            return g * (at(f, t) - force(t))
+
+        t = number(r)
+        rate = matrix([mp.diff(lambda u, i=i: moved(u)[i], t) for i in range(count)])
+        drawn = matrix([mp.diff(lambda u, i=i: at(places, u)[i], t) for i in range(count)])
+        # Loads do work on the displacements that they see; the modes on the elements.
+        work = (at(loads, t).T * rate)[0] + (force(t).T * drawn)[0]
+        assert abs(mp.diff(stored, t) - work) < mpf(10) ** -12 * (1 + abs(work))
+
+
+def test_law_71_one_state_of_a_contact_is_consistent_below_the_bound() -> None:
+    r = random.Random(71)
+    several = 0
+    for _ in range(60):
+        root = rows(r, 2, 2)
+        g = root * root.T
+        cn, ct = (mpf(r.randint(1, 9)) / 50 for _ in range(2))
+        bound = (g[0, 0] + cn) / abs(g[0, 1])
+        for factor, is_unique in ((mpf("0.95"), True), (mpf("1.5"), False)):
+            mu, most = factor * bound, 0
+            for _ in range(20):
+                x, y = number(r), number(r)
+                found = 1 if x <= 0 else 0
+                n, t = mp.lu_solve(matrix([[cn + g[0, 0], g[0, 1]], [g[0, 1], ct + g[1, 1]]]), matrix([x, y]))
+                found += n > 0 and abs(t) <= mu * n
+                for sign in (1, -1):
+                    n = x / (cn + g[0, 0] + sign * mu * g[0, 1])
+                    # The slider moves in the direction of the force.
+                    way = y - (ct + g[1, 1]) * sign * mu * n - g[0, 1] * n
+                    found += n > 0 and sign * way > 0
+                if is_unique:
+                    assert found == 1, (found, x, y)
+                most = max(most, abs(found - 1))
+            several += not is_unique and most > 0
+    assert several > 20, several

@@ -96,9 +96,12 @@ impl<'a> Structure<'a> {
         let lists: Vec<(u32, Knowns)> = unknowns.iter().map(list).collect();
         let total: usize = lists.iter().map(|(_, knowns)| knowns.len()).sum();
         let most = if total > ENTRIES { ENTRIES / unknowns.len() } else { total };
+        // Residual flexibility couples all elements on its nodes: without a list, an unknown
+        // depends on every known.
+        let is_coupled = self.machine.modals.iter().any(|modal| modal.residual.is_some());
         let unknown = |(reference, knowns): (u32, Knowns)| Unknown {
             reference,
-            dependencies: (knowns.len() <= most).then(|| knowns.into_iter().collect()),
+            dependencies: (knowns.len() <= most && !is_coupled).then(|| knowns.into_iter().collect()),
         };
         lists.into_iter().map(unknown).collect()
     }

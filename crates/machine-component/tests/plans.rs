@@ -17,6 +17,7 @@ fn plans() -> Vec<Plan> {
     plans.push(Plan::new(include_str!("../../machine/tests/data/laws.toml").into(), "laws.toml").unwrap());
     plans.push(Plan::new(include_str!("common/joint.toml").into(), "joint.toml").unwrap());
     plans.push(Plan::new(include_str!("common/contacts.toml").into(), "contacts.toml").unwrap());
+    plans.push(Plan::new(include_str!("common/residual.toml").into(), "residual.toml").unwrap());
     plans.push(Plan::new(include_str!("common/freewheels.toml").into(), "freewheels.toml").unwrap());
     plans.push(Plan::new(include_str!("common/signals.toml").into(), "signals.toml").unwrap());
     plans.push(Plan::new(include_str!("common/stepped.toml").into(), "stepped.toml").unwrap());

@@ -5,11 +5,13 @@ mod contacts;
 mod flexible;
 mod links;
 mod names;
+mod residual;
 mod starts;
 mod stepped;
 
 pub(crate) use flexible::MOST_COORDINATES;
 pub(crate) use names::{GROUND, problem_of as problem_of_name};
+pub(crate) use residual::RIGID;
 
 use crate::description::{
     Arms, Body, BodyKind, Description, Dimension, Follows, Interpolation, Record, Signal, Spring, Stop,
@@ -89,6 +91,7 @@ pub(crate) fn check_under_way(machine: &Description) -> Vec<Problem> {
     series(machine, &mut problems);
     curves(machine, &mut problems);
     contacts::check(machine, &mut problems);
+    residual::check(machine, &mut problems);
     stepped::check(machine, &mut problems);
     blocks::check(machine, &mut problems);
     if !problems.is_empty() {

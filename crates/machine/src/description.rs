@@ -9,6 +9,7 @@ mod block;
 mod contact;
 mod flexible;
 mod matrix;
+mod residual;
 mod series;
 mod starts;
 
@@ -17,8 +18,9 @@ use crate::named::NamedParameters;
 pub use block::{Block, BlockInput, Feed, OutputPlace, Sampling, Source};
 pub use contact::{Closing, Contact, Tangent};
 pub(crate) use flexible::Inner;
-pub use flexible::Modal;
+pub use flexible::{Modal, Residual};
 pub use matrix::{Given, GivenNode, Matrix, MatrixDamping};
+pub(crate) use residual::{ResidualForces, ResidualMaker};
 pub use series::{Series, SeriesLaw};
 pub(crate) use starts::{elongation, start_of, starts};
 use std::borrow::Cow;
@@ -382,7 +384,8 @@ pub enum StopLaw {
     },
     /// A spring and a dashpot act while e is beyond the gap.
     Compliant {
-        /// Stiffness, N/m or N m/rad; not negative.
+        /// Stiffness, N/m or N m/rad; not negative. It is infinite for a stop on nodes with
+        /// residual flexibility that is rigid itself.
         stiffness: f64,
         /// Damping, N s/m or N m s/rad; not negative.
         damping: f64,

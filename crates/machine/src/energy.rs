@@ -10,7 +10,7 @@ pub use powers::{Powers, Rule, Samples};
 
 use crate::flow::FlowTable;
 pub use crate::kernel::{AtNodes, EIGHT, NODES, SHORT};
-use crate::system::{Account, System};
+use crate::system::{Account, Part, System};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 use vibro_numerics::double_double::DoubleDouble;
@@ -153,7 +153,9 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
         kinetic += 0.5 * inertia * v * v;
         stored -= weight * body.s.dot(z);
     }
-    for spring in &system.springs {
+    let is_rigid = |part: Part| !system.is_residual(part);
+    let springs = system.springs.iter().enumerate().filter(|own| is_rigid(Part::Spring(own.0)));
+    for (_, spring) in springs {
         let e = spring.elongation.e.dot(z);
         stored += e * (0.5 * spring.stiffness * e + spring.preload);
         for &(curve, factor) in &spring.curves {
@@ -166,12 +168,13 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
             stored += own.stored(e);
         }
     }
-    for branch in &system.branches {
+    for (_, branch) in system.branches.iter().enumerate().filter(|own| is_rigid(Part::Branch(own.0))) {
         let force = branch.force.dot(z);
         stored += 0.5 * force * force / branch.stiffness;
     }
     let (stops, others) = system.stops.split_at(system.first_corner);
-    for stop in stops.iter().filter(|stop| !stop.is_off(z)) {
+    let stops = stops.iter().enumerate().filter(|own| is_rigid(Part::Stop(own.0)));
+    for (_, stop) in stops.filter(|own| !own.1.is_off(z)) {
         let excess = stop.excess.dot(z).max(0.0);
         stored += match &stop.contact {
             Some(own) => stop.stiffness() * excess.powf(own.exponent + 1.0) / (own.exponent + 1.0),
@@ -181,5 +184,5 @@ pub fn mechanical(system: &System, z: &DVector<f64>) -> (f64, f64) {
     for other in others.iter().filter(|other| !other.is_off(z)) {
         stored += other.stored(z);
     }
-    (kinetic, stored - system.stored_at_zero)
+    (kinetic, stored + system.stored_in_residual(z.as_slice()) - system.stored_at_zero)
 }

@@ -45,6 +45,7 @@ mod points;
 mod powers;
 mod reading;
 mod records;
+mod residual;
 mod series;
 mod signals;
 mod start;

@@ -163,6 +163,7 @@ impl FlowTable {
 
     /// The flow of a mode, from the machine's split form unless the machine keeps matrices.
     pub fn of_mode(system: &System, mode: &Mode) -> Self {
+        let system = &*system.at_mode(mode);
         let one = system.signals.one;
         if system.keeps_matrices() {
             return Self::new(system.linear(mode), one);
@@ -351,9 +352,22 @@ impl FlowTable {
         doubt: f64,
         rows: &mut DepartureRows,
     ) -> Option<(usize, f64)> {
+        self.departure_from(0, w, z, sizes, doubt, rows)
+    }
+
+    /// As [`departure`](Self::departure), with the value counted as zero if `first` is 1.
+    pub fn departure_from(
+        &self,
+        first: usize,
+        w: &WatchTable,
+        z: &[f64],
+        sizes: &[f64],
+        doubt: f64,
+        rows: &mut DepartureRows,
+    ) -> Option<(usize, f64)> {
         let leaves = |value: f64, size: f64| value < -ZERO * size || value > doubt * ZERO * size;
         let value = w.row.dot(z);
-        if leaves(value, w.row.size(sizes)) {
+        if first == 0 && leaves(value, w.row.size(sizes)) {
             return Some((0, value));
         }
         let slope = w.slope.dot(z);

@@ -9,6 +9,7 @@ use crate::law::groups::Triangle;
 use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::system::{Elongation, Split, System, Term};
 use held::{Held, Reaction};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The linear system of a mode.
@@ -75,6 +76,9 @@ impl System {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn linear(&self, mode: &Mode) -> Linear {
+        if let Cow::Owned(own) = self.at_mode(mode) {
+            return own.linear(mode);
+        }
         let held = Held::new(self, &mode.basis);
         let terms = self.split_terms(mode);
         let free = match &terms {

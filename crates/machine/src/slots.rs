@@ -204,7 +204,9 @@ impl<'a> Slots<'a> {
                 self.push(format!("{of}.preload"), kinds::CONTACT_PRELOAD, preload);
             }
         }
-        self.push(format!("{of}.stiffness"), kinds::NORMAL_STIFFNESS, &mut contact.stiffness);
+        if contact.stiffness.is_finite() {
+            self.push(format!("{of}.stiffness"), kinds::NORMAL_STIFFNESS, &mut contact.stiffness);
+        }
         let Some(tangent) = &mut contact.tangent else {
             return self.push(format!("{of}.damping"), kinds::DAMPING, &mut contact.damping);
         };
@@ -222,6 +224,8 @@ impl<'a> Slots<'a> {
             StopLaw::Rigid { restitution } => {
                 self.push(format!("{of}.restitution"), kinds::RESTITUTION, restitution);
             }
+            // A rigid stop on residual flexibility has neither.
+            StopLaw::Compliant { stiffness, .. } if stiffness.is_infinite() => {}
             StopLaw::Compliant { stiffness, damping, .. } => {
                 match stepped {
                     Some(signal) => self.signal(&format!("{of}.stiffness"), signal, kinds::STEPPED),

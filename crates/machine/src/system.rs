@@ -17,6 +17,7 @@ mod losses;
 mod matrix;
 mod parts;
 mod reduction;
+mod residual;
 mod row_matrix;
 mod rows;
 mod split;
@@ -37,6 +38,7 @@ pub use gyroscopic::Gyroscopic;
 pub use inertia::Inertia;
 pub use losses::{Account, Losses, Power};
 pub use parts::Part;
+pub(crate) use residual::{Acting, Configuration, Residual};
 pub use row_matrix::RowMatrix;
 pub use rows::{
     BodyRows, ContactRows, Elongation, FirstOrder, FrictionRows, LevelRows, OutputLimit, SpringRows,
@@ -58,7 +60,7 @@ use bodies::bodies;
 use nalgebra::DVector;
 use reduction::reduce;
 use row_matrix::RowSums;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Limit of the augmented state's size for dense matrices of a mode's sub-step; above, a power
 /// series of the actual state replaces them. Measured on chains: the series takes less time if
@@ -112,6 +114,10 @@ pub struct System {
     pub frictions: Vec<FrictionRows>,
     /// Springs in series with a dashpot or slider.
     pub branches: Vec<BranchRows>,
+    /// Residual flexibility of bodies.
+    pub(crate) residual: Option<Arc<Residual>>,
+    /// The rows of the forces on residual flexibility.
+    pub(crate) configuration: Option<Configuration>,
     /// Gyroscopic forces of bodies with matrices.
     pub gyroscopic: Vec<Gyroscopic>,
     /// States of first order.
@@ -215,6 +221,8 @@ impl System {
             stored_at_zero: 0.0,
             frictions: Vec::new(),
             branches: Vec::new(),
+            residual: None,
+            configuration: None,
             gyroscopic: Gyroscopic::of(d),
             first_order: Vec::new(),
             sources: sources.iter().map(|&i| (*rows[i]).clone()).collect(),
@@ -236,6 +244,7 @@ impl System {
         system.add_blocks(d, &sources);
         system.add_freewheels(d);
         system.add_forces();
+        system.add_residual(d);
         Ok(system)
     }
 

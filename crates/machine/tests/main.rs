@@ -47,6 +47,7 @@ mod powers;
 mod prescribed;
 mod quantum;
 mod random;
+mod residual;
 mod rest;
 mod rounding;
 mod rubbing;

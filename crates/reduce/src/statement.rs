@@ -213,8 +213,9 @@ fn closing(reduced: &Reduced, interfaces: &[Interface]) -> String {
     let mut out = String::new();
     if reduced.method == Method::MacNeal && !interfaces.is_empty() {
         out.push_str(
-            "\nThe residual flexibility is in the file as a comment: motions do not use it yet. Until they do, contacts\n\
-             and springs at the nodes above miss the share 1; --method rubin keeps it as further modes.\n",
+            "\nMotions use the residual flexibility in the file: contacts, stops, springs and loads at the nodes above have\n\
+             the whole static flexibility. It has no mass, so that dashpots, rigid stops with restitution, friction\n\
+             elements and links are refused at these nodes; --method rubin keeps it as further modes.\n",
         );
     }
     out.push_str(

@@ -150,6 +150,7 @@ impl ContactRecorder {
     /// Enters a mode.
     pub(super) fn enter(&mut self, system: &System, flow: &Flow) {
         self.acting.clear();
+        let system = &*system.at_mode(&flow.mode);
         for (stop, &state) in flow.mode.stops.iter().enumerate() {
             if (!holds(state) && state != StopState::Free) || system.is_corner(stop) {
                 continue;

@@ -124,20 +124,24 @@ impl Flow {
     /// The row of a quantity in the mode of this flow: its product with the augmented state is the
     /// quantity.
     pub(super) fn row_of(&self, system: &System, quantity: Quantity) -> Vec<f64> {
+        let system = &*system.at_mode(&self.mode);
         let n = system.coordinates;
         let i = match (quantity.owner, quantity.what) {
-            (Owner::Body(i), What::S) => return system.bodies[i].s.as_slice().to_vec(),
+            (Owner::Body(i), What::S) => return system.seen(i)[0].as_slice().to_vec(),
+            (Owner::Body(i), What::A) if system.is_residual_node(i) => {
+                return self.rate_of(system.seen(i)[1].as_slice());
+            }
             (Owner::Body(i), What::A) => {
                 let body = &system.bodies[i];
                 let mut rates = vec![0.0; system.signals.size];
                 rates[n..2 * n].copy_from_slice(body.weights.as_slice());
                 return self.rate_of(&rates).iter().zip(body.drift.iter()).map(|(a, b)| a + b).collect();
             }
-            (Owner::Body(i), _) => return system.bodies[i].v.as_slice().to_vec(),
+            (Owner::Body(i), _) => return system.seen(i)[1].as_slice().to_vec(),
             (Owner::Element(i), _) => i,
         };
         let parts = system.parts_of(i, quantity.what);
-        let elongation = || parts.first().and_then(|part| system.elongation_of_part(*part));
+        let elongation = || parts.first().and_then(|part| system.seen_elongation(*part));
         let mut sum = vec![0.0; system.signals.size];
         let mut add = |row: &[f64]| sum.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
         match quantity.what {
@@ -157,8 +161,8 @@ impl Flow {
                 unit[system.block_place(i, quantity.what)] = 1.0;
                 return if matches!(quantity.what, What::State(_)) { unit } else { self.rate_of(&unit) };
             }
-            What::E | What::TangentE => elongation().into_iter().for_each(|own| add(own.e.as_slice())),
-            _ => elongation().into_iter().for_each(|own| add(own.rate.as_slice())),
+            What::E | What::TangentE => elongation().into_iter().for_each(|own| add(own[0].as_slice())),
+            _ => elongation().into_iter().for_each(|own| add(own[1].as_slice())),
         }
         sum
     }

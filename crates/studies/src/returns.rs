@@ -72,7 +72,14 @@ impl Functionals {
                     Part::Branch(i) => {
                         // The force must return, whatever the elongation and the inner state do.
                         let own = &system.branches[i];
-                        push(&(&*own.force / own.stiffness), rotates, None);
+                        // On residual flexibility the force depends on other contacts: its stretch
+                        // must return.
+                        let force = match system.is_residual(part) {
+                            true => &own.whole - &own.inner,
+                            false => own.force.clone(),
+                        };
+                        let factor = if system.is_residual(part) { 1.0 } else { own.stiffness };
+                        push(&(&*force / factor), rotates, None);
                         push(&e.rate, 2 + rotates, Some((e, own.stiffness)));
                         continue;
                     }

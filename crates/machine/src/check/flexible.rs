@@ -17,6 +17,7 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
     }
     for modal in &machine.modals {
         check_modal(machine, modal, problems);
+        super::residual::structure(machine, modal, problems);
     }
     for matrix in &machine.matrices {
         let coordinates = Element::Matrix(matrix).coordinates();

@@ -12,6 +12,7 @@ use crate::functional::{Functional, StateRow};
 use crate::law::ZERO;
 use crate::mode::{Contact, Watch};
 use crate::motion::Motion;
+use crate::refusal::{Problem, Refusal};
 use crate::signals::Layout;
 use crate::system::{Elongation, System};
 use nalgebra::DVector;
@@ -83,6 +84,14 @@ pub(super) struct Varied<'a> {
 
 impl Machine {
     pub fn new(assembly: Arc<Assembly>, columns: Vec<By>) -> Result<Self, Error> {
+        if let Some(name) =
+            assembly.description.modals.iter().find_map(|own| own.residual.as_ref().map(|_| &own.name))
+        {
+            let text = "derivatives of motions with residual flexibility are not supported; reduce the body with \
+                        `--method rubin` or `craig-bampton`";
+            let problem = Problem::new(format!("modal.{name}.residual"), None, text);
+            return Err(Error::Refused(Refusal::one(problem)));
+        }
         let columns = By::known(columns, &assembly)?;
         let d = &assembly.description;
         let follow = columns.iter().flat_map(|by| d.named.numbers_of(by.parameter()));

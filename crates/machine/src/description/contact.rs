@@ -14,7 +14,8 @@ pub struct Contact {
     pub normal: Arms,
     /// Where the contact closes.
     pub closing: Closing,
-    /// Normal stiffness, N/m; positive.
+    /// Normal stiffness, N/m; positive. It is infinite for a rigid contact, whose ends have residual
+    /// flexibility.
     pub stiffness: f64,
     /// Damping along the normal, N s/m; not negative, and 0 with friction.
     pub damping: f64,

@@ -1,6 +1,7 @@
 //! Bodies with many coordinates, and nodes on them.
 
 use super::{Arms, Body, BodyKind, Description, Dimension};
+use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 
 /// A body in modal coordinates. Mode i has the stiffness m (2π f)² and the damping 2 ζ m 2π f. Its
@@ -17,6 +18,18 @@ pub struct Modal {
     pub damping_ratios: Vec<f64>,
     /// Whether the modes have their own masses; otherwise each mass is 1.
     pub has_masses: bool,
+    /// Static flexibility that the modes lack at nodes.
+    pub residual: Option<Residual>,
+}
+
+/// Residual flexibility: the static displacements of nodes that the modes of a body lack. A force p
+/// on node j adds `flexibility[(i, j)]` p to the displacement of node i (docs/assembly-law.md (A68)).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residual {
+    /// Indices of the nodes among the bodies.
+    pub nodes: Vec<usize>,
+    /// Flexibility, m/N; symmetric, without negative eigenvalues.
+    pub flexibility: DMatrix<f64>,
 }
 
 /// A spring and a dashpot in parallel on coordinates.

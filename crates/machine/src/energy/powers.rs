@@ -111,6 +111,7 @@ pub struct Powers {
 impl Powers {
     /// The powers of a machine in a mode.
     pub fn new(system: &System, mode: &Mode, table: &FlowTable) -> Self {
+        let system = &*system.at_mode(mode);
         if !table.is_dense() && !system.has_motions {
             return Self::of_losses(system, mode);
         }

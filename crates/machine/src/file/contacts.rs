@@ -3,6 +3,7 @@
 use super::bodies::Names;
 use super::elements::{End, NO_BODY, between, joined, levers};
 use super::reading::{Entry, FileTable, Reading};
+use crate::check::RIGID;
 use crate::description::{Arms, Closing, Contact, Description, Dimension, Tangent};
 use crate::kinds;
 use crate::refusal::Problem;
@@ -79,11 +80,14 @@ fn contact(reading: &mut Reading, name: String, table: &FileTable, names: &Names
 }
 
 fn stiffness(reading: &mut Reading, table: &FileTable) -> Option<f64> {
-    if !table.has("stiffness") {
-        let text = "requires `stiffness`, the normal stiffness: a rigid contact requires the residual \
-                    flexibility of its nodes, which is not supported; use [stop.NAME] for a rigid stop";
-        reading.refuse_table(table, text);
+    if !table.has("stiffness") && !reading.has_residual() {
+        reading.refuse_table(table, RIGID);
         return None;
+    }
+    if !table.has("stiffness") {
+        reading.excluded(table, "preload", "requires `stiffness`: use `gap` for a rigid contact");
+        reading.excluded(table, "damping", "requires `stiffness`");
+        return Some(f64::INFINITY);
     }
     reading.required_number(table, "stiffness", kinds::NORMAL_STIFFNESS, Dimension::Translation)
 }

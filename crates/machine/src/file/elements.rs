@@ -14,8 +14,8 @@ use super::signals::{self, Values};
 use super::stepped;
 use super::stribeck;
 use crate::description::{
-    Arms, ContactLaw, Damper, Description, Dimension, Freewheel, Friction, Link, Load, Signal, Spring, Stop,
-    StopLaw,
+    Arms, ContactLaw, Damper, DampingLimit, Description, Dimension, Freewheel, Friction, Link, Load, Signal,
+    Spring, Stop, StopLaw,
 };
 use crate::kinds;
 use crate::parameters::has_unit;
@@ -183,7 +183,12 @@ fn stop(reading: &mut Reading, name: String, table: &FileTable, names: &Names) -
 type Law = (StopLaw, Option<Signal>, Option<ContactLaw>);
 
 fn law(reading: &mut Reading, table: &FileTable, dimension: Dimension) -> Option<Law> {
+    let others = ["damping", "law", "exponent", "dissipation"];
     if !table.has("restitution") && !table.has("stiffness") {
+        if reading.has_residual() && !others.iter().any(|key| table.has(key)) {
+            let (stiffness, damping, limit) = (f64::INFINITY, 0.0, DampingLimit::NoPull);
+            return Some((StopLaw::Compliant { stiffness, damping, limit }, None, None));
+        }
         let text = "requires `restitution` (rigid stop) or `stiffness` (compliant stop)";
         reading.refuse_table(table, text);
         return None;

@@ -4,6 +4,7 @@ use super::bodies::{DIMENSIONS, Names};
 use super::matrices;
 use super::numbers::finite;
 use super::reading::{Entry, FileTable, Reading};
+use super::residual;
 use crate::check::{MOST_COORDINATES, problem_of_name};
 use crate::description::{Body, BodyKind, Description, Dimension, Free, Modal};
 use crate::kernel::sort_by_place;
@@ -22,12 +23,14 @@ pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &mut Names, m
         let modal = modal(reading, &name, &table, machine);
         let count = modal.as_ref().map(|modal| modal.frequencies.len());
         nodes(reading, &name, &table, count, names, machine);
-        machine.modals.extend(modal);
+        let residual = residual::read(reading, &name, &table, names);
+        machine.modals.extend(modal.map(|own| Modal { residual, ..own }));
     }
 }
 
 fn modal(reading: &mut Reading, name: &str, table: &FileTable, machine: &mut Description) -> Option<Modal> {
-    reading.known(table, &["frequencies", "damping_ratio", "masses", "gravity", "start", "nodes"]);
+    reading
+        .known(table, &["frequencies", "damping_ratio", "masses", "gravity", "start", "nodes", "residual"]);
     let allowed = "expected a list of natural frequencies, such as [\"12 Hz\", \"75 Hz\"]";
     let entry = reading.required(table, "frequencies", allowed)?;
     let frequencies = list(reading, &entry, kinds::NATURAL, None, allowed)?;
@@ -56,7 +59,7 @@ fn modal(reading: &mut Reading, name: &str, table: &FileTable, machine: &mut Des
         machine.bodies.push(Body { name, dimension, kind: BodyKind::Free(free) });
     }
     let (name, has_masses) = (name.to_owned(), table.has("masses"));
-    Some(Modal { name, first, frequencies, damping_ratios: damping_ratios?, has_masses })
+    Some(Modal { name, first, frequencies, damping_ratios: damping_ratios?, has_masses, residual: None })
 }
 
 /// Reads start values of coordinates and rates.

@@ -190,6 +190,11 @@ impl<'a> Reading<'a> {
         }
     }
 
+    /// Whether a body in the file has residual flexibility.
+    pub fn has_residual(&self) -> bool {
+        self.written.keys().any(|name| name.starts_with("modal.") && name.ends_with(".residual"))
+    }
+
     /// Whether the file has a value or table with a dotted name that was read.
     pub fn has_read(&self, name: &str) -> bool {
         self.written.contains_key(name)

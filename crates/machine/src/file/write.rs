@@ -9,7 +9,7 @@ use crate::elements::Element;
 use crate::formula::Formula;
 use crate::kinds;
 use crate::slots::{of_harmonic, of_sweep};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -114,13 +114,16 @@ fn word(dimension: Dimension) -> &'static str {
     }
 }
 
+/// Returns a matrix as a list of rows.
+fn square(a: &DMatrix<f64>) -> String {
+    let row = |row: RowDVector<f64>| format!("{:?}", row.as_slice());
+    let rows: Vec<String> = a.row_iter().map(|own| row(own.into_owned())).collect();
+    format!("[{}]", rows.join(", "))
+}
+
 /// Writes the keys of a body with matrices.
 fn given(text: &mut String, given: &Given, at_rest: bool) {
     let list = |all: Vec<f64>| format!("{all:?}");
-    let square = |a: &DMatrix<f64>| {
-        let rows: Vec<String> = a.row_iter().map(|row| list(row.iter().copied().collect())).collect();
-        format!("[{}]", rows.join(", "))
-    };
     line!(text, "mass = {}", square(&given.mass));
     line!(text, "stiffness = {}", square(&given.stiffness));
     match &given.damping {
@@ -278,8 +281,17 @@ impl Writing<'_> {
             Closing::Gap(gap) => self.line(text, of, "gap", gap),
             Closing::Preload(preload) => self.line(text, of, "preload", preload),
         }
-        self.line(text, of, "stiffness", contact.stiffness);
-        let Some(tangent) = &contact.tangent else { return self.line(text, of, "damping", contact.damping) };
+        let Contact { stiffness, damping, .. } = *contact;
+        let is_rigid = stiffness.is_infinite();
+        if !is_rigid {
+            self.line(text, of, "stiffness", stiffness);
+        }
+        let Some(tangent) = &contact.tangent else {
+            if !is_rigid {
+                self.line(text, of, "damping", damping);
+            }
+            return;
+        };
         line!(text, "{}", row("tangent", &tangent.arms));
         self.line(text, of, "tangential_stiffness", tangent.stiffness);
         self.line(text, of, "friction", tangent.friction);
@@ -313,6 +325,11 @@ impl Writing<'_> {
             line!(text, "start = {{ q = {}, v = {} }}", numbers("start.q", q), numbers("start.v", v));
         }
         self.nodes(text, coordinates);
+        if let Some(own) = &modal.residual {
+            let name = |node: &usize| self.machine.bodies[*node].name.split_once('.').map(|name| name.1);
+            let nodes: Vec<_> = own.nodes.iter().filter_map(name).collect();
+            line!(text, "residual = {{ nodes = {nodes:?}, flexibility = {} }}", square(&own.flexibility));
+        }
     }
 
     /// Writes the nodes on a body with many coordinates.
@@ -390,6 +407,7 @@ impl Writing<'_> {
         self.line(text, of, "gap", stop.gap);
         match stop.law {
             StopLaw::Rigid { restitution } => self.line(text, of, "restitution", restitution),
+            StopLaw::Compliant { stiffness, .. } if stiffness.is_infinite() => {}
             StopLaw::Compliant { stiffness, damping, limit } => {
                 self.stiffness(text, of, stiffness, stop.stepped.as_ref());
                 if let Some(contact) = stop.contact {

@@ -48,6 +48,7 @@ impl Motion {
             return None;
         }
         let mut motion = Self::of(assembly, saved.clone());
+        motion.take_rows();
         motion.place = motion.tables.place_of(&saved.mode, &motion.assembly.system);
         Some(motion)
     }

@@ -12,7 +12,7 @@ use crate::law::box_qp::Jam;
 use crate::law::impact::{Impacts, Instant};
 use crate::law::selection::{EventVerdict, Selection, SliderFlag};
 use crate::mode::{Contact, Mode, StopState, Watch};
-use crate::system::{BranchLaw, Elongation, System};
+use crate::system::{BranchLaw, Elongation, Part, System};
 use nalgebra::DVector;
 
 /// Up to this multiple of the zero tolerance, a derivative that is positive where the law requires
@@ -37,9 +37,19 @@ pub(super) struct Flags {
 
 impl Flags {
     /// Returns the verdict for the law; the stops `open` count as open at any speed.
-    fn verdict<'a>(&'a self, open: &'a [usize]) -> EventVerdict<'a> {
+    pub(super) fn verdict<'a>(&'a self, open: &'a [usize]) -> EventVerdict<'a> {
         let Self { stops, resting, edges, limits, sliders } = self;
         EventVerdict { stops, resting, edges, limits, sliders, open }
+    }
+
+    /// Whether the event has brought a compliant stop to its edge.
+    pub(super) fn edge(&self, stop: usize) -> bool {
+        self.edges[stop]
+    }
+
+    /// The flag of a branch's slider.
+    pub(super) fn slider(&self, branch: usize) -> SliderFlag {
+        self.sliders[branch]
     }
 
     /// Returns the verdict after impacts that changed the velocities by `kick`. A friction whose
@@ -134,6 +144,7 @@ impl Motion {
         {
             return Ok(());
         }
+        self.take_rows_of_state(parted);
         let mut flags = self.flags(ended, parted);
         self.place_at_start(&mut flags, parted);
         let before = self.hybrid.mode.clone();
@@ -220,6 +231,7 @@ impl Motion {
         }
         if let (Some(stood), Some(moved)) = (stood, moved) {
             parted = moved;
+            self.take_rows_of_state(&parted);
             self.check_jump(&stood)?;
             let lost = self.slide(&stood);
             let work = self.work_of_jump(&stood) - switched + lost;
@@ -255,6 +267,10 @@ impl Motion {
         let (mut all, mut ways) = (Vec::new(), vec![0.0; system.branches.len()]);
         for (i, branch) in system.branches.iter().enumerate() {
             let BranchLaw::Contact { stop, friction } = branch.law else { continue };
+            // The check refuses jumps of contacts with friction on residual flexibility.
+            if system.is_residual(Part::Branch(i)) {
+                continue;
+            }
             let rows = &system.stops[stop];
             let jump = branch.elongation.e.at(z.as_slice()) - before.branches[i];
             let jump = if jump.abs() > hybrid.sizes.zero_of(&branch.elongation.e) { jump } else { 0.0 };
@@ -357,7 +373,7 @@ impl Motion {
         self.assembly.system.freewheels().filter(|&i| flags.stops[i]).collect()
     }
 
-    fn jammed(&self, jam: &Jam) -> Error {
+    pub(super) fn jammed(&self, jam: &Jam) -> Error {
         let names = jam.contacts.iter().map(|&i| self.assembly.name_of_stop(i));
         Error::Jammed { time: self.time(), stops: names.collect::<Vec<_>>().join(", ") }
     }
@@ -458,6 +474,9 @@ impl Motion {
     /// Selects the mode that follows the present state.
     pub(super) fn select(&self, flags: &Flags) -> Result<Mode, Error> {
         let (system, hybrid) = (&self.assembly.system, &self.hybrid);
+        if let Some(residual) = &system.residual {
+            return self.select_configured(residual, flags);
+        }
         Selection::select(system, &hybrid.z, &hybrid.sizes, &flags.verdict(&[]))
             .map_err(|jam| self.jammed(&jam))
     }
@@ -465,8 +484,9 @@ impl Motion {
     /// Enters a mode, and finds the order with which each event function leaves zero.
     fn enter(&mut self, mode: Mode) {
         self.tables.make_room();
-        self.place = self.tables.place_of(&mode, &self.assembly.system);
         self.hybrid.mode = mode;
+        self.take_rows();
+        self.place = self.tables.place_of(&self.hybrid.mode, &self.assembly.system);
         self.keep_contacts();
         self.note_standing();
         self.include_contacts();

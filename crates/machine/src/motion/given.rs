@@ -87,7 +87,7 @@ impl Motion {
         for (contact, inner) in standing {
             if let Contact::Slider(i) = *contact {
                 let branch = &self.assembly.system.branches[i];
-                z[branch.place] = branch.elongation.e.at(z.as_slice()) - *inner;
+                z[branch.place] = branch.whole.at(z.as_slice()) - *inner;
             }
         }
     }
@@ -105,7 +105,7 @@ impl Motion {
         if branch.is_slider() && self.hybrid.mode.sliders[i] == SliderState::Held {
             return 0.0;
         }
-        branch.elongation.rate.at(z) - self.table().a.row_times(branch.place, z)
+        branch.rate.at(z) - self.table().a.row_times(branch.place, z)
     }
 
     /// Moves sliders after a jump until no force exceeds its level; returns the distances. These
@@ -124,7 +124,7 @@ impl Motion {
         }
         let Hybrid { z, sizes, .. } = &mut self.hybrid;
         for (branch, was) in self.assembly.system.branches.iter().zip(before) {
-            let e = &branch.elongation.e;
+            let e = &branch.whole;
             let jump = e.at(z.as_slice()) - was;
             if jump.abs() > sizes.zero_of(e) {
                 z[branch.place] += jump;

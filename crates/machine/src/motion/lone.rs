@@ -148,6 +148,7 @@ impl Motion {
         }
         let (was, before) = (self.hybrid.mode.state_of(next), self.place);
         self.hybrid.mode.assign(mode);
+        self.take_rows();
         self.place = place;
         self.scratch.start.copy_from(&self.hybrid.z);
         self.keep_contacts();
@@ -161,6 +162,7 @@ impl Motion {
         }
         self.place = before;
         self.hybrid.mode.assign(&self.tables.at(before).mode);
+        self.take_rows();
         self.hybrid.z.copy_from(&self.scratch.start);
         false
     }

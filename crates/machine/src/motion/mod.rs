@@ -1,6 +1,7 @@
 //! A motion: the hybrid state of a machine, which advances exactly from event to event.
 
 mod change;
+mod configured;
 mod contact;
 mod course;
 mod event;
@@ -37,6 +38,7 @@ use crate::flow::{Ahead, DepartureRows, FlowTable, Group};
 use crate::law::Sizes;
 use crate::mode::{Contact, FrictionState, Mode, SliderState, StopState, Watch};
 use crate::signals::Input;
+use configured::Configured;
 use jump::Parted;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -146,7 +148,11 @@ pub struct Hybrid {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Motion {
+    /// The machine.
+    base: Arc<Assembly>,
+    /// The machine with the rows of the present mode.
     assembly: Arc<Assembly>,
+    configured: Configured,
     hybrid: Hybrid,
     tables: Tables,
     /// Index of the present mode in `tables`.
@@ -271,7 +277,7 @@ impl Motion {
         state: &[f64],
         observer: &mut dyn FnMut(&Event),
     ) -> Result<Self, Error> {
-        Self::from_state_with(Some(&self.tables), self.assembly.clone(), time, state, observer)
+        Self::from_state_with(Some(&self.tables), self.base.clone(), time, state, observer)
     }
 
     fn from_state_with(
@@ -410,7 +416,9 @@ impl Motion {
         let scratch = Scratch { start: DVector::zeros(size), ..Scratch::default() };
         let (tables, vectors) = (Tables::new(&assembly.system), crate::vectors::Vectors::new());
         Self {
+            base: assembly.clone(),
             assembly,
+            configured: Configured::default(),
             hybrid,
             tables,
             place: 0,
@@ -425,7 +433,12 @@ impl Motion {
 
     /// The machine.
     pub fn assembly(&self) -> &Arc<Assembly> {
-        &self.assembly
+        &self.base
+    }
+
+    /// The machine as matrices, with the rows of the present mode.
+    pub fn system(&self) -> &crate::system::System {
+        &self.assembly.system
     }
 
     /// Present time, s.
@@ -526,6 +539,7 @@ impl Motion {
     pub fn restore(&mut self, saved: &Hybrid) {
         self.hybrid = saved.clone();
         self.tables.make_room();
+        self.take_rows();
         self.place = self.tables.place_of(&self.hybrid.mode, &self.assembly.system);
     }
 

@@ -74,7 +74,7 @@ impl Motion {
 
     fn report_stop(&self, i: usize, was: StopState, now: StopState, left: f64, observer: &mut Observer) {
         let stop = self.assembly.system.stop_of(i);
-        let rate = self.assembly.system.stops[i].elongation.rate.at(self.hybrid.z.as_slice());
+        let rate = self.assembly.system.rate_apart(i, self.hybrid.z.as_slice());
         let kind = match (was, now) {
             (a, b) if a == b || self.assembly.system.stops[i].is_gapless() => return,
             _ if self.assembly.system.stops[i].limit.is_some() => {

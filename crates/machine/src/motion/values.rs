@@ -3,13 +3,18 @@
 use super::Motion;
 use crate::mode::{Contact, FrictionState, StopState};
 use crate::quantity::{Owner, Quantity, What};
-use crate::system::Part;
+use crate::system::{Elongation, Part};
 
 impl Motion {
     /// A body's coordinate, rate and acceleration: m, m/s, m/s² or rad, rad/s, rad/s².
     pub fn body(&self, i: usize) -> [f64; 3] {
         let system = &self.assembly.system;
         let (rows, z, n) = (&system.bodies[i], &self.hybrid.z, system.coordinates);
+        if system.is_residual_node(i) {
+            let [s, v] = system.seen(i);
+            let rates = v.terms().iter().map(|&(j, x)| x * self.table().a.row_times(j, z.as_slice()));
+            return [s.dot(z), v.dot(z), rates.sum()];
+        }
         let weights = rows.weights.terms().iter();
         let acceleration: f64 =
             weights.map(|&(k, w)| w * self.table().a.row_times(n + k, z.as_slice())).sum();
@@ -18,12 +23,12 @@ impl Motion {
 
     /// A body's coordinate, m or rad.
     pub fn coordinate(&self, i: usize) -> f64 {
-        self.assembly.system.bodies[i].s.dot(&self.hybrid.z)
+        self.assembly.system.seen(i)[0].dot(&self.hybrid.z)
     }
 
     /// The rate of a body's coordinate, m/s or rad/s.
     pub fn rate(&self, i: usize) -> f64 {
-        self.assembly.system.bodies[i].v.dot(&self.hybrid.z)
+        self.assembly.system.seen(i)[1].dot(&self.hybrid.z)
     }
 
     /// A spring's elongation, its rate and its force.
@@ -36,7 +41,8 @@ impl Motion {
                 force += self.stop_varied(corner)[2];
             }
         }
-        [spring.elongation.e.dot(z), spring.elongation.rate.dot(z), force]
+        let [e, rate] = self.seen_elongation(Part::Spring(i), &spring.elongation);
+        [e, rate, force]
     }
 
     /// A stop's elongation, its rate and its force.
@@ -80,7 +86,8 @@ impl Motion {
         // sign. A host's solver goes beyond the end of a contact and sees the pull that its
         // accelerations contain.
         let system = &self.assembly.system;
-        let is_contact = (system.first_contact..system.first_corner).contains(&i);
+        let is_contact =
+            (system.first_contact..system.first_corner).contains(&i) || system.is_residual(Part::Stop(i));
         let is_seen = self.overshoot > 0.0 || (system.stops[i].may_pull() && !is_contact);
         if is_seen { force } else { force.max(0.0) }
     }
@@ -95,7 +102,14 @@ impl Motion {
             StopState::Closed => self.contact_force(Contact::Stop(i)),
             _ => system.stop_force_at(i, state, z).unwrap_or(0.0),
         };
-        [stop.elongation.e.dot(z), stop.elongation.rate.dot(z), force]
+        let [e, rate] = self.seen_elongation(Part::Stop(i), &stop.elongation);
+        [e, rate, force]
+    }
+
+    /// Elongation and rate of a part, with residual flexibility.
+    fn seen_elongation(&self, part: Part, own: &Elongation) -> [f64; 2] {
+        let rows = self.assembly.system.seen_elongation(part).unwrap_or([&own.e, &own.rate]);
+        rows.map(|row| row.dot(&self.hybrid.z))
     }
 
     /// A friction element's elongation, its rate and its force.
@@ -147,7 +161,7 @@ impl Motion {
             (Owner::Element(i), _) => i,
         };
         let (parts, z) = (self.assembly.system.parts_of(i, quantity.what), &self.hybrid.z);
-        let elongation = || parts.first().and_then(|part| self.assembly.system.elongation_of_part(*part));
+        let elongation = || parts.first().and_then(|part| self.assembly.system.seen_elongation(*part));
         match quantity.what {
             What::F | What::TangentF => {
                 let force = |part: &Part| match *part {
@@ -171,8 +185,8 @@ impl Motion {
                     _ => z[place],
                 }
             }
-            What::E | What::TangentE => elongation().map_or(0.0, |own| own.e.dot(z)),
-            _ => elongation().map_or(0.0, |own| own.rate.dot(z)),
+            What::E | What::TangentE => elongation().map_or(0.0, |own| own[0].dot(z)),
+            _ => elongation().map_or(0.0, |own| own[1].dot(z)),
         }
     }
 

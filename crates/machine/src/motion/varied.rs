@@ -28,6 +28,7 @@ fn dot(row: &[f64], z: &[f64]) -> f64 {
 /// Projects a variation onto the constraints of a mode: e = 0 of closed stops, e' = 0 of closed
 /// stops and sticking friction, the force of a slipping slider at its level.
 pub fn keep(system: &System, mode: &Mode, variation: &mut [f64]) {
+    let system = &*system.at_mode(mode);
     let basis = &mode.basis[..];
     if basis.is_empty() {
         return system.keep_levels(&mode.sliders, variation);

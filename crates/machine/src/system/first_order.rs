@@ -67,12 +67,19 @@ pub struct BranchRows {
     pub place: usize,
     /// Spring force b = stiffness · y, which a slipping slider limits ([`System::branch_force`]).
     pub force: Functional,
-    /// The inner place x = e - y.
+    /// The elongation, with the displacements of residual flexibility by loads.
+    pub whole: Functional,
+    /// Rate of the stretch while the slider is at rest: the rate of `whole`.
+    pub rate: Functional,
+    /// The inner place x = `whole` - y.
     pub inner: Functional,
     /// The slider's limit of the force; `None` for a dashpot.
     pub level: Option<Functional>,
-    /// Rate of the stretch while the slider of a contact slips upwards: friction N' / stiffness.
+    /// Rate of the stretch while the slider of a contact slips, times the direction of the slip:
+    /// friction N' / stiffness.
     pub sliding: Option<Functional>,
+    /// On residual flexibility: the stretch and its rate while the slider does not hold.
+    pub slaved: Option<[Functional; 2]>,
 }
 
 impl BranchRows {
@@ -101,7 +108,7 @@ impl BranchRows {
     /// The rate of the slider while it slips along a direction: σ e' - friction N' / stiffness,
     /// and σ e' if the limit is constant.
     pub(crate) fn slip_rate(&self, direction: f64) -> Functional {
-        let rate = direction * &self.elongation.rate;
+        let rate = direction * &self.rate;
         match &self.sliding {
             Some(sliding) => &rate - sliding,
             None => rate,
@@ -153,13 +160,13 @@ impl System {
 
     /// The elongation of each branch in an augmented state.
     pub(crate) fn elongations_in_series(&self, z: &[f64]) -> Vec<f64> {
-        self.branches.iter().map(|branch| branch.elongation.e.at(z)).collect()
+        self.branches.iter().map(|branch| branch.whole.at(z)).collect()
     }
 
     /// Replaces the inner places of springs in series by their stretches in an augmented state.
     pub fn take_given(&self, z: &mut [f64]) {
         for branch in &self.branches {
-            z[branch.place] = branch.elongation.e.at(z) - z[branch.place];
+            z[branch.place] = branch.whole.at(z) - z[branch.place];
         }
     }
 
@@ -203,7 +210,20 @@ impl System {
             }
         };
         self.first_order.push(FirstOrder { rate, slider });
-        self.branches.push(BranchRows { elongation, stiffness, law, place, force, inner, level, sliding });
+        let (whole, rate, slaved) = (elongation.e.clone(), elongation.rate.clone(), None);
+        self.branches.push(BranchRows {
+            elongation,
+            stiffness,
+            law,
+            place,
+            force,
+            whole,
+            rate,
+            inner,
+            level,
+            sliding,
+            slaved,
+        });
         Part::Branch(self.branches.len() - 1)
     }
 
@@ -218,6 +238,9 @@ impl System {
         let Some(i) = own.slider else { return Some(Cow::Borrowed(&own.rate)) };
         match *sliders.get(i)? {
             SliderState::Held => Some(Cow::Borrowed(&own.rate)),
+            _ if self.branches[i].slaved.is_some() => {
+                self.branches[i].slaved.as_ref().map(|own| Cow::Borrowed(&own[1]))
+            }
             state => {
                 let sliding = self.branches[i].sliding.as_ref().filter(|_| state != SliderState::Off);
                 sliding.map(|row| Cow::Owned(state.direction() * row))
@@ -311,6 +334,9 @@ impl System {
     /// is at its level.
     pub(crate) fn was_moved(&self, i: usize, before: &[f64], after: &[f64]) -> Option<f64> {
         let branch = &self.branches[i];
+        if self.is_residual(Part::Branch(i)) {
+            return None;
+        }
         let [was, is] = [before[branch.place], after[branch.place]];
         let most = branch.most(after).filter(|most| *most > 0.0)?;
         (was != is && is.abs() == most).then(|| is.signum())
@@ -318,6 +344,10 @@ impl System {
 
     fn keep_level(&self, i: usize, direction: f64, z: &mut [f64]) {
         let branch = &self.branches[i];
+        if let Some([stretch, _]) = &branch.slaved {
+            z[branch.place] = stretch.at(z);
+            return;
+        }
         z[branch.place] = match branch.law {
             BranchLaw::Dashpot(_) => return,
             BranchLaw::Slider(slip) => direction * (slip / branch.stiffness) * z[self.signals.one],
@@ -331,7 +361,11 @@ impl System {
     /// Reduces the stretch of each branch whose force exceeds its level until the force is at its
     /// level. Returns the distances that inner places move.
     pub(crate) fn clamp_sliders(&self, z: &mut [f64]) -> Vec<f64> {
-        let way = |branch: &BranchRows, z: &mut [f64]| {
+        let settled = self.settle_residual(z);
+        let way = |(i, branch): (usize, &BranchRows), z: &mut [f64]| {
+            if self.is_residual(Part::Branch(i)) {
+                return settled[i];
+            }
             let Some(most) = branch.most(z) else { return 0.0 };
             let stretch = z[branch.place];
             if stretch.abs() <= most {
@@ -340,6 +374,6 @@ impl System {
             z[branch.place] = most.copysign(stretch);
             stretch - most.copysign(stretch)
         };
-        self.branches.iter().map(|branch| way(branch, z)).collect()
+        self.branches.iter().enumerate().map(|own| way(own, z)).collect()
     }
 }

@@ -75,7 +75,7 @@ impl Losses {
             all.push((when, Power { account, factor, of }));
         };
         for (i, (row, &body)) in system.loads.iter().zip(&system.load_bodies).enumerate() {
-            put(When::Always, Account::Load(i), 1.0, row, &system.bodies[body].v);
+            put(When::Always, Account::Load(i), 1.0, row, system.seen(body)[1]);
             for &(stop, factor) in &system.load_limits[i] {
                 let (when, excess) = (When::Stop(stop, StopState::Pressed), &system.stops[stop].excess);
                 put(when, Account::Load(i), factor, excess, &system.bodies[body].v);

@@ -8,6 +8,7 @@ use crate::kernel::Sparse;
 use crate::mode::{Contact, Mode, StopState};
 pub use crate::part::Part;
 use crate::quantity::What;
+use std::borrow::Cow;
 
 impl System {
     /// The index of the element that has a part, among all elements.
@@ -40,6 +41,9 @@ impl System {
     /// The row of a part's force in a mode. `lambda` has the rows of the contact forces of the
     /// mode's [basis](Mode::basis).
     pub fn force_row(&self, part: Part, mode: &Mode, lambda: &[Sparse]) -> Functional {
+        if let Cow::Owned(own) = self.at_mode(mode) {
+            return own.force_row(part, mode, lambda);
+        }
         let held = |contact: Contact| {
             let place = mode.basis.iter().position(|&c| c == contact);
             place.map(|k| Functional::from_terms(self.signals.size, lambda[k].terms().iter().copied()))

@@ -160,7 +160,8 @@ impl Split {
             let by = Arc::new(stretches);
             let of_state = |state: SliderState| {
                 let rate = match (state, &branch.sliding) {
-                    (SliderState::Held, _) => Some(branch.elongation.rate.clone()),
+                    (SliderState::Held, _) => Some(branch.rate.clone()),
+                    _ if branch.slaved.is_some() => branch.slaved.as_ref().map(|own| own[1].clone()),
                     (SliderState::Up | SliderState::Down, Some(row)) => Some(state.direction() * row),
                     _ => None,
                 };

@@ -37,7 +37,7 @@ constant = 1.0
 const CASES: &[(&str, &str, &str)] = &[
     ("gap = \"0.1 mm\"", "", "b.toml:15: contact.tip: requires `gap`, the elongation at which the contact closes, or `preload`, the normal force at e = 0"),
     ("gap = \"0.1 mm\"", "gap = 0.0\npreload = 3.0", "b.toml:20: contact.tip.preload = 3.0: cannot be combined with `gap`: use `gap` for the elongation at which the contact closes, or `preload` for the normal force at e = 0"),
-    ("stiffness = \"20 N/um\"\n", "", "b.toml:15: contact.tip: requires `stiffness`, the normal stiffness: a rigid contact requires the residual flexibility of its nodes, which is not supported; use [stop.NAME] for a rigid stop"),
+    ("stiffness = \"20 N/um\"\n", "", "b.toml:15: contact.tip: requires `stiffness`, the normal stiffness; it may be left out only where every node of `normal` has residual flexibility; use [stop.NAME] for a rigid stop"),
     ("stiffness = \"20 N/um\"", "stiffness = 0.0", "b.toml:20: contact.tip.stiffness = 0.0: must be greater than 0"),
     ("tangential_stiffness = \"15 N/um\"\n", "", "b.toml:18: contact.tip.tangent = \"x\": requires `tangential_stiffness`: friction acts along a tangent through a stiffness\nb.toml:21: contact.tip.friction = 0.3: requires `tangential_stiffness`: friction acts along a tangent through a stiffness"),
     ("friction = 0.3", "friction = -0.3", "b.toml:22: contact.tip.friction = -0.3: expected a number from 0 to 1e6"),

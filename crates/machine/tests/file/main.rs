@@ -11,5 +11,6 @@ mod named;
 mod parameters;
 mod random;
 mod refusals;
+mod residual;
 mod round_trip;
 mod stepped;

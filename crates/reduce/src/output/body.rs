@@ -2,7 +2,7 @@
 
 use crate::dofs::Direction;
 use crate::interface::Interface;
-use crate::reduction::Reduced;
+use crate::reduction::{Method, Reduced};
 use crate::statement::labels;
 use crate::{Error, Result};
 use nalgebra::DMatrix;
@@ -67,19 +67,33 @@ pub fn text(reduced: &Reduced, interfaces: &[Interface], section: &Section) -> S
     out
 }
 
-/// The residual flexibility as a comment.
+/// The residual flexibility. Where the coordinates have the whole flexibility, only rounding is
+/// left, and nothing is written.
 fn residual(reduced: &Reduced, interfaces: &[Interface]) -> String {
-    if reduced.residual.amax() <= 1e-9 * reduced.flexibility.amax() {
+    if reduced.method != Method::MacNeal || reduced.residual.amax() <= 1e-9 * reduced.flexibility.amax() {
         return String::new();
     }
     let names: Vec<String> = labels(interfaces).iter().map(|name| format!("\"{name}\"")).collect();
-    let rows: Vec<String> = reduced.residual.row_iter().map(|row| list(row.transpose().as_slice())).collect();
+    let flexibility = without_negative(&reduced.residual);
+    let rows: Vec<String> = flexibility.row_iter().map(|row| list(row.transpose().as_slice())).collect();
     format!(
-        "# Flexibility at the nodes that the modes lack, m/N. Not read yet: motions do not have it.\n\
-         # residual = {{ nodes = [{}], flexibility = [{}] }}\n",
+        "# Flexibility at the nodes that the modes lack, m/N.\n\
+         residual = {{ nodes = [{}], flexibility = [{}] }}\n",
         names.join(", "),
         rows.join(", ")
     )
+}
+
+/// A symmetric matrix with its negative eigenvalues, which are rounding of the whole flexibility,
+/// replaced by 0.
+fn without_negative(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut own = (0.5 * (matrix + matrix.transpose())).symmetric_eigen();
+    if own.eigenvalues.min() >= 0.0 {
+        return matrix.clone();
+    }
+    own.eigenvalues.apply(|value| *value = value.max(0.0));
+    let found = own.recompose();
+    0.5 * (&found + found.transpose())
 }
 
 /// A node: one row, or a table of directions with a row each.

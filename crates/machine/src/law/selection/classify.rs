@@ -14,6 +14,9 @@ impl Selection<'_> {
 
     pub(super) fn classify_stop(&self, i: usize, verdict: &EventVerdict) -> Stop {
         let stop = &self.system.stops[i];
+        if let Some(state) = self.system.configured_stop(i) {
+            return Stop::Is(state);
+        }
         if stop.is_off(&self.derivatives[0]) {
             return Stop::Is(StopState::Off);
         }
@@ -91,6 +94,9 @@ impl Selection<'_> {
     /// Classifies a branch by its force, e' and the event. A branch with a dashpot has no slider.
     pub(super) fn classify_slider(&self, i: usize, flag: SliderFlag, verdict: &EventVerdict) -> Slider {
         let branch = &self.system.branches[i];
+        if let Some(state) = self.system.configured_slider(i) {
+            return Slider::Is(state);
+        }
         let Some(level) = self.system.slip_level(i) else { return Slider::Is(SliderState::Held) };
         if let Some(stop) = branch.stop() {
             return self.classify_contact(i, flag, (stop, verdict.edges[stop]));
