@@ -20,6 +20,7 @@ from second import SIDES, Second, ball, float_of, mid
 
 AGREE = 1e-25  # largest difference from truth.csv, beside the largest value of the state
 SAMPLES = 12  # of each flight, at which all inequalities are looked at
+SAMPLES_OF_CURVED = 4
 HOLDS = -1e-20  # least margin of an inequality, beside the size of the motion: events are found to 1e-60
 NEAR = arb("1e-40")
 STEP = arb("1e-75")  # last step of Newton's method
@@ -101,6 +102,7 @@ class Replay:
     def search(self, z, now, listed, group):
         """State and time at which the first usable condition of the instant is zero."""
         dt = listed - now
+        self.p.elapsed, self.p.left = arb(0), dt
         arrived = self.p.flow(z, self.mode, dt)
         best = None
         for row in group:
@@ -114,6 +116,7 @@ class Replay:
         for _ in range(8):
             step = g(arrived) / self.slope(g, arrived)
             dt = mid(dt - step)
+            self.p.elapsed, self.p.left = arb(0), arb(0)
             arrived = self.p.flow(arrived, self.mode, -mid(step))
             if abs(step) < STEP:
                 break
@@ -184,7 +187,7 @@ class Replay:
 
     def state(self, el, row, z):
         kind, state, value = row["kind"], self.mode[el.name], row["value"]
-        fixed = {"impact": "open", "close": "closed", "open": "open", "stick": "stuck"}
+        fixed = {"impact": state, "close": "closed", "open": "open", "stick": "stuck"}  # a stop that leaves rest also has an `open`
         if kind in fixed:
             return fixed[kind]
         if kind in ("slip", "level"):
@@ -214,9 +217,11 @@ class Replay:
 
     def flight(self, z, now, then, outputs, last=False):
         """Follows a flight; compares outputs and samples inequalities on the way."""
-        span, done = then - now, arb(0)
-        stops = [(then - now) * k / SAMPLES for k in range(1, SAMPLES + 1)] if float_of(span) > 1e-12 else [span]
+        p, span, done = self.p, then - now, arb(0)
+        whole, samples = span, SAMPLES_OF_CURVED if self.p.curved else SAMPLES
+        stops = [span * k / samples for k in range(1, samples + 1)] if float_of(span) > 1e-12 else [span]
         while stops:
+            p.elapsed, p.left = done, whole - done
             due = arb(self.output["time"]) - now if self.output else None
             output = due is not None and float_of(due - stops[0]) < (1e-60 if last else -1e-30)
             target = due if output else stops.pop(0)

@@ -19,6 +19,7 @@ import digits as d
 from digits import advanced, as_fraction, first_root, inverse_of, real, sine, value
 from parts import Part
 
+NUDGE = mpfr("1e-20")  # of a state, for its effect on an event's time
 LEADING = 12  # orders that decide a mode
 HELD = ("closed", "stuck")
 
@@ -264,7 +265,7 @@ class Motion:
 
     def run(self, outputs, z=None):
         """States at the outputs, as (left, right) pairs, and events (time, kind, section, value)."""
-        events, states = [], []
+        events, states, self.slopes = [], [], []
         fresh = z is None
         if z is None:
             z, events = self.begin()
@@ -290,6 +291,7 @@ class Motion:
             if root is not None:
                 left = z.copy()
                 self.settle(z, told)
+                self.slopes.append((z.time, self.sensitivity(left)))
             elif reached and knots and target == knots[0]:
                 left = z.copy()
                 knots.pop(0)
@@ -300,6 +302,21 @@ class Motion:
             if abs(z.time - todo[0]) < d.NEAR and not (knots and knots[0] <= z.time + d.NEAR):
                 states.append((todo.pop(0), left, z.copy()))
         return states, events
+
+    def sensitivity(self, z):
+        """Of each element at an event: (element, effect of each position and speed on the event's time)."""
+        zero = lambda at: self.watched(self.expand(at, z.mode, 3), z.mode)
+        found = []
+        for place, (name, _, p) in enumerate(zero(z)):
+            if abs(p[0]) < d.NEAR and p[1] > d.TINY:
+                effects = []
+                for group in ("s", "v"):
+                    for i in self.m.free():
+                        moved = z.copy()
+                        getattr(moved, group)[i] += NUDGE
+                        effects.append(abs(zero(moved)[place][2][0] - p[0]) / NUDGE / p[1])
+                found.append((name, effects))
+        return found
 
     def hold(self, z):
         """Puts a moved state back onto its held contacts, by the least change in the metric of the masses."""

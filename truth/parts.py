@@ -125,17 +125,13 @@ class Part:
             return ["open"] if e < self.gap - d.NEAR or r < -d.TINY else ["closed", "open"]
         if self.kind == "freewheel":
             return ["open"] if r < -d.TINY else ["closed", "open"]
-        if self.kind == "friction" or self.slider:
-            level = 1 if self.slider else motion.coefficients(self.numbers["force"], z.time, 0, 1)[0]
-            if level < -d.TINY:
+        if self.slider:
+            b = self.branch(motion, z)
+            return ["stuck"] + [w for w in SIDES if abs(b - SIDES[w] * self.slip) < d.NEAR * 1000 and SIDES[w] * r > -d.TINY]
+        if self.kind == "friction":
+            if not self.acts(motion, z):
                 return ["off"]
-            held = motion.coefficients(self.numbers.get("static", self.numbers["force"]), z.time, 0, 1)[0] if not self.slider else 1
-            ways = ["up"] if r > d.TINY else ["down"] if r < -d.TINY else ["stuck", "up", "down"]
-            if self.slider:
-                b = self.branch(motion, z)
-                ways = [w for w in ("stuck", "up", "down")
-                        if w == "stuck" or abs(b - SIDES[w] * self.slip) < d.NEAR * 1000 and SIDES[w] * r > -d.TINY]
-            return ways + ["off"] if level < d.TINY and held < d.TINY else ways
+            return ["up"] if r > d.TINY else ["down"] if r < -d.TINY else ["stuck", "up", "down"]
         if self.kind == "stop":
             if e < self.gap - d.NEAR:
                 return ["below"]
@@ -148,6 +144,11 @@ class Part:
             return [k for k in range(len(self.points) - 1)
                     if (k == 0 or e > self.points[k][0] - d.NEAR) and (k + 2 == len(self.points) or e < self.points[k + 1][0] + d.NEAR)]
         return [""]
+
+    def acts(self, motion, z):
+        """Whether the first coefficient of the static level that is not zero is positive."""
+        level = motion.coefficients(self.numbers.get("static", self.numbers["force"]), z.time, 4, 1)
+        return next((c for c in level if abs(c) > d.TINY), mpfr(0)) > 0
 
     def branch(self, motion, z):
         stiff = motion.coefficients(self.numbers["stiffness"], z.time, 0, 1)[0]

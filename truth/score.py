@@ -6,7 +6,7 @@
     python truth/score.py --results FOLDER                     # NAME.csv and, if there is one, NAME.events.csv
 
 In a command, {fmu2} and {fmu3} are the archives of both versions, {machine} the file, {stop}, {step} and {steps} the output
-times, {output} the table to write; {input:OPTION} is OPTION and the file of inputs if the case has inputs, and
+times, {output} the table to write, {names} the states with commas between them; {input:OPTION} is OPTION and the file of inputs if the case has inputs, and
 {variables:OPTION} is OPTION and a name for each state. With {folder} the host writes states.csv and events.csv there.
 
 The error of a state is divided by its magnification: the result is the relative error of the start that has the same effect.
@@ -71,6 +71,7 @@ def main(arguments=None):
     parser.add_argument("--command", help="the command line of another host")
     parser.add_argument("--results", metavar="FOLDER", help="a folder with a table for each case")
     parser.add_argument("--way", action="append", choices=sorted(hosts.FMPY), help="only this way of fmpy")
+    parser.add_argument("--archives", default=hosts.TARGET, metavar="FOLDER", help="folder of the FMUs (default target/truth)")
     parser.add_argument("--case", action="append", choices=cases.names(), metavar="NAME", help="only this case")
     parser.add_argument("--limit", type=float, default=LIMIT, help=f"largest error that passes (default {LIMIT:g})")
     parser.add_argument("--title", default="result", help="head of the column of --command and --results")
@@ -78,9 +79,9 @@ def main(arguments=None):
     if sum(map(bool, (given.host, given.command, given.results))) != 1:
         parser.error("expected one of: a host, --command, --results")
     if given.host:
-        ways = {way: hosts.by_fmpy(way) for way in given.way or hosts.FMPY}
+        ways = {way: hosts.by_fmpy(way, given.archives) for way in given.way or hosts.FMPY}
     else:
-        ways = {given.title: hosts.by_command(given.command) if given.command else hosts.by_folder(given.results)}
+        ways = {given.title: hosts.by_command(given.command, given.archives) if given.command else hosts.by_folder(given.results)}
     chosen = given.case or cases.names()
     columns = {way: list(scores(run, chosen, given.limit)) for way, run in ways.items()}
     print(table(columns))

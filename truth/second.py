@@ -1,5 +1,8 @@
 """The second program: the motion of a case found again from the kinds of its events. See check.py."""
 
+import functools
+import math
+
 from flint import arb, arb_mat, ctx, fmpq
 
 from machine import Signal
@@ -7,9 +10,12 @@ from machine import Signal
 ctx.prec = 400
 STAGES = 20
 PI = arb.pi()
+AGREE = 1e-40  # two lengths of a step of collocation agree to this
+SETTLED = 1e-55  # change of the last iteration of a step of collocation
 SIDES = {"up": 1, "down": -1}
 
 
+@functools.cache
 def ball(x):
     return arb(fmpq(x.numerator, x.denominator))
 
@@ -39,6 +45,7 @@ class Second:
         self.curved = any(key in e.numbers for e in machine.elements
                           for key in ("cubic", "quadratic", "exponent", "dissipation", "stribeck"))
         self.arms = {e.name: [(i, ball(a)) for i, a in e.arms] for e in machine.elements}
+        self.length, self.elapsed, self.left = 1e-3, arb(0), arb(1)
         self.blocks = {b["name"]: [arb(0)] * b["states"] for b in machine.blocks}
 
     # Signals, from the coordinates one, t, cos, sin
@@ -175,26 +182,44 @@ class Second:
         return self.collocate(z, mode, dt)
 
     def collocate(self, z, mode, dt):
-        """Gauss's collocation; twice as many steps until both agree. Edges of contacts with an exponent have shorter steps."""
-        if abs(dt) < arb("1e-70"):
-            return z
-        count, last = 2, None
+        """Gauss's collocation of a flight of which `self.elapsed` has passed and `self.left` remains.
+
+        At the edges of a contact with an exponent the motion has roots of the time since, or until, the edge. So the first half
+        of such a flight is followed in the square root of the elapsed time, the second half in that of the remaining time.
+        """
+        if abs(dt) < arb("1e-30"):
+            return [a + dt * b for a, b in zip(z, self.derivative(z, mode))] if abs(dt) > 0 else z
         edges = any("exponent" in el.numbers and mode[el.name] == "pressed" for el in self.m.elements)
-        while count <= 4096:
-            grid = [arb(k) / count for k in range(count + 1)]
-            if edges:
-                ends = [arb(2) ** -k for k in range(2 + count // 4, 75)]
-                inner = grid[1:-1] + [g / count for g in ends] + [1 - g / count for g in ends]
-                grid = [arb(0)] + sorted(inner, key=float_of) + [arb(1)]
-            now, ok = z, True
-            for a, b in zip(grid, grid[1:]):
-                now = gauss_step(lambda y: self.derivative(y, mode), now, (b - a) * dt)
+        if not edges:
+            return self.pieces(lambda u, y: self.derivative(y, mode), z, arb(0), dt)
+        begin, whole = self.elapsed, self.elapsed + self.left
+        end, half = begin + dt, (self.elapsed + self.left) / 2
+        grow = lambda u, y: [2 * u * x for x in self.derivative(y, mode)]
+        fall = lambda u, y: [-2 * u * x for x in self.derivative(y, mode)]
+        if float_of(begin - half) < 0:
+            first = min(end, half)
+            z = self.pieces(grow, z, root(begin), root(first))
+            begin = first
+        if float_of(end - begin) > 0:
+            z = self.pieces(fall, z, root(whole - begin), root(whole - end))
+        return z
+
+    def pieces(self, f, z, a, b):
+        """From a to b in equal steps; half the length until both agree. The length is kept for the next flight."""
+        span = float_of(abs(b - a))
+        count, last = max(1, math.ceil(span / self.length)), None
+        for _ in range(12):
+            h = (b - a) / count
+            now = z
+            for k in range(count):
+                now = gauss_step(f, now, a + k * h, h)
                 if now is None:
-                    ok = False
                     break
-            if ok and last is not None and all(abs(mid(a - b)) < arb("1e-45") * (1 + abs(mid(a))) for a, b in zip(now, last)):
+            agree = now and last and all(abs(float_of(p - q)) < AGREE * (1 + abs(float_of(p))) for p, q in zip(now, last))
+            if agree:
+                self.length = max(self.length, span / count) if count < 4 else 2 * span / count
                 return now
-            last, count = now if ok else None, 2 * count
+            last, count = now, 2 * count
         raise RuntimeError("collocation does not settle")
 
     # Impacts
@@ -287,19 +312,26 @@ def gauss(stages):
 TABLE = []
 
 
-def gauss_step(f, z, h):
-    """A step; None if the iteration does not contract."""
+def gauss_step(f, z, a, h):
+    """A step from a to a + h of z' = f(u, z); None if the iteration does not contract."""
     if not TABLE:
-        TABLE.extend(gauss(STAGES))
-    slope = f(z)
-    slopes = [slope] * STAGES
-    n, old, change = len(z), None, None
-    for count in range(120):
-        points = [[mid(z[i] + h * sum(a * s[i] for a, s in zip(row, slopes))) for i in range(n)] for row in TABLE[:-1]]
-        change = None if old is None else max(float_of(abs(p[i] - q[i])) for p, q in zip(points, old) for i in range(n))
-        if change is not None and (change < 1e-75 or count > 60 and change < 1e-55):
+        rows = gauss(STAGES)
+        TABLE.extend([arb_mat(rows[:-1]), arb_mat([rows[-1]]), [sum(row, arb(0)) for row in rows[:-1]]])
+    inner, last, nodes = TABLE
+    slopes = arb_mat([f(a, z)] * STAGES)
+    n, old = len(z), None
+    for count in range(100):
+        moved = inner * slopes
+        points = [[mid(z[i] + h * moved[k, i]) for i in range(n)] for k in range(STAGES)]
+        change = math.inf if old is None else max(abs(float_of(p[i] - q[i])) for p, q in zip(points, old) for i in range(n))
+        if change < SETTLED:
             break
-        if change is not None and not change < 1e6 or count > 90:
+        if old is not None and not change < 1e6 or count > 80:
             return None
-        slopes, old = [f(p) for p in points], points
-    return [mid(z[i] + h * sum(a * s[i] for a, s in zip(TABLE[-1], slopes))) for i in range(n)]
+        slopes, old = arb_mat([f(a + c * h, p) for c, p in zip(nodes, points)]), points
+    moved = last * slopes
+    return [mid(z[i] + h * moved[0, i]) for i in range(n)]
+
+
+def root(x):
+    return x.sqrt() if float_of(x) > 0 else arb(0)

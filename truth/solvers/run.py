@@ -4,6 +4,7 @@ scipy: DOP853 of `solve_ivp` with events. cvode: CVODE of SUNDIALS with roots (p
 """
 
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,17 +12,31 @@ import numpy as np
 from model import Model, Unsupported, cases
 
 TOLERANCE = 1e-11
+ZERO = 1e-12  # a watched function below it begins at zero
 MOST = 5000  # events of a case
+SECONDS = 120  # of processor time for a case
+
+
+def watch(model, begin, y):
+    """The watched functions; one that begins at zero is divided by the time since, so that its start is not a root."""
+    at_zero = np.abs(model.watched(begin, y)) < ZERO
+
+    def functions(t, y):
+        values = model.watched(t, y)
+        since = t - begin
+        return np.where(at_zero, values / since if since > 0 else -1.0, values)
+    return functions, len(at_zero)
 
 
 def by_scipy(model, t, y, stop):
     """The state at `stop` or at the first event before it."""
     from scipy.integrate import solve_ivp
 
+    watched, count = watch(model, t, y)
     functions = []
-    for k in range(len(model.watched(t, y))):
+    for k in range(count):
         def event(t, y, k=k):
-            return model.watched(t, y)[k]
+            return watched(t, y)[k]
         event.terminal, event.direction = True, 1
         functions.append(event)
     found = solve_ivp(model.rate, (t, stop), y, "DOP853", events=functions or None, rtol=TOLERANCE, atol=TOLERANCE * 1e-3)
@@ -31,11 +46,11 @@ def by_scipy(model, t, y, stop):
 def by_cvode(model, t, y, stop):
     from sksundae.cvode import CVODE
 
-    count = len(model.watched(t, y))
+    watched, count = watch(model, t, y)
     options = {"rtol": TOLERANCE, "atol": TOLERANCE * 1e-3, "max_num_steps": 100_000}
     if count:
         def roots(t, y, out):
-            out[:] = model.watched(t, y)
+            out[:] = watched(t, y)
         roots.terminal, roots.direction = [True] * count, [1] * count
         options |= {"eventsfn": roots, "num_events": count}
 
@@ -47,7 +62,7 @@ def by_cvode(model, t, y, stop):
 
 def run(name, advance):
     """Rows of the output times, and events."""
-    model = Model(name)
+    model, begun = Model(name), time.process_time()
     t, y, rows = 0.0, model.start, []
     stops = sorted({float(x) for x in model.case.times()} | set(model.knots))
     outputs = {float(x) for x in model.case.times()}
@@ -56,8 +71,8 @@ def run(name, advance):
             t, y, hit = advance(model, t, y, stop)
             if hit:
                 y = model.switch(t, y)
-            if len(model.events) > MOST:
-                raise RuntimeError(f"more than {MOST} events up to {t} s")
+            if len(model.events) > MOST or time.process_time() - begun > SECONDS:
+                raise RuntimeError(f"{len(model.events)} events in {time.process_time() - begun:.0f} s up to {t} s")
         if stop in model.knots:
             y = model.switch(stop, y)
         if stop in outputs:
