@@ -18,10 +18,10 @@ import cases
 from machine import read
 from second import SIDES, Second, ball, float_of, mid
 
-AGREE = 1e-25  # largest difference from truth.csv, beside the largest value of the state
+AGREE = 1e-25  # largest difference from truth.csv, relative to the largest value of the state
 SAMPLES = 12  # of each flight, at which all inequalities are looked at
 SAMPLES_OF_CURVED = 4
-HOLDS = -1e-20  # least margin of an inequality, beside the size of the motion: events are found to 1e-60
+HOLDS = -1e-20  # least margin of an inequality: events are found to 1e-60
 NEAR = arb("1e-40")
 STEP = arb("1e-75")  # last step of Newton's method
 

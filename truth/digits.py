@@ -13,10 +13,10 @@ def digits(many):
     gmpy2.get_context().precision = 320 if many else 192
     choose = lambda fine, coarse: mpfr(fine if many else coarse)
     ORDER = 60 if many else 36
-    TAIL = choose("1e-66", "1e-36")  # last coefficients over a step, beside the motion's size
+    TAIL = choose("1e-66", "1e-36")  # last coefficients over a step, relative to the motion's size
     TINY = choose("1e-70", "1e-40")  # a value below it counts as zero
     NEAR = choose("1e-64", "1e-34")  # a touch within this distance is a touch; times within it are one instant
-    SLOW = choose("1e-42", "1e-20")  # closing speed, beside the largest speed, from which on a chatter is at rest
+    SLOW = choose("1e-42", "1e-20")  # closing speed, relative to the largest speed, from which on a chatter is at rest
     ROOT = choose("1e-92", "1e-54")  # last step of Newton's method
     SINGULAR = choose("1e-60", "1e-30")
     PI = gmpy2.const_pi()

@@ -21,7 +21,7 @@ class Signal:
     """constant + sum of amplitude sin(2 pi frequency t + phase) + pieces.
 
     Each list of pieces has rows (begin, value, end, value at the end): a straight line until `end`,
-    which is None if the value is constant from `begin` on. Before the first row the value is that of `before`.
+    None for a constant value. Before the first row the value is `before`.
     """
 
     constant: Fraction = ZERO
@@ -38,7 +38,7 @@ class Signal:
         return not self.harmonics and not self.pieces
 
     def piece(self, rows, before, time):
-        """(begin, value, slope) of the line that is active from `time` on."""
+        """(begin, value, slope) of the line that is active after `time`."""
         active = None
         for row in rows:
             if row[0] > time:
@@ -60,7 +60,7 @@ class Body:
     s: Fraction = ZERO
     v: Fraction = ZERO
     weight: Fraction = ZERO
-    # Of a prescribed body: position (constant and harmonics) with a constant rate, or rate, or acceleration.
+    # Motion of a prescribed body: its position with a constant rate, its rate, or its acceleration.
     position: Signal = None
     rate: Signal = None
     acceleration: Signal = None

@@ -1,7 +1,7 @@
 """Makes the tables of cases: python make.py [--pages] [CASE ...]; without names, of all; with --pages only their pages.
 
-`truth.csv` has the states at the output times, `events.csv` every event. Beside each value stands its magnification: the error
-of this value for an error of 1, relative to its size, of any state or the clock at the start, at one of eight earlier times, or, for an event, just before it.
+`truth.csv` has the states at the output times, `events.csv` every event. Each value has its magnification: the error of
+this value for an error of 1, relative to its size, of any state or the clock at the start, at one of eight earlier times, or, for an event, just before it.
 It is found by moving each of these numbers by 1e-15 and following the motion again in 57 digits.
 """
 

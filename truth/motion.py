@@ -211,7 +211,7 @@ class Motion:
         raise RuntimeError(f"no impact at {float(z.time)}")
 
     def settle(self, z, told, first=False):
-        """Impacts and the next mode; tells what changed."""
+        """Applies impacts and selects the next mode; appends the events to `told`."""
         before = dict(z.mode)
         self.impacts(z, told)
         z.mode = self.select(z)
@@ -304,7 +304,7 @@ class Motion:
         return states, events
 
     def sensitivity(self, z):
-        """Of each element at an event: (element, effect of each position and speed on the event's time)."""
+        """Effect of each position and speed on the time of an event, for each element that takes part."""
         zero = lambda at: self.watched(self.expand(at, z.mode, 3), z.mode)
         found = []
         for place, (name, _, p) in enumerate(zero(z)):

@@ -1,4 +1,4 @@
-"""What a host or a solver wrote for a case: its rows and its events, checked by row and column."""
+"""Rows and events that a host or a solver wrote for a case, checked by row and column."""
 
 import csv
 import difflib
@@ -71,7 +71,7 @@ def read_events(path):
 
 
 def events_of_rows(rows, times):
-    """Times at which a host wrote a row twice, or a row between the output times; None if there are none."""
+    """Times at which a host wrote a row twice, or a row between the output times; None without any."""
     step = times[1] - times[0]
     found, last = [], None
     for time, _ in rows:

@@ -7,7 +7,7 @@
 
 In a command, {fmu2} and {fmu3} are the archives of both versions, {machine} the file, {stop}, {step} and {steps} the output
 times, {output} the table to write, {names} the states with commas between them; {input:OPTION} is OPTION and the file of inputs if the case has inputs, and
-{variables:OPTION} is OPTION and a name for each state. With {folder} the host writes states.csv and events.csv there.
+{variables:OPTION} is OPTION and a name for each state. A host with {folder} writes states.csv and events.csv into it.
 
 The error of a state is divided by its magnification: the result is the relative error of the start that has the same effect.
 One rounding is 1.1e-16. A case passes if no such error and no event is off by more than --limit. The exit status is 1 if a

@@ -71,7 +71,7 @@ class Second:
         return total
 
     def activate(self, time):
-        """Chooses the lines of all signals from `time` on."""
+        """Chooses the lines of all signals after `time`."""
         signals = [l["signal"] for l in self.m.loads] + [s for b in self.m.bodies for s in (b.position, b.rate, b.acceleration) if s]
         signals += [s for e in self.m.elements for s in e.numbers.values() if isinstance(s, Signal)]
         self.active = {id(s): s.active(time) for s in signals}
@@ -182,10 +182,11 @@ class Second:
         return self.collocate(z, mode, dt)
 
     def collocate(self, z, mode, dt):
-        """Gauss's collocation of a flight of which `self.elapsed` has passed and `self.left` remains.
+        """Gauss's collocation of a part of a flight, `self.elapsed` after its begin and `self.left` before its end.
 
         At the edges of a contact with an exponent the motion has roots of the time since, or until, the edge. So the first half
-        of such a flight is followed in the square root of the elapsed time, the second half in that of the remaining time.
+        of such a flight is followed in the square root of the elapsed time, and the second half in the square root of the
+        remaining time.
         """
         if abs(dt) < arb("1e-30"):
             return [a + dt * b for a, b in zip(z, self.derivative(z, mode))] if abs(dt) > 0 else z

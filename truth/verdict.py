@@ -1,4 +1,4 @@
-"""The score of one result: largest error beside its magnification, missed and late events, and the reasons of a failure."""
+"""The score of one result: largest error divided by its magnification, missed and late events, reasons of a failure."""
 
 import bisect
 from dataclasses import dataclass, field
@@ -7,9 +7,9 @@ from decimal import Decimal
 import cases
 from results import BadResult, events_of_rows
 
-# A time of the host counts as an output time within this part of a step: some hosts print nine digits.
+# Fraction of a step within which a time is an output time: some hosts print nine digits.
 SAME_TIME = Decimal("1e-6")
-# Beside its magnification an error of chaos may be small and the state wrong: two digits must be left.
+# Largest error relative to the largest value. In chaos the magnification alone allows any error.
 DIGITS_LEFT = Decimal("0.01")
 
 
@@ -52,19 +52,19 @@ class Truth:
         ]
 
 
-def beside(values, side):
-    """Largest error of a row beside its magnification."""
+def magnified(values, side):
+    """Largest error of a row, divided by its magnification."""
     truth, magnification = side
     return max(abs(values[name] - truth[name]) / magnification[name] for name in truth)
 
 
 def digits_lost(values, side, sizes):
-    """Largest error of a row beside the largest value of its state."""
+    """Largest error of a row, relative to the largest value of its state."""
     return max(abs(values[name] - value) / sizes[name] for name, value in side[0].items())
 
 
 def state_errors(truth, result):
-    """Two errors of each output: beside the magnification, and beside the largest values.
+    """Two errors of each output: divided by the magnification, and relative to the largest value.
 
     The row of an output time is the last one there; at an event the nearer side counts.
     """
@@ -77,9 +77,9 @@ def state_errors(truth, result):
             errors.append((Decimal(0), Decimal(0)))  # some hosts write no row before their first step
             continue
         if low == high:
-            raise BadResult(f"there is no row at {time:f} s, output {k} of {len(truth.rows) - 1}; there are {len(times)} rows up to {times[-1] if times else 0:f} s")
+            raise BadResult(f"no row has the time {time:f} s, output {k} of {len(truth.rows) - 1}; the table has {len(times)} rows up to {times[-1] if times else 0:f} s")
         values = result.rows[high - 1][1]
-        errors.append(min((beside(values, side), digits_lost(values, side, truth.sizes)) for side in sides))
+        errors.append(min((magnified(values, side), digits_lost(values, side, truth.sizes)) for side in sides))
     return errors
 
 
@@ -87,7 +87,7 @@ def a_step_late(truth, result, limit):
     """Whether each row has the state of the output before it."""
     found = {time: values for time, values in result.rows}
     pairs = [(found.get(time), before) for (time, _), (_, before) in zip(truth.rows[1:], truth.rows)]
-    return all(values and min(beside(values, side) for side in sides) <= limit for values, sides in pairs)
+    return all(values and min(magnified(values, side) for side in sides) <= limit for values, sides in pairs)
 
 
 def instants(events):

@@ -18,7 +18,7 @@ from digits import real  # noqa: E402
 from machine import read  # noqa: E402
 from motion import Motion  # noqa: E402
 
-# Impacts at one instant and to rest, friction, a compliant law, inputs, samples, a freewheel: a second each.
+# Cases of a second each: impacts to rest, friction, a compliant law, inputs, samples.
 FEW = ("chatter_to_rest", "three_balls", "stick_slip", "elastogap", "input_ramps", "input_jumps", "sampled_control", "freewheel", "sliders")
 
 

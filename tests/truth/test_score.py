@@ -121,7 +121,7 @@ def test_bad_events_and_missing_rows_are_told(tmp_path, capsys):
     (tmp_path / "stick_slip.csv").write_text("time,block.s,block.v\n0,0,0\n")
     assert score.main(["--results", str(tmp_path), "--case", "stick_slip", "--case", "elastogap"]) == 1
     told = capsys.readouterr().out
-    assert "there is no row at 0.0625 s, output 1 of 64; there are 1 rows up to 0 s" in told
+    assert "no row has the time 0.0625 s, output 1 of 64; the table has 1 rows up to 0 s" in told
     assert "elastogap.csv: no such file" in told and "| passed | 0 of 2 |" in told
 
 

@@ -3,7 +3,7 @@
 `rate(t, y)` is y' in the present mode, `watched(t, y)` the functions whose rise through zero ends the mode, and `switch(t, y)`
 applies impacts and chooses the next mode, one contact after the other. This is a plain method of a solver's author: it does not
 find which of several contacts change together, and takes slow bounces for rest. The score shows where this matters.
-Not supported: freewheels, sliders, springs by points, sampled blocks; `Unsupported` says so.
+Not supported: freewheels, sliders, springs by points, sampled blocks (error `Unsupported`).
 """
 
 import sys
@@ -72,7 +72,7 @@ class Model:
         self.start = self.switch(0.0, np.array(y), first=True)
 
     def activate(self, t):
-        """Takes the lines of all signals from the knot t on."""
+        """Takes the lines of all signals after the knot t."""
         exact = next((k for k in self.m.knots(self.case.stop) if float(k) == t), Fraction(t))
         Value.now = exact
 
