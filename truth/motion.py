@@ -195,7 +195,7 @@ class Motion:
                 solve = self.gram([parts[c] for c in chosen])
                 if solve is None:
                     continue
-                P = [sum(g * (1 + back[d]) * u[d] for g, d in zip(row, chosen)) for row in solve]
+                P = [sum(g * (1 + back[c]) * u[c] for g, c in zip(row, chosen)) for row in solve]
                 if min(P) < -d.TINY:
                     continue
                 v = list(z.v)

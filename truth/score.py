@@ -35,12 +35,17 @@ def scores(run, chosen, limit):
             yield Score(name, reasons=[str(error)])
 
 
+def brief(error):
+    """An error in one digit; below a tenth of a rounding it is 0."""
+    return f"{error:.0e}" if error > 1e-17 else "0"
+
+
 def cell(score):
     if score.error is None:
         return "**no result**"
-    shown = f"{score.error:.0e}" if score.error else "0"
+    shown = brief(score.error)
     if score.missed is not None:
-        shown += f", {score.missed} missed" if score.missed else f", {score.late:.0e}"
+        shown += f", {score.missed} missed" if score.missed else f", {brief(score.late)}"
     return shown if score.passed else f"**{shown}**"
 
 

@@ -1,7 +1,7 @@
 """The second program: the motion of a case found again from the kinds of its events. See check.py."""
 
-import functools
 import math
+from fractions import Fraction
 
 from flint import arb, arb_mat, ctx, fmpq
 
@@ -15,7 +15,6 @@ SETTLED = 1e-55  # change of the last iteration of a step of collocation
 SIDES = {"up": 1, "down": -1}
 
 
-@functools.cache
 def ball(x):
     return arb(fmpq(x.numerator, x.denominator))
 
@@ -44,6 +43,12 @@ class Second:
         self.size = at + 2 + 2 * len(self.frequencies)
         self.curved = any(key in e.numbers for e in machine.elements
                           for key in ("cubic", "quadratic", "exponent", "dissipation", "stribeck"))
+        plain = lambda e: {k: ball(v) for k, v in e.numbers.items() if isinstance(v, Fraction)}
+        self.numbers = {e.name: plain(e) for e in machine.elements}
+        self.weights = [ball(b.weight) for b in machine.bodies]
+        self.turned = {id(s): [self.turn(*h) for h in s.harmonics] for s in signals}
+        self.constants = {id(s): ball(s.constant) for s in signals}
+        ctx.prec = 260 if self.curved else 400
         self.arms = {e.name: [(i, ball(a)) for i, a in e.arms] for e in machine.elements}
         self.length, self.elapsed, self.left = 1e-3, arb(0), arb(1)
         self.blocks = {b["name"]: [arb(0)] * b["states"] for b in machine.blocks}
@@ -52,29 +57,32 @@ class Second:
 
     def waves(self, signal, z, order):
         total = arb(0)
-        for amplitude, frequency, phase in signal.harmonics:
-            c, s = (z[i] for i in self.wave[frequency])
-            w, p = 2 * PI * ball(frequency), ball(phase)
-            turned = (s * p.cos() + c * p.sin(), c * p.cos() - s * p.sin())
-            total += ball(amplitude) * (turned[0], w * turned[1], -w * w * turned[0])[order]
+        for (i, j), w, by_cos, by_sin in self.turned[id(signal)]:
+            up = z[j] * by_cos + z[i] * by_sin
+            total += (up, w * (z[i] * by_cos - z[j] * by_sin), -w * w * up)[order] if order else up
         return total
+
+    def turn(self, amplitude, frequency, phase):
+        """Places of cosine and sine, angular frequency, and the amplitude's parts for a harmonic."""
+        a, p = ball(amplitude), ball(phase)
+        return self.wave[frequency], 2 * PI * ball(frequency), a * p.cos(), a * p.sin()
 
     def signal(self, signal, z, order=0):
         total = self.waves(signal, z, order)
         if order == 0:
-            total += ball(signal.constant) * z[self.one]
+            total += self.constants[id(signal)] * z[self.one]
         for begin, value, slope in self.active[id(signal)]:
             if order == 0:
-                total += ball(value) * z[self.one] + ball(slope) * (z[self.t] - ball(begin) * z[self.one])
+                total += value * z[self.one] + slope * (z[self.t] - begin * z[self.one])
             else:
-                total += ball(slope) * z[self.one]
+                total += slope * z[self.one]
         return total
 
     def activate(self, time):
         """Chooses the lines of all signals after `time`."""
         signals = [l["signal"] for l in self.m.loads] + [s for b in self.m.bodies for s in (b.position, b.rate, b.acceleration) if s]
         signals += [s for e in self.m.elements for s in e.numbers.values() if isinstance(s, Signal)]
-        self.active = {id(s): s.active(time) for s in signals}
+        self.active = {id(s): [tuple(map(ball, line)) for line in s.active(time)] for s in signals}
         self.flows = {}
 
     # Forces
@@ -86,7 +94,7 @@ class Second:
         return sum((a * z[self.n + i] for i, a in self.arms[el.name]), arb(0))
 
     def number(self, el, key, default=0):
-        return ball(el.numbers[key]) if key in el.numbers else arb(default)
+        return self.numbers[el.name].get(key, arb(default))
 
     def level(self, el, z, key="force"):
         return self.signal(el.numbers.get(key, el.numbers["force"]), z)
@@ -127,7 +135,7 @@ class Second:
         acc = []
         for i, b in enumerate(self.m.bodies):
             if b.mass is not None:
-                acc.append(ball(b.weight) * z[self.one])
+                acc.append(self.weights[i] * z[self.one])
             elif b.acceleration:
                 acc.append(self.signal(b.acceleration, z))
             elif b.rate:
@@ -206,7 +214,7 @@ class Second:
         return z
 
     def pieces(self, f, z, a, b):
-        """From a to b in equal steps; half the length until both agree. The length is kept for the next flight."""
+        """From a to b in equal steps; half the length until both agree. The next flight begins with the length that just agrees."""
         span = float_of(abs(b - a))
         count, last = max(1, math.ceil(span / self.length)), None
         for _ in range(12):
@@ -216,10 +224,12 @@ class Second:
                 now = gauss_step(f, now, a + k * h, h)
                 if now is None:
                     break
-            agree = now and last and all(abs(float_of(p - q)) < AGREE * (1 + abs(float_of(p))) for p, q in zip(now, last))
-            if agree:
-                self.length = max(self.length, span / count) if count < 4 else 2 * span / count
-                return now
+            if now and last:
+                off = max(abs(float_of(p - q)) / (1 + abs(float_of(p))) for p, q in zip(now, last))
+                if off < AGREE:
+                    allowed = (AGREE / max(off, AGREE**2)) ** (0.5 / STAGES)
+                    self.length = 0.8 * min(allowed, 4.0) * 2 * span / count
+                    return now
             last, count = now, 2 * count
         raise RuntimeError("collocation does not settle")
 

@@ -44,6 +44,8 @@ fn second_method_fmpy_passes_every_case_but_the_one_for_held_inputs() {
         }
     }
     println!("{}", run("scoring FMPy", &mut score));
+    let mut masters = pytest(python(), "tests/truth/test_fmi3.py");
+    println!("{}", run("right and broken masters", masters.env("TRUTH_ARCHIVES", &archives)));
     let mut held = command(python());
     held.args(["truth/score.py", "fmpy", "--way", ways[0], "--case", HELD, "--archives"]).arg(&archives);
     let output = held.output().expect("Python runs");

@@ -32,18 +32,21 @@ class Value:
 
     def __init__(self, signal):
         self.signal = signal
+        self.constant = float(signal.constant)
         self.waves = [tuple(map(float, h)) for h in signal.harmonics]
+        self.activate(Fraction(0))
+
+    def activate(self, time):
+        self.lines = [tuple(map(float, line)) for line in self.signal.active(time)]
 
     def __call__(self, t, order=0):
-        total = float(self.signal.constant) if order == 0 else 0.0
+        total = self.constant if order == 0 else 0.0
         for amplitude, frequency, phase in self.waves:
             w = 2 * pi * frequency
             total += amplitude * w**order * (sin, cos, lambda x: -sin(x))[order](w * t + phase)
-        for begin, value, slope in self.signal.active(self.now):
-            total += float(value) + float(slope) * (t - float(begin)) if order == 0 else float(slope) if order == 1 else 0.0
+        for begin, value, slope in self.lines:
+            total += value + slope * (t - begin) if order == 0 else slope if order == 1 else 0.0
         return total
-
-    now = Fraction(0)
 
 
 class Model:
@@ -56,13 +59,16 @@ class Model:
         for e in self.m.elements:
             if e.kind == "freewheel" or {"slip", "points"} & set(e.numbers) or e.numbers.get("law"):
                 raise Unsupported(f"{e.kind} with {', '.join(e.numbers) or 'no numbers'}")
+        self.weights = np.array([float(b.weight) for b in self.m.bodies])
         self.inverse = np.array([0.0 if b.mass is None else 1 / float(b.mass) for b in self.m.bodies])
         self.w = {e.name: np.array([float(dict(e.arms).get(i, 0)) for i in range(n)]) for e in self.m.elements}
         self.numbers = {e.name: {k: float(v) for k, v in e.numbers.items() if isinstance(v, Fraction)} for e in self.m.elements}
         self.signals = {(e.name, k): Value(v) for e in self.m.elements for k, v in e.numbers.items() if isinstance(v, Signal)}
         self.loads = [(load["on"], Value(load["signal"])) for load in self.m.loads]
         self.given = [(i, b, Value(b.position or b.rate or b.acceleration)) for i, b in enumerate(self.m.bodies) if b.mass is None]
-        self.knots = [float(t) for t in self.m.knots(self.case.stop)]
+        self.values = [*self.signals.values(), *(v for _, v in self.loads), *(v for _, _, v in self.given)]
+        self.exact = {float(t): t for t in self.m.knots(self.case.stop)}
+        self.knots = sorted(self.exact)
         y = [float(b.s) for b in self.m.bodies] + [float(b.v) for b in self.m.bodies]
         for i, b, value in self.given:
             y[i] += value(0) if b.position else 0.0
@@ -73,8 +79,10 @@ class Model:
 
     def activate(self, t):
         """Takes the lines of all signals after the knot t."""
-        exact = next((k for k in self.m.knots(self.case.stop) if float(k) == t), Fraction(t))
-        Value.now = exact
+        exact = self.exact.get(t)
+        if exact is not None:
+            for value in self.values:
+                value.activate(exact)
 
     # Forces
 
@@ -97,7 +105,7 @@ class Model:
         return [e for e in self.m.elements if self.mode[e.name] in ("closed", "stuck")]
 
     def accelerations(self, t, y):
-        a = np.array([float(b.weight) for b in self.m.bodies])
+        a = self.weights.copy()
         for i, value in self.loads:
             a[i] += value(t) * self.inverse[i]
         for i, b, value in self.given:
@@ -143,7 +151,7 @@ class Model:
         return self.signals[e.name, "stiffness"](t) * x + self.numbers[e.name].get("damping", 0) * v
 
     def tell(self, t, kind, e):
-        self.events.append((t, kind, f"{e.kind}.{e.name}"))
+        self.events.append((float(t), kind, f"{e.kind}.{e.name}"))
 
     def switch(self, t, y, first=False):
         """State and mode after an instant."""
@@ -190,7 +198,8 @@ class Model:
         x, v = self.w[e.name] @ y[: self.n], self.w[e.name] @ y[self.n :]
         if e.kind == "stop" and "restitution" not in self.numbers[e.name]:
             gap = self.numbers[e.name]["gap"]
-            pulls = self.numbers[e.name].get("damping") and self.raw(e, t, y) < 0
+            edge = TOUCH * self.signals[e.name, "stiffness"](t) if v < 0 else 0.0
+            pulls = self.numbers[e.name].get("damping") and self.raw(e, t, y) < edge
             inside = x > gap + TOUCH or abs(x - gap) <= TOUCH and v > 0
             self.mode[e.name] = "pressed" if inside and not pulls else "open"
         elif e.kind == "friction":

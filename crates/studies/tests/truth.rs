@@ -45,7 +45,8 @@ impl Driven {
         let rows = if file.exists() { table(&file) } else { Vec::new() };
         let inputs = rows.iter().skip(1).map(|row| [number(&row[0]), number(&row[1])]).collect();
         let mut events = Vec::new();
-        let motion = Motion::new_observed(assembly, &mut |event| events.push(event.clone())).expect("a start");
+        let motion =
+            Motion::new_observed(assembly, &mut |event| events.push(event.clone())).expect("a start");
         let mut driven = Self { motion, inputs, events };
         driven.set_input();
         driven
