@@ -54,6 +54,18 @@ class Magnification:
                     if abs(row[0] - time) < NEAR_TIME and row[2].endswith(f".{name}"):
                         self.of_events[k] = max(self.of_events[k], local)
 
+    def at_jumps(self):
+        """Replaces the magnifications at events by the largest ones of the outputs around.
+
+        A motion that has not yet come to its event differs from one that has by the jump, whatever the error.
+        """
+        single = [k for k, (_, left, _) in enumerate(self.states) if left is None]
+        for k, (_, left, _) in enumerate(self.states):
+            if left is not None:
+                around = [max((j for j in single if j < k), default=None), min((j for j in single if j > k), default=None)]
+                rows = [self.of_states[j][1] for j in around if j is not None]
+                self.of_states[k] = [list(map(max, *rows, rows[0])) for _ in range(2)]
+
     def values(self, z):
         return [z.s[i] for i in self.free] + [z.v[i] for i in self.free]
 
@@ -126,6 +138,7 @@ def make(name):
     for k in [k for k in range(0, len(states) - 1, every) if states[k][1] is None]:
         found.from_start(k)
     digits(True)
+    found.at_jumps()
     write_truth(case, machine, states, found)
     write_events(case, motion, states, events, found)
     print(f"{name}: {len(events)} events, {clock.time() - begun:.1f} s", flush=True)

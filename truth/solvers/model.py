@@ -20,6 +20,7 @@ from machine import Signal, read  # noqa: E402
 
 REST = 1e-7  # closing speed in m/s below which a bounce counts as rest
 TOUCH = 1e-9  # distance in m within which a stop counts as touching
+NO_FORCE = 1e-9  # force in N below which a closed stop opens
 STILL = 1e-9  # sliding speed in m/s that counts as zero
 
 
@@ -166,12 +167,15 @@ class Model:
             self.choose(e, t, y)
         for _ in self.m.elements:
             for e in self.held():
-                if self.mode[e.name] == "closed" and self.accelerations(t, y)[1][e.name] < 0:
+                if self.mode[e.name] == "closed" and self.accelerations(t, y)[1][e.name] < NO_FORCE:
                     self.mode[e.name] = "open"
         kinds = {"closed": "close", "open": "open", "stuck": "stick", "up": "slip", "down": "slip", "pressed": "press", "off": "level"}
         for e in self.m.elements:
             if self.mode[e.name] != before[e.name] and not first:
                 rigid = "restitution" in self.numbers[e.name]
+                if before[e.name] == "off":
+                    self.tell(t, "level", e)
+                    continue
                 self.tell(t, "free" if e.kind == "stop" and not rigid and self.mode[e.name] == "open" else kinds[self.mode[e.name]], e)
         return y
 
@@ -182,8 +186,8 @@ class Model:
             touching = [e for e in rigid if abs(self.w[e.name] @ y[: self.n] - self.numbers[e.name]["gap"]) < TOUCH]
             closing = [e for e in touching if self.w[e.name] @ v > REST]
             for e in touching:
-                if e not in closing and abs(self.w[e.name] @ v) <= REST:
-                    self.mode[e.name] = "closed"
+                if e not in closing:
+                    self.mode[e.name] = "closed" if abs(self.w[e.name] @ v) <= REST else "open"
             if not closing:
                 return
             e = max(closing, key=lambda e: self.w[e.name] @ v)

