@@ -31,7 +31,9 @@ const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "
 const BY_HAND: &str = "\n## Memory and random input, by hand";
 
 /// Shell commands and the tests that run them.
-const COVERED: [(&str, &str); 14] = [
+const COVERED: [(&str, &str); 16] = [
+    ("python3 truth/build.py", "fmu-build/tests/truth.rs packs the same machines"),
+    ("python3 truth/score.py fmpy", "fmu-build/tests/truth.rs, run by .ci/run"),
     ("python3 docs/site/build.py", "fmu-build/tests/site.rs, run by .ci/run"),
     ("pip install ./python", "fmu-build/tests/examples.rs does the same by way of a wheel"),
     ("pip install \"./python[plot]\"", "the same, and tests/python/requirements.txt has matplotlib"),

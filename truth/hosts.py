@@ -1,0 +1,107 @@
+"""Ways to run a case: fmpy, any command line, a folder of results."""
+
+import shlex
+import subprocess
+from decimal import Decimal
+from pathlib import Path
+
+import cases
+from machine import read_inputs
+from results import BadResult, Result, read_events, read_rows
+
+TARGET = Path(__file__).resolve().parent.parent / "target" / "truth"
+TOLERANCE = 1e-10
+
+# fmpy: title, version of FMI, options.
+FMPY = {
+    "FMI 2.0 CS": (2, {"fmi_type": "CoSimulation"}),
+    "FMI 3.0 CS": (3, {"fmi_type": "CoSimulation"}),
+    "FMI 3.0 CS, event mode and early return": (3, {"fmi_type": "CoSimulation", "use_event_mode": True, "early_return_allowed": True}),
+    "FMI 2.0 ME, CVode": (2, {"fmi_type": "ModelExchange", "relative_tolerance": TOLERANCE}),
+    "FMI 3.0 ME, CVode": (3, {"fmi_type": "ModelExchange", "relative_tolerance": TOLERANCE}),
+}
+
+
+def archive(case, version, folder=TARGET):
+    name = "".join(word.capitalize() for word in case.name.split("_"))
+    path = Path(folder) / (f"{name}.fmu" if version == 2 else f"{name}-FMI3.fmu")
+    if not path.exists():
+        raise BadResult(f"{path}: no such file; make it by `python truth/build.py`")
+    return path
+
+
+def by_fmpy(way, folder=TARGET):
+    version, options = FMPY[way]
+
+    def run(case, names):
+        import fmpy
+        import numpy
+
+        fmu = str(archive(case, version, folder))
+        inputs, signals = read_inputs(case.folder / "input.csv"), None
+        if inputs:
+            table = next(iter(inputs.values()))[0]
+            columns = [("time", float)] + [(name, float) for name in inputs]
+            signals = numpy.array([(row[0], *(rows[k][1] for rows, _ in inputs.values())) for k, row in enumerate(table)], dtype=columns)
+        try:
+            found = fmpy.simulate_fmu(fmu, stop_time=float(case.stop), output_interval=float(case.step),
+                                      output=names, input=signals, **options)
+        except Exception as error:  # whatever the host raises is its result
+            raise BadResult(f"fmpy ends with {type(error).__name__}: {error}") from error
+        rows = [(Decimal(repr(float(row["time"]))), {n: finite(row[n], n, k) for n in names}) for k, row in enumerate(found)]
+        return Result(rows)
+    return run
+
+
+def finite(value, name, row):
+    value = Decimal(repr(float(value)))
+    if not value.is_finite():
+        raise BadResult(f"row {row}, column `{name}` is {value}: expected a finite number")
+    return value
+
+
+def filled(template, case, names, output, folder=TARGET):
+    """The words of a command. `{input:WORD}` becomes WORD and the file of inputs, or nothing if the case has none."""
+    words = []
+    given = case.folder / "input.csv"
+    values = {"machine": case.folder / "machine.toml", "step": repr(float(case.step)), "stop": repr(float(case.stop)),
+              "steps": case.steps, "output": output, "folder": output.parent / case.name, "names": ",".join(names)}
+    if given.exists() and "{input:" not in template:
+        raise BadResult("this case has inputs, and the command has no {input:OPTION} for their file")
+    for word in shlex.split(template):
+        if word.startswith("{input:"):
+            words += [word[7:-1], str(given)] if given.exists() else []
+        elif word.startswith("{variables:"):
+            words += [w for name in names for w in (word[11:-1], name)]
+        else:
+            if "{fmu" in word:
+                values |= {"fmu": archive(case, 2, folder) if "{fmu}" in word or "{fmu2}" in word else archive(case, 3, folder)}
+                word = word.replace("{fmu2}", "{fmu}").replace("{fmu3}", "{fmu}")
+            words.append(word.format(**values))
+    return words
+
+
+def by_command(template, archives=TARGET, timeout=600):
+    def run(case, names):
+        output = TARGET / "run" / f"{case.name}.csv"
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.unlink(missing_ok=True)
+        words = filled(template, case, names, output, archives)
+        done = subprocess.run(words, capture_output=True, text=True, timeout=timeout)
+        if done.returncode:
+            last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
+            raise BadResult(f"{words[0]} ends with status {done.returncode}: {last}")
+        folder = output.parent / case.name
+        if "{folder}" in template:
+            return Result(read_rows(folder / "states.csv", names), read_events(folder / "events.csv"))
+        return Result(read_rows(output, names))
+    return run
+
+
+def by_folder(folder):
+    folder = Path(folder)
+
+    def run(case, names):
+        events = folder / f"{case.name}.events.csv"
+        return Result(read_rows(folder / f"{case.name}.csv", names), read_events(events) if events.exists() else None)
+    return run
