@@ -432,6 +432,7 @@ impl Motion {
     }
 
     /// The machine.
+    #[expect(clippy::misnamed_getters, reason = "users see the machine without the rows of a mode")]
     pub fn assembly(&self) -> &Arc<Assembly> {
         &self.base
     }
