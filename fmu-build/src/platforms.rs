@@ -33,7 +33,8 @@ const fn platform(
 
 const GLIBC: Option<&str> = Some("2.17");
 
-/// All platforms of a release; platforms that cannot be built on this machine are left out.
+/// All platforms of a release. An archive leaves out platforms that cannot be built on this
+/// machine.
 pub const PLATFORMS: [Platform; 7] = [
     platform(PACKED_PLATFORMS[0], &["x86_64-unknown-linux-gnu"], GLIBC),
     platform(PACKED_PLATFORMS[1], &["x86_64-pc-windows-gnu"], None),

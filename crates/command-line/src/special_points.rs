@@ -90,7 +90,8 @@ impl FromStr for Selection {
 }
 
 impl Selection {
-    /// The chosen points of the table over a parameter. `number` reads a value of the parameter.
+    /// The chosen points. `along` is the parameter that the table must have, and `number` reads a
+    /// value of this parameter.
     ///
     /// # Errors
     /// [`Error::Config`] if the file is not such a table, if the table does not have the row, if
@@ -174,7 +175,8 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Tolerance of a value that is given as text: half of the text's last digit, in SI.
+/// Tolerance of a value that is given as text: [`LAST_DIGIT`] units of the text's last digit, in
+/// SI.
 fn last_digit(text: &str, value: f64) -> f64 {
     let mantissa = text.trim().trim_start_matches(['+', '-']);
     let plain: String = mantissa.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();

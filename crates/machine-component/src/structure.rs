@@ -1,9 +1,9 @@
 //! The dependencies of `ModelStructure` (FMI 2.0, 2.2.8; FMI 3.0.2, 2.4.8). The dependencies
 //! follow from the machine's topology and never from its numbers, which a host may change.
 //!
-//! Between events every coordinate, elongation and force, except of curved springs, is linear in
-//! states and inputs, with factors that depend on the mode. Bodies that links, rigid stops or
-//! friction may hold together form a group: a force on one of them accelerates all.
+//! Between events every coordinate, elongation and force is linear in states and inputs, with
+//! factors that depend on the mode; curved forces are the exception. Bodies that links, rigid
+//! stops or friction may hold together form a group: a force on one of them accelerates all.
 
 mod blocks;
 mod energy;
@@ -229,7 +229,7 @@ impl<'a> Structure<'a> {
             Action::Rubbing => {
                 let mut knowns = self.holding(element);
                 join(&mut knowns, &self.signals(element), Discrete);
-                // Friction that depends on the rate is not linear in any of them.
+                // Friction that depends on the rate is not linear in any of its knowns.
                 if element.rubs_by_rate() {
                     knowns.values_mut().for_each(|kind| *kind = Dependent);
                 }

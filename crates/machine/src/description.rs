@@ -201,7 +201,7 @@ pub struct Spring {
     pub arms: Arms,
     /// Stiffness, N/m or N m/rad; not negative.
     pub stiffness: f64,
-    /// Piecewise constant stiffness over time, by constant and steps or by a held record;
+    /// Piecewise constant stiffness over time, given by a constant and steps or by a held record;
     /// `stiffness` is then 0.
     pub stepped: Option<Signal>,
     /// Damping, N s/m or N m s/rad; not negative.
@@ -245,8 +245,8 @@ impl Spring {
         }
     }
 
-    /// Stiffness and damping that act along e, with a power whose exponent is 1. A spring across the
-    /// motion has them in its [formula](Self::formula).
+    /// Stiffness and damping along e, including the coefficient of a power whose exponent is 1.
+    /// For a spring across the motion both are 0: its [formula](Self::formula) contains them.
     pub(crate) fn along(&self) -> [f64; 2] {
         let stiffness = self.stiffness + OddPower::straight(self.power);
         if self.across.is_some() { [0.0; 2] } else { [stiffness, self.damping] }
@@ -263,7 +263,7 @@ pub struct Across {
     pub free_length: f64,
 }
 
-/// The force of a spring across the motion, by its sine e/L.
+/// The force of a spring across the motion, written with the sine e/L of its angle.
 const ACROSS: &str = "k * e - k * l * (e / sqrt(a^2 + e^2)) + c * (e / sqrt(a^2 + e^2))^2 * rate";
 
 impl Across {
@@ -308,8 +308,8 @@ pub struct ForcePoint {
 }
 
 /// A dashpot without a spring. Its force f = damping · e' + quadratic · e' |e'| + cubic · e'³
-/// resists e'; [`power`](Self::power) adds another power, [`force`](Self::force) a formula. No
-/// force depends on its elongation, so that a motion may be periodic while e grows.
+/// resists e'; [`power`](Self::power) adds another power, [`force`](Self::force) a formula. The
+/// force does not depend on e, so that a motion may be periodic while e grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name, unique among the elements.
@@ -334,7 +334,7 @@ impl Damper {
         self.quadratic.is_some() || self.cubic.is_some() || self.power.is_some() || self.force.is_some()
     }
 
-    /// The linear damping, with a power whose exponent is 1.
+    /// The linear damping, including the coefficient of a power whose exponent is 1.
     pub(crate) fn along(&self) -> f64 {
         self.damping + OddPower::straight(self.power)
     }
@@ -384,8 +384,8 @@ pub enum StopLaw {
     },
     /// A spring and a dashpot act while e is beyond the gap.
     Compliant {
-        /// Stiffness, N/m or N m/rad; not negative. It is infinite for a stop on nodes with
-        /// residual flexibility that is rigid itself.
+        /// Stiffness, N/m or N m/rad; not negative. It is infinite for a rigid stop on nodes with
+        /// residual flexibility.
         stiffness: f64,
         /// Damping, N s/m or N m s/rad; not negative.
         damping: f64,
@@ -454,8 +454,8 @@ pub struct Friction {
     pub viscous: Option<f64>,
 }
 
-/// Stribeck's curve: the level of a friction while it slips is `force` + (`static_force` - `force`)
-/// exp(-(|e'|/speed)ᵖ) with the exponent p.
+/// Stribeck's curve: the level of a friction while it slips is `force` + (`static_force` -
+/// `force`) exp(-(|e'|/speed)ᵖ) with the exponent p.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stribeck {
     /// Speed, m/s or rad/s; positive.

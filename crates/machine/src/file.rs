@@ -70,7 +70,6 @@ use std::path::Path;
 /// Reads the text of a record. The path is as in the machine's file: relative, and not above its
 /// folder.
 ///
-///
 /// A program can keep records in memory:
 ///
 /// ```
@@ -120,8 +119,8 @@ pub fn read(path: &Path) -> Result<Description, Refusal> {
     read_by(path, check)
 }
 
-/// Reads a file like [`read`], for numbers that change before the machine is used. Conditions on
-/// several numbers are not checked, such as a start within the gaps of rigid stops;
+/// Reads a file like [`read`], for a machine whose numbers are changed before it is used.
+/// Conditions on several numbers, such as a start within the gaps of rigid stops, are not checked;
 /// [`Description::with`] checks them.
 ///
 /// # Errors

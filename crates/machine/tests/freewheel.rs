@@ -14,7 +14,7 @@ use vibro_machine::mode::StopState;
 use vibro_machine::motion::{Event, EventKind, Reached};
 use vibro_machine::{Assembly, Description, Differentiated, Error, Motion, Quantity, What};
 
-/// Some hundred roundings of numbers of order one.
+/// A few thousand rounding errors of numbers of order one.
 const ROUNDING: f64 = 1e-12;
 
 #[track_caller]
@@ -131,8 +131,8 @@ fn closed_form_a_start_with_a_rate_that_is_taken_away() {
 }
 
 /// Body a hits a wall with ε, and the freewheel between a and b must not obtain a positive rate.
-/// If wall and freewheel act in turns, the velocities after each turn are the velocities of the
-/// projection.
+/// If wall and freewheel act in turns, the velocities converge to the velocities of the
+/// simulation.
 #[test]
 fn closed_form_a_wall_and_two_bodies_is_the_limit_of_impacts_in_turns() {
     let text = r#"
@@ -316,8 +316,8 @@ fn second_method_a_freewheel_is_the_limit_of_a_dashpot_that_acts_one_way() {
     assert!(errors[0] < 2e-2 && errors[1] < 0.15 * errors[0] && errors[2] < 0.15 * errors[1], "{errors:?}");
 }
 
-/// Derivatives with respect to all parameters and starts, through smooth ends, chatter and impacts
-/// with freewheels.
+/// Derivatives with respect to all parameters and starts. The motions have freewheels that
+/// disengage smoothly, chatter, and impacts that act on freewheels.
 #[test]
 fn second_method_derivatives_are_differences_and_gradients_are_columns() {
     const DIFFERENCE: f64 = 1e-6;

@@ -79,7 +79,7 @@ fn closed_form_a_spring_that_falls_is_reached_up_to_its_peak() {
     let (spring, factor) = gives_way(&loaded(1, vec![lines("snap", &[(0, 1.0)], &SNAPS)], &[4.0]));
     assert_eq!(spring, "snap");
     assert!((factor - 0.75).abs() < ROUNDING, "{factor}");
-    // On the falling line from the start on, at 0 of the loads.
+    // The machine starts on the falling line, so that the spring gives way at the factor 0.
     let hump = [(-0.2, -3.0), (-0.1, 1.0), (0.1, -1.0), (0.2, 3.0)];
     let (spring, factor) = gives_way(&loaded(1, vec![lines("hump", &[(0, 1.0)], &hump)], &[0.1]));
     assert_eq!((spring.as_str(), factor), ("hump", 0.0));
@@ -94,7 +94,8 @@ fn closed_form_a_spring_that_falls_is_reached_up_to_its_peak() {
     );
 }
 
-/// Next to a spring stiffer than the falling line, the sum rises, and rest is followed through.
+/// In parallel with a spring stiffer than the falling line, the total force rises everywhere, so
+/// that the state of rest is found on the falling line too.
 #[test]
 fn closed_form_a_falling_spring_beside_a_stiffer_one_is_followed_through() {
     let beside = |force: f64| {
@@ -108,7 +109,7 @@ fn closed_form_a_falling_spring_beside_a_stiffer_one_is_followed_through() {
         let found = places(&beside(force));
         assert!((found[0] - place).abs() < ROUNDING, "{force}: {found:?} {place}");
     }
-    // In series, the stiffer spring makes it snap at the peak; a stop next to it does not help.
+    // In series, the stiffer spring does not help: the other spring gives way at its peak.
     let springs = vec![
         Spring { name: "mount".into(), ..spring(&[(0, 1.0)], 400.0, 0.0) },
         lines("snap", &[(0, -1.0), (1, 1.0)], &SNAPS),
@@ -116,7 +117,7 @@ fn closed_form_a_falling_spring_beside_a_stiffer_one_is_followed_through() {
     let mut d = loaded(2, springs, &[0.0, 6.0]);
     assert_eq!(gives_way(&d).0, "snap");
     assert!((gives_way(&d).1 - 0.5).abs() < ROUNDING);
-    // A stop that closes earlier carries the rest.
+    // A stop that closes earlier carries the remaining load.
     d.stops = vec![rigid("stop", &[(1, 1.0)], 0.01, 0.5)];
     let found = places(&d);
     let first = 300.0 * 0.01 / 700.0;

@@ -16,7 +16,7 @@ use vibro_studies::{Machine, Section};
 
 /// Largest number of returns tried as a period if no period is given.
 const MOST_RETURNS: u32 = 6;
-/// Number of returns of each motion; each starts a search for an orbit.
+/// Number of returns of each motion; a search for an orbit starts at each return.
 const WINDOWS: u32 = 40;
 /// Ratio of the box of random starts to the box of the motion from the given start.
 const WIDER: f64 = 1.5;
@@ -54,8 +54,8 @@ pub struct WordSearch {
 }
 
 impl WordSearch {
-    /// Cap on the returns; each starts a search for an orbit, which asks first whether to
-    /// continue.
+    /// Cap on the returns of all motions. A search for an orbit starts at each return and first
+    /// asks whether to continue.
     pub fn most_returns(&self) -> usize {
         WINDOWS as usize * (1 + self.starts as usize)
     }

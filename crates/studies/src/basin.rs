@@ -85,7 +85,7 @@ pub trait BasinAttractor: Plain {
 pub struct Basins<A> {
     /// The attractors, numbered by their first cell.
     pub attractors: Vec<A>,
-    /// Cells, row by row of constant y from the lowest.
+    /// Cells, in rows of constant y, beginning with the lowest y.
     pub cells: Vec<BasinCell>,
     /// Reason why the first ended motion ended.
     pub ended: Option<String>,
@@ -217,9 +217,9 @@ impl<A: BasinAttractor> Basins<A> {
         [BasinCell::Attractor(number), BasinCell::Mirror(number)].map(|cell| self.share(cell))
     }
 
-    /// Returns the cell of a motion, whose attractor joins its means to a known attractor or is
-    /// added. `None` if the relation to known attractors is undecided, and for a new one unless
-    /// `sure`.
+    /// Returns the cell of a motion that reaches the attractor `found`. If the attractor is known,
+    /// it pools the means of both; otherwise `found` is added. `None` if the relation to a known
+    /// attractor is undecided, or if the attractor is new and `sure` is false.
     pub(crate) fn reached(&mut self, found: A, sure: bool) -> Result<Option<BasinCell>> {
         let mut undecided = false;
         // Attractor numbers cannot exceed `u16::MAX`.

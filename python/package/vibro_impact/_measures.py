@@ -77,7 +77,7 @@ def unsettled(names: list[str], row: Row) -> Optional[str]:
 
 @contextlib.contextmanager
 def keeping(made: Callable[[int, Any], Any]) -> Iterator[None]:
-    """Adds the results found before a KeyboardInterrupt to it as `partial`: a list with an entry for each motion, None for an unfinished one."""
+    """Attaches the results so far to a KeyboardInterrupt as `partial`: a list with an entry for each motion, None for an unfinished one."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
@@ -100,7 +100,7 @@ class PaperSpectrum(Result):
     running: Floats
     "Running exponents after each drive period, in the order of the directions, shape (periods, 7), 1/s."
     impacts: int
-    "Number of impacts in these periods."
+    "Number of impacts in the periods of ``running``."
     rests: bool
     "Whether the block rested."
 

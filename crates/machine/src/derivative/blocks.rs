@@ -83,7 +83,8 @@ impl Tangent {
         }
     }
 
-    /// The derivative of the sum of states and inputs with these factors.
+    /// The derivative of a weighted sum of states and inputs, given the factors and their
+    /// derivatives.
     fn sum_by(
         &self,
         system: &System,
@@ -99,8 +100,8 @@ impl Tangent {
         for (j, input) in own.inputs.iter().enumerate() {
             let (factor, by) = (inputs[0][j], inputs[1][j]);
             let value = &rows.inputs[j];
-            // The limits of all inputs; `put_output` drops the limits of inputs that it does not
-            // read.
+            // The limits of all inputs are included; `put_output` then drops the limits of inputs
+            // that the output does not read.
             let tangent = self.input_by(system, (d, along), input);
             sum.row += by * &value.row + factor * &tangent.row;
             let beyond = value.beyond.iter().zip(&tangent.beyond);
@@ -135,7 +136,7 @@ impl Tangent {
         self.blocks.outputs[block][output] = sum;
     }
 
-    /// Drops the factors of limits of inputs that are not read.
+    /// Drops the factors that belong to limits of unread inputs.
     fn of_read(&self, system: &System, block: usize, unread: &[usize], all: Vec<f64>) -> Vec<f64> {
         let inputs = system.blocks[block].inputs.iter().enumerate();
         let is_read = inputs.flat_map(|(j, own)| own.beyond.iter().map(move |_| !unread.contains(&j)));
@@ -167,7 +168,8 @@ impl Tangent {
         }
     }
 
-    /// Adds the derivatives of limits, which follow corners in the order of stops.
+    /// Adds the derivatives of the limits of outputs. In the order of stops they come after the
+    /// corners of springs.
     pub(super) fn put_limits(&mut self) {
         for (excess, w) in &self.blocks.limits {
             let zeros = StateRow::zeros(excess.len());
@@ -203,8 +205,8 @@ impl Tangent {
         self.blocks.rates.iter().map(of).collect()
     }
 
-    /// Returns the derivative of the row of a source or of a block's output, by the index of the
-    /// element.
+    /// Returns the derivative of the row of a source or of a block's output. `element` is the
+    /// index of the source or block among all elements.
     pub(super) fn block_row(
         &self,
         system: &System,

@@ -26,7 +26,7 @@ pub(super) struct Crossing<'a> {
     pub earlier: &'a [Met],
     /// Event functions that reach zero at this instant.
     pub together: Vec<&'a (Watch, Functional)>,
-    /// Event functions that are zero throughout the mode that follows, and may vary.
+    /// Event functions that are zero throughout the following mode, but may vary with a parameter.
     pub still: Vec<&'a (Watch, Functional)>,
 }
 
@@ -69,7 +69,8 @@ impl Crossing<'_> {
     fn jumps(&self) -> bool {
         let all = [(self.before.rates, self.after.rates), (self.before.z, self.after.z)];
         let differ = |(was, is): (&DVector<f64>, &DVector<f64>)| {
-            // When a stretch begins to grow, its force does not jump.
+            // States of first order are left out: if a spring in series begins to stretch, its
+            // force does not jump.
             let inner = self.machine.system.places_of_first_order();
             let all = was.iter().zip(is.iter()).enumerate().filter(|(i, _)| !inner.contains(i));
             all.into_iter().any(|(_, (a, b))| (a - b).abs() > STILL * (a.abs() + b.abs()))
@@ -199,8 +200,9 @@ impl Crossing<'_> {
         machine.check(Varied { p, delta: &delta, scale: &scale }, after, &self.still)
     }
 
-    /// A contact with friction that a jump has closed without a slip: its slider depends on the part
-    /// of the jump before it closed, which has no derivative here.
+    /// A contact with friction that a jump of a prescribed body has closed without a slip. Its
+    /// slider depends on the part of the jump before the contact closed, and this part has no
+    /// derivative here.
     fn closed_by_jump(&self) -> Option<Contact> {
         let [before, after] = [&self.before, &self.after].map(|at| &at.mode.mode.sliders);
         let is_closed = |i: &usize| before[*i] == SliderState::Off && after[*i] == SliderState::Held;
@@ -241,14 +243,15 @@ impl Crossing<'_> {
         !is_touch && !others && self.earlier.is_empty() && self.hit().next().is_none()
     }
 
-    /// Whether an event function that is zero after the event does not vary, whatever the column:
-    /// the place or rate of a contact that was held before, or that has come to its limit.
+    /// Whether an event function that is zero after the event is independent of all parameters.
+    /// This applies to the place or rate of a contact that was held before, or that has come to
+    /// its limit.
     pub(super) fn stays_still(&self, watch: Watch) -> bool {
         let contact = watch.contact();
         let is_due = self.due.is_some_and(|due| due.0.contact() == contact);
         let is_kept = is_due || self.before.mode.mode.contacts().any(|held| held == contact);
         match watch {
-            // A rate that has also come to zero at this instant leaves zero again.
+            // A rate that also reaches zero at this instant does not stay zero.
             Watch::Stops(_) | Watch::Turns(_) => {
                 is_kept || self.together.iter().any(|own| own.0.contact() == contact)
             }

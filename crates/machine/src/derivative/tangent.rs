@@ -43,7 +43,8 @@ pub(super) struct Tangent {
     pub branches: Vec<BranchTangent>,
     /// Derivative of each curved force.
     pub curves: Vec<CurveTangent>,
-    /// Derivative of each operation, by formula, until they are moved into `curves`.
+    /// Derivatives of the operations of each formula, until [`Self::put_curves`] moves them into
+    /// `curves`.
     of_formulas: Vec<Vec<CurveTangent>>,
     /// Derivative of each load's force.
     pub loads: Vec<StateRow>,
@@ -57,7 +58,7 @@ pub(super) struct Tangent {
 /// A description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
 fn direction(d: &Description, name: &str) -> Description {
     let mut along = d.clone();
-    // Numbers that are not parameters have the derivative 0, such as arms between two bodies.
+    // Numbers that are not parameters, such as arms between two bodies, have the derivative 0.
     let springs = along.springs.iter_mut().map(|s| &mut s.arms);
     let dampers = along.dampers.iter_mut().map(|s| &mut s.arms);
     let stops = along.stops.iter_mut().map(|s| &mut s.arms);
@@ -110,7 +111,7 @@ fn signals<'a>(d: &'a Description, counters: &'a [Signal]) -> Vec<Course<'a>> {
 }
 
 impl Tangent {
-    /// The derivative of the matrices `system` of `d` by the parameter `name`.
+    /// The derivative of `system`, the matrices of `d`, by the parameter `name`.
     pub fn new(system: &System, d: &Description, name: &str) -> Self {
         let along = direction(d, name);
         let counters: Vec<Signal> = stepped::all(d).map(stepped::counter).collect();
@@ -254,8 +255,9 @@ impl Tangent {
         self.put_curves(system, along);
     }
 
-    /// The derivative of the row of a formula's force, given the derivative of its elongation and
-    /// the formula of the derivatives; its operations' derivatives are kept.
+    /// The derivative of the row of a formula's force. `own` has the derivative of the elongation,
+    /// and `along` the derivatives of the formula's numbers. Stores the derivatives of the
+    /// formula's operations.
     fn put_formula(
         &mut self,
         (rows, own): (&SpringRows, &ElongationTangent),
@@ -319,8 +321,8 @@ impl Tangent {
         }
     }
 
-    /// Adds the stops in the system's order: first the stops made of stops and springs, then
-    /// limits of outputs, then freewheels.
+    /// Adds the stops in the system's order: first the stops of the sections `stop`, `contact` and
+    /// `spring`, then limits of outputs, then freewheels.
     fn put_stops(&mut self, system: &System, d: &Description, along: &Description) {
         let one = system.constant(1.0).into_row();
         for (rows, made) in system.stops.iter().zip(made_stops(d, Some(along))) {
@@ -459,7 +461,8 @@ impl Tangent {
         state.force(&own.level, &own.static_level)
     }
 
-    /// The derivative in a mode of the forces on the coordinates, except held contacts' forces.
+    /// The derivative of the forces on the coordinates in a mode, without the forces of held
+    /// contacts.
     pub fn forces_in(&self, system: &System, mode: &Mode) -> DMatrix<f64> {
         let mut forces = self.forces.clone();
         let mut put = |e: &Elongation, by: &ElongationTangent, force: Functional, dforce: StateRow| {

@@ -14,8 +14,8 @@ use crate::error::Result;
 use crate::sobol;
 use rayon::prelude::*;
 
-/// Number of starts near the given one, and their largest relative distance; tried if no other
-/// strategy reaches the noise.
+/// Number of starts near the given one, and their largest relative distance. These starts are
+/// tried last, except that with blocks the first of them precedes [`Attempt::Divided`].
 const BESIDE: (u32, f64) = (8, 0.3);
 /// Largest number of attempts from a start: plain descent, each of [`WAYS`], blocks, segments of
 /// the motion, and [`BESIDE`] other starts.
@@ -133,7 +133,7 @@ impl Search<'_> {
         let Self { model, go_on, .. } = *self;
         let values = found.point.values.clone();
         let mut best: Option<Solved> = None;
-        // A single motion determines more, unless it is chaotic.
+        // A single motion determines the parameters more accurately, unless it is chaotic.
         let ways: [&dyn Fn() -> Result<Solved>; 3] =
             [&|| self.plain(values.clone()), &|| Ok(found.clone()), &|| self.divided(&values)];
         for way in ways {

@@ -17,7 +17,7 @@ pub(super) enum Convergence {
     Rough,
     /// Restart near a fitted point, where residuals are nearly linear; ends at this cost.
     Back(f64),
-    /// Until steps are rounding.
+    /// Until steps are as small as rounding errors.
     Whole,
 }
 

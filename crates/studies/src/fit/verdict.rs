@@ -9,9 +9,9 @@ use crate::error::Result;
 use crate::significant;
 use std::fmt;
 
-/// Ratio of residuals to noise: up to `FITS` the motion fits if the noise is estimated from
-/// differences of the record. Given noise permits only chance deviations. Above `MISSES` it never
-/// fits.
+/// Limits of the ratio of residuals to noise. If the noise is estimated from differences of the
+/// record, the motion fits up to `FITS`. If the noise is given, only chance deviations are
+/// permitted. Above `MISSES` the motion never fits.
 const FITS: f64 = 1.05;
 const MISSES: f64 = 2.5;
 /// Ratio of residuals to estimated noise at which a search strategy ends: restarts improve the
@@ -22,21 +22,21 @@ const NEARLY: f64 = 1.3;
 const CHANCE: f64 = 3.0;
 /// Variance of the median of |x| relative to the root mean square's, for normal samples.
 const MEDIAN: f64 = 2.72;
-/// Chance deviation where differences give the noise, which they estimate less accurately than a
-/// root mean square; in standard deviations.
+/// Chance deviation, in standard deviations, if the noise is estimated from differences of the
+/// record. Such an estimate is less accurate than a root mean square.
 const VAGUE: f64 = 5.0;
 /// Correlation of successive residuals above which they are more than noise.
 const FOLLOWS: f64 = 0.3;
-/// Residuals are more than noise if earlier residuals explain more than this part of the variance:
-/// limits for the verdict, and for the end of the search. Motions in wrong valleys explained 8 %
-/// and more where the true one was 10 % better.
+/// Part of the variance that earlier residuals may explain; above it, residuals are more than
+/// noise. `SHARE` is for the verdict, `SEARCHED` for the end of the search. In wrong minima, with
+/// the true motion 10 % better, the part was 8 % or more.
 const SHARE: f64 = 0.05;
 const SEARCHED: f64 = 0.02;
 /// Size of an outlier, in standard deviations of the residuals: a robust loss limits residuals to
 /// it before they are tested.
 const OUTLIER: f64 = 3.0;
-/// Deviation of this part, in standard deviations: up to `WHITE` residuals are white; one white
-/// record in 6000 exceeds `COLOURED` (χ² of 40 lags).
+/// Deviation of the explained part, in standard deviations: up to `WHITE` residuals are white; one
+/// white record in 6000 exceeds `COLOURED` (χ² of 40 lags).
 const WHITE: f64 = 2.0;
 const COLOURED: f64 = 4.5;
 /// Sample size above which white residuals give the noise better than differences do. The estimate

@@ -13,8 +13,8 @@ pub struct FitArguments {
     /// Machine file (TOML); its parameters, with --set, are the initial values of the fit
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Record: a table whose first line names `time` and columns, for example box.s, in SI. Several
-    /// records are fitted together; each gets a folder with the name of its table
+    /// Record: a table whose first line names `time` and columns, for example box.s, in SI.
+    /// Several records are fitted together; each gets a folder with the name of its table
     #[arg(long, value_name = "TABLE,…", value_delimiter = ',', required_unless_present = "events")]
     pub data: Vec<PathBuf>,
     /// Times of impacts and first touches of stops: a table with the columns `element` and `time`;
@@ -48,8 +48,9 @@ pub struct FitArguments {
     /// Loss function of the residuals
     #[arg(long, value_name = "LOSS", default_value = "linear")]
     pub loss: LossArgument,
-    /// Divide the motion into segments with their own initial states: only if a single motion does
-    /// not lead to the record (auto), after about every given time (e.g. 1s), or never (none)
+    /// Divide the motion into segments with their own initial states: auto, only if a single
+    /// motion does not lead to the record; none, never; a time (e.g. 1s), segments of about this
+    /// length
     #[arg(long, value_name = "auto|none|TIME", default_value = "auto", value_parser = segments)]
     pub segments: Segments,
     /// Number of further starts of the fit, spread over --within

@@ -175,7 +175,7 @@ impl Progress {
             TIME => "{bar:40} {elapsed} elapsed, {msg}".into(),
             unit => format!("{{bar:40}} {{pos}}/{{len}} {unit}, {{eta}} left"),
         }));
-        // The clock runs while no step ends.
+        // The elapsed time of the bar is redrawn even while no step ends.
         bar.enable_steady_tick(TICK);
         bar
     }

@@ -10,7 +10,8 @@ fn set(instance: &mut Instance, name: &str, value: f64) {
     instance.set(any, &[reference(name)], |_| value).unwrap();
 }
 
-/// A state with the given engine, in which no field has its default and few are equal.
+/// A saved state for an interface type and start values, before or after initialization. No field
+/// has its default, and few fields are equal.
 fn state(interface: Interface, start: &[(&str, f64)], initialized: bool) -> SavedState {
     let mut instance = Instance::new(interface);
     for (name, value) in [("box.k", 1.5), ("block.m", 0.125), ("drive.phase", 0.25)].iter().chain(start) {
@@ -157,7 +158,8 @@ fn invariant_no_bit_of_a_saved_state_makes_a_panic() {
                     return;
                 }
                 if name == "closed" {
-                    return; // the orbit of wild parameters, which a user may set as well, takes minutes to play
+                    // With extreme parameters, which a user may also set, the orbit takes minutes.
+                    return;
                 }
                 let time = instance.time();
                 for reference in crate::component::variables::VARIABLES.iter().map(|v| v.reference) {
@@ -216,8 +218,8 @@ fn states_in_which_the_other_interface_types_motion_moves_are_refused() {
     }
 }
 
-/// The order of departure counts coefficients that are divided out; an order that no motion has is
-/// refused.
+/// The order of departure is the order of the first derivative of w that is not zero; an order
+/// that no motion has is refused.
 #[test]
 fn a_snapshot_with_an_impossible_departure_is_refused() {
     use vibro_impact::{Parameters, Simulator, State};
