@@ -5,6 +5,7 @@ import tomllib
 from fractions import Fraction
 from pathlib import Path
 
+PAGE = Path("case").with_suffix(".md")  # of each case
 FOLDER = Path(__file__).resolve().parent / "cases"
 
 

@@ -182,7 +182,7 @@ def write_events(case, motion, states, events, found):
 
 def write_page(name):
     case = cases.Case(name)
-    (case.folder / "case.md").write_text(page.page(case, read(case.folder, case.stop)))
+    (case.folder / cases.PAGE).write_text(page.page(case, read(case.folder, case.stop)))
 
 
 def main():

@@ -2,6 +2,7 @@
 
 from machine import Signal
 
+SUITE = "../" * 2  # from the page of a case
 LAWS = {
     "no-pull": "f = max(0, k x + c x') for x >= 0, else 0",
     "elastogap": "f = k x + min(k x, max(-k x, c x')) for x >= 0, else 0",
@@ -128,5 +129,5 @@ def page(case, machine):
         lines += [f"Block `{block['name']}`: at each t = k {shown(block['sample'])} s, u = ({inputs}); y = c x + d u is held until the next sample, then x = a x + b u; x = 0 at the start;",
                   "; ".join(matrix(k, block[k]) for k in "abcd" if block[k]) + ".", ""]
     lines += ["## Files", "", "`truth.csv`: states at the output times; where a time occurs twice, an event is at the output time: the state before it and after it.",
-              "`events.csv`: all events. Both have the magnification of each value ([format](../../README.md#the-tables)).", ""]
+              f"`events.csv`: all events. Both have the magnification of each value ([format]({SUITE}README.md#the-tables)).", ""]
     return "\n".join(lines)

@@ -60,4 +60,4 @@ def test_a_wrong_table_is_found_by_the_second_program(tmp_path):
 @pytest.mark.parametrize("name", cases.names())
 def test_golden_pages_have_the_equations_of_their_machine(name):
     case = cases.Case(name)
-    assert (case.folder / "case.md").read_text() == page.page(case, read(case.folder, case.stop))
+    assert (case.folder / cases.PAGE).read_text() == page.page(case, read(case.folder, case.stop))
