@@ -137,6 +137,10 @@ fn what_has_no_orbit_is_refused_by_name() {
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --word U",
             "an option of the paper's machine",
         ),
+        (
+            "response examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --section up",
+            "no stop or friction has this name",
+        ),
         ("orbit --section right", "FILE: use `vibro orbit FILE --section …`"),
         (
             "locus examples/assembly/impact_pair.toml --from none.csv --vary body.base.motion.amplitude=0.5:2",

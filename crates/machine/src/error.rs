@@ -88,8 +88,8 @@ pub enum Error {
     },
     /// A machine that starts at rest and gives way while its loads grow from zero.
     #[error(
-        "start = \"rest\": spring.{spring} has a falling force and gives way when the loads have \
-         grown from zero to {factor:?} of their full values; give start values instead"
+        "start = \"rest\": spring.{spring} has a falling force and gives way {}; give start values instead",
+        grown(*factor)
     )]
     GivesWay {
         /// Name of the spring.
@@ -154,4 +154,12 @@ pub enum Error {
         /// The allowed values, in words.
         allowed: String,
     },
+}
+
+/// Where a machine gives way, for a fraction of its loads.
+fn grown(factor: f64) -> String {
+    match factor {
+        0.0 => "without any load".into(),
+        _ => format!("when the loads have grown from zero to {factor:?} of their full values"),
+    }
 }

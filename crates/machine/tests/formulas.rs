@@ -458,6 +458,8 @@ fn refusals_of_formulas() {
         ("\"= e^k\"", "an exponent must be a number"),
         ("\"= e^rate\"", "an exponent must be a number"),
         ("\"= k * x\"", "no parameter is called `x`"),
+        ("\"= sin e\"", "`sin` is a function; expected its argument in brackets, sin( )"),
+        ("\"= 2 * e)\"", "`)` has no matching `(`; remove it"),
         ("\"= 3 * k\"", "has neither `e` nor `rate`"),
         ("\"= e / z\"", "divides by zero"),
         ("\"= e + ln(z)\"", "not finite"),

@@ -233,6 +233,9 @@ fn row(reading: &mut Reading, entry: &Entry, count: Option<usize>) -> Option<Row
                     items.len()
                 )
             }
+            Some(items) if items.iter().all(|item| finite(item.get_ref()) == Some(0.0)) => {
+                "every entry is 0; expected at least one other number".into()
+            }
             None if entry.value.is_integer() => {
                 format!("expected the index of a coordinate, 0 to {}", count - 1)
             }

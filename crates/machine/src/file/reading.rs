@@ -336,9 +336,15 @@ impl<'a> Reading<'a> {
     pub fn section<'t>(&mut self, root: &FileTable<'t>, section: &str) -> Vec<(String, FileTable<'t>)> {
         let Some(whole) = self.optional(root, section) else { return Vec::new() };
         let allowed = format!("expected tables with names, such as [{section}.NAME]");
-        let Some(whole) = self.table(&whole, &allowed) else { return Vec::new() };
+        let single = format!("expected a heading in single brackets, such as [{section}.NAME]");
+        let allowed = |value: &DeValue| {
+            let is_list =
+                value.as_array().is_some_and(|items| items.iter().any(|item| item.get_ref().is_table()));
+            if is_list { &single } else { &allowed }
+        };
+        let Some(whole) = self.table(&whole, allowed(whole.value)) else { return Vec::new() };
         let entries = self.all(&whole);
-        let table = |entry: &Entry<'t>| Some((entry.key.clone(), self.table(entry, &allowed)?));
+        let table = |entry: &Entry<'t>| Some((entry.key.clone(), self.table(entry, allowed(entry.value))?));
         entries.iter().filter_map(table).collect()
     }
 

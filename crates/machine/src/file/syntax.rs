@@ -87,6 +87,11 @@ fn problem(text: &str, span: &Range<usize>, said: &str, parameters: Option<&DeVa
             let said = format!("`{word}`: expected a heading in brackets, [{word}], or `=` and a value");
             return of(at, String::new(), None, said);
         }
+        let words = line.split_once('=').map(|(words, _)| words.trim());
+        if let Some(words) = words.filter(|words| is_words(words)) {
+            let said = "a key has no spaces; a unit stands in the value, such as mass = \"3 kg\"";
+            return of(at, String::new(), None, format!("`{}`: {said}", cut(words, QUOTED)));
+        }
         let name = if said.contains("assignment") { end.name() } else { start.name() };
         return of(at, name, None, format!("missing `=`{}", after_key(text, at, line, said)));
     }
@@ -111,6 +116,7 @@ fn problem(text: &str, span: &Range<usize>, said: &str, parameters: Option<&DeVa
                     let said = format!("write a decimal point: {}", value.replace(',', "."));
                     of(at, end.name(), Some(value), said)
                 }
+                None if value.contains(';') => here("unexpected `;`: write each key on its own line".into()),
                 None => here(format!("unexpected `{}` after the value", cut(rest, QUOTED))),
             }
         }
@@ -120,6 +126,11 @@ fn problem(text: &str, span: &Range<usize>, said: &str, parameters: Option<&DeVa
             of(at, String::new(), None, said)
         }
     }
+}
+
+/// Whether a text is two or more words with letters, digits and `_`.
+fn is_words(text: &str) -> bool {
+    text.contains(' ') && text.chars().all(|c| c.is_ascii_alphanumeric() || " _".contains(c))
 }
 
 fn begins(said: &str, all: &[&str]) -> bool {
@@ -170,6 +181,9 @@ fn unquoted(word: &str, key: &str, is_parameter: bool) -> String {
     let parts = |word: &str| word.split(['+', '*', '/']).all(|part| is_term(part.trim()));
     if is_parameter || word.contains(['+', '*', '/']) && parts(word) {
         return format!("write an expression in quotation marks, beginning with `=`: \"= {plain}\"");
+    }
+    if let Some((value, comment)) = word.split_once("//") {
+        return format!("a comment begins with `#`: {} # {}", value.trim_end(), comment.trim_start());
     }
     match word.starts_with(['“', '”', '„', '‘', '’']) {
         true => format!("use straight quotation marks: \"{plain}\""),

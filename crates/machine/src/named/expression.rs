@@ -142,6 +142,7 @@ impl Expression {
             rest if rest.starts_with(',') => {
                 Err("`,` is not allowed in an expression; write a decimal point".into())
             }
+            rest if rest.starts_with(')') => Err("`)` has no matching `(`; remove it".into()),
             rest => {
                 let power = if is_force { " ^" } else { "" };
                 Err(format!("expected an operator before `{rest}`: + - * /{power}{}", no_unit(rest)))
@@ -432,6 +433,9 @@ impl<'t, N: Iterator<Item = &'t str> + Clone> Parser<'t, N> {
                 return Err(format!(
                     "`{name}`: functions are not supported; expected numbers, parameters, pi, + - * / and ( )"
                 ));
+            }
+            None if self.is_force && Function::ALL.iter().any(|own| own.1 == name) => {
+                return Err(format!("`{name}` is a function; expected its argument in brackets, {name}( )"));
             }
             None if self.names.clone().next().is_none() => {
                 return Err(format!("no parameter is called `{name}`; the file has no [parameters]"));

@@ -30,7 +30,10 @@ impl Bounds {
             return refused(format!("{} free parameters: expected 1 to {MOST_FREE}", free.len()));
         }
         if let Some(i) = (1..free.len()).find(|&i| free[..i].iter().any(|own| own.name == free[i].name)) {
-            return refused(format!("{} is listed twice; list each free parameter once", free[i].name));
+            return refused(format!(
+                "{} is given twice; give each free parameter once, as a shared or as an own one",
+                free[i].name
+            ));
         }
         let begin = model.unknowns.begin.clone();
         let (mut low, mut high) = (Vec::new(), Vec::new());

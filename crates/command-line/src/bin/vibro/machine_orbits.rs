@@ -195,6 +195,8 @@ fn branches(
     let mut machine = machine(file, &settling.section(), common)?;
     let family = family(&mut machine, asked.vary)?;
     let start = start_of(&machine, &settling.start)?;
+    // A section that the machine lacks would be an error of each motion, and no orbit would be found.
+    machine.motion(&start)?;
     let measure = measure(&machine, asked.of, "--of")?;
     let all = [
         (vary, in_words(&family)),

@@ -59,7 +59,12 @@ fn kit(named: Option<&Path>) -> Result<PathBuf> {
     if let Some(path) = named {
         if !path.is_file() {
             let what = format!("--kit {}", path.display());
-            return Err(Error::Refused { what, problem: "no such file".into() });
+            let problem = if path.is_dir() {
+                format!("is a folder; expected a file, such as {KIT_FILE} in it")
+            } else {
+                "no such file".into()
+            };
+            return Err(Error::Refused { what, problem });
         }
         return Ok(path.to_owned());
     }
