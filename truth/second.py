@@ -10,8 +10,8 @@ from machine import Signal
 ctx.prec = 400
 STAGES = 20
 PI = arb.pi()
-AGREE = 1e-40  # two lengths of a step of collocation agree to this
-SETTLED = 1e-55  # change of the last iteration of a step of collocation
+AGREE = 1e-34  # two lengths of a step of collocation agree to this; the tables are compared to 1e-25
+SETTLED = 1e-46  # change of the last iteration of a step of collocation
 SIDES = {"up": 1, "down": -1}
 
 
