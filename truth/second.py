@@ -311,12 +311,14 @@ def float_of(x):
 
 
 def gauss(stages):
-    """Nodes and matrix of Gauss's collocation on [0, 1]."""
+    """Nodes and matrix of Gauss's collocation on [0, 1]; the inverse of the powers of the nodes loses forty digits."""
+    precision, ctx.prec = ctx.prec, 600
     roots = [arb.legendre_p_root(stages, k) for k in range(stages)]
     nodes = [(1 + x) / 2 for x in roots]
     powers = arb_mat([[c**j for j in range(stages)] for c in nodes])
     integrals = arb_mat([[c ** (j + 1) / (j + 1) for j in range(stages)] for c in nodes + [arb(1)]])
     a = integrals * powers.inv()
+    ctx.prec = precision
     return [[mid(a[i, j]) for j in range(stages)] for i in range(stages + 1)]
 
 
