@@ -10,8 +10,8 @@ from machine import Signal
 ctx.prec = 400
 STAGES = 20
 PI = arb.pi()
-AGREE = 1e-40  # two lengths of a step of collocation agree to this
-SETTLED = 1e-55  # change of the last iteration of a step of collocation
+AGREE = 1e-34  # two lengths of a step of collocation agree to this; the tables are compared to 1e-25
+SETTLED = 1e-46  # change of the last iteration of a step of collocation
 SIDES = {"up": 1, "down": -1}
 
 
@@ -311,12 +311,14 @@ def float_of(x):
 
 
 def gauss(stages):
-    """Nodes and matrix of Gauss's collocation on [0, 1]."""
+    """Nodes and matrix of Gauss's collocation on [0, 1]; the inverse of the powers of the nodes loses forty digits."""
+    precision, ctx.prec = ctx.prec, 600
     roots = [arb.legendre_p_root(stages, k) for k in range(stages)]
     nodes = [(1 + x) / 2 for x in roots]
     powers = arb_mat([[c**j for j in range(stages)] for c in nodes])
     integrals = arb_mat([[c ** (j + 1) / (j + 1) for j in range(stages)] for c in nodes + [arb(1)]])
     a = integrals * powers.inv()
+    ctx.prec = precision
     return [[mid(a[i, j]) for j in range(stages)] for i in range(stages + 1)]
 
 
