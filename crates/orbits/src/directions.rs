@@ -68,7 +68,7 @@ impl Direction {
         let Position::Held(all) = &self.position else { return self.change.clone() };
         let mut row = vec![0.0; system.states()];
         for (factor, contact) in all {
-            add(&mut row, *factor, &place_of(system, *contact));
+            add(&mut row, *factor, place_of(system, *contact));
         }
         row
     }

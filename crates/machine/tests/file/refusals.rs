@@ -195,7 +195,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("mass = \"12 kg\"", "mass = 12 // net", "m.toml:4: body.box.mass = 12 // net: a comment begins with `#`: 12 # net"),
     ("mass = \"12 kg\"", "mass = 12; gravity = 1", "m.toml:4: body.box.mass: unexpected `;`: write each key on its own line"),
     ("mass = \"12 kg\"", "mass kg = 12", "m.toml:4: `mass kg`: a key has no spaces; a unit stands in the value, such as mass = \"3 kg\""),
-    ("[stop.upper]", "[[stop.upper]]", "m.toml:20: stop.upper: expected a heading in single brackets, such as [stop.NAME]"),
+    ("[stop.upper]", "[[stop.upper]]", "m.toml:20: stop.upper = [[stop.upper]]: expected a heading in single brackets, such as [stop.NAME]"),
     ("mass = \"12 kg\"", "mass = twelve", "m.toml:4: body.box.mass = twelve: must be in quotation marks: \"twelve\""),
     ("mass = \"12 kg\"", "mass = 3.", "m.toml:4: body.box.mass = 3.: a digit is missing after the decimal point; write 3.0"),
     ("mass = \"12 kg\"", "mass = net/2", "m.toml:4: body.box.mass = net/2: write an expression in quotation marks, beginning with `=`: \"= net/2\""),
