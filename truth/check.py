@@ -23,7 +23,7 @@ SAMPLES = 12  # of each flight, at which all inequalities are looked at
 SAMPLES_OF_CURVED = 4
 HOLDS = -1e-20  # least margin of an inequality: events are found to 1e-60
 NEAR = arb("1e-40")
-STEP = arb("1e-75")  # last step of Newton's method
+STEP = 1e-60  # last step of Newton's method
 
 
 class Disagrees(Exception):
@@ -118,7 +118,7 @@ class Replay:
             dt = mid(dt - step)
             self.p.elapsed, self.p.left = arb(0), arb(0)
             arrived = self.p.flow(arrived, self.mode, -mid(step))
-            if abs(step) < STEP:
+            if abs(float_of(step)) < STEP:
                 break
         return arrived, now + dt
 

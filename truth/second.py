@@ -197,7 +197,7 @@ class Second:
         remaining time.
         """
         if abs(dt) < arb("1e-30"):
-            return [a + dt * b for a, b in zip(z, self.derivative(z, mode))] if abs(dt) > 0 else z
+            return [mid(a + dt * b) for a, b in zip(z, self.derivative(z, mode))]
         edges = any("exponent" in el.numbers and mode[el.name] == "pressed" for el in self.m.elements)
         if not edges:
             return self.pieces(lambda u, y: self.derivative(y, mode), z, arb(0), dt)
