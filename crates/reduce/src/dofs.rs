@@ -194,6 +194,6 @@ mod tests {
     #[test]
     fn invariant_a_dof_has_one_row() {
         let twice = Dofs::new(vec![Dof::new("1", X), Dof::new("1", Y), Dof::new("1", X)]).unwrap_err();
-        assert_eq!(twice.to_string(), "dof 1.x: rows 1 and 3 have this name; expected one row a dof");
+        assert_eq!(twice.to_string(), "dof 1.x: rows 1 and 3 have this name; expected one row for each dof");
     }
 }
