@@ -30,6 +30,8 @@ const PART: f64 = 0.5;
 /// Length of a stretch, as a fraction of the engine's series with curved forces: the first omitted
 /// term is then smaller by the factor 0.7²⁶ < 1e-4.
 const CURVED_PART: f64 = 0.7;
+/// Length of a series, relative to a flight, from which it is used as a whole.
+const SHORTEST: f64 = 1e-9;
 
 /// Length of a flight, in stretches, above which variations are carried by a matrix, by squaring.
 const MANY: f64 = 64.0;
@@ -295,7 +297,6 @@ fn curved_stretches(
     visit: &mut dyn FnMut(&Series, f64),
 ) -> Vec<f64> {
     let (mut state, mut ahead, mut left) = (z.to_vec(), Ahead::towards(span < 0.0), span.abs());
-    let part = CURVED_PART.copysign(span);
     let mut series = Series { size: z.len(), terms: Vec::new() };
     while left > 0.0 {
         ahead.find(table, &state, left / CURVED_PART, |_| (0, 0.0));
@@ -303,13 +304,18 @@ fn curved_stretches(
             break;
         }
         let is_last = ahead.span >= left / CURVED_PART;
+        // A series that ends at the edge of a power is used as a whole once it is short: by parts of
+        // the way the edge would never be reached.
+        let is_short = ahead.span < SHORTEST * span.abs();
+        let whole = if is_short && !is_last { 1.0 } else { CURVED_PART };
+        let part = whole.copysign(span);
         series.terms.clear();
         let mut power = 1.0;
         for term in ahead.series.terms().take(ORDERS) {
             series.terms.extend(term.iter().map(|x| x * power));
             power *= part;
         }
-        let length = if is_last { left } else { ahead.span * CURVED_PART };
+        let length = if is_last { left } else { ahead.span * whole };
         visit(&series, length.copysign(span));
         ahead.series.at(part, &mut state);
         table.fill_curves(&mut state);

@@ -198,3 +198,28 @@ fn second_method_values_by_rows_are_the_columns_of_the_motion() {
         }
     }
 }
+
+/// Largest number of stretches of a flight that passes an edge once: some ten on each side, and some
+/// tens that approach it.
+const MOST_STRETCHES: usize = 200;
+
+/// Stretches pass the edge of a power with the sign of e, at which series end, and end in the state of
+/// the motion.
+#[test]
+fn second_method_stretches_pass_the_edge_of_a_power() {
+    let mut motion = started(&text(
+        "name = \"E\"\nbody.a = { mass = 1.0, start = { s = 0.1, v = -1.0 } }\n\
+         spring.k = { between = [\"ground\", \"a\"], coefficient = 40.0, exponent = 2.0 }\n\
+         load.f = { on = \"a\", amplitude = 0.0, frequency = 5.0 }\n",
+    ));
+    let (flow, z, span) = (flow_of(&motion), motion.state().as_slice().to_vec(), 0.3);
+    let (mut count, mut time) = (0, 0.0);
+    let end = flow.stretches(&z, span, &mut |_, length| {
+        count += 1;
+        time += length;
+        assert!(count < MOST_STRETCHES, "{time}");
+    });
+    motion.advance_to(span).unwrap();
+    let off = end.iter().zip(motion.state().as_slice()).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+    assert!(off < ROUNDING && (time - span).abs() < ROUNDING, "{off:e} {time}");
+}
