@@ -303,19 +303,18 @@ fn curved_stretches(
         if ahead.span == 0.0 {
             break;
         }
-        let is_last = ahead.span >= left / CURVED_PART;
         // A series that ends at the edge of a power is used as a whole once it is short: by parts of
         // the way the edge would never be reached.
         let is_short = ahead.span < SHORTEST * span.abs();
-        let whole = if is_short && !is_last { 1.0 } else { CURVED_PART };
-        let part = whole.copysign(span);
+        let length = left.min(if is_short { ahead.span } else { CURVED_PART * ahead.span });
+        let is_last = length == left || ahead.span >= left / CURVED_PART;
+        let part = (length / ahead.span).copysign(span);
         series.terms.clear();
         let mut power = 1.0;
         for term in ahead.series.terms().take(ORDERS) {
             series.terms.extend(term.iter().map(|x| x * power));
             power *= part;
         }
-        let length = if is_last { left } else { ahead.span * whole };
         visit(&series, length.copysign(span));
         ahead.series.at(part, &mut state);
         table.fill_curves(&mut state);

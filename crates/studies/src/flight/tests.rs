@@ -199,12 +199,53 @@ fn second_method_values_by_rows_are_the_columns_of_the_motion() {
     }
 }
 
-/// Largest number of stretches of a flight that passes an edge once: some ten on each side, and some
-/// tens that approach it.
-const MOST_STRETCHES: usize = 200;
+/// Largest number of stretches of a flight that passes some edges: about ten between two edges, and some
+/// tens that approach each edge.
+const MOST_STRETCHES: usize = 400;
 
-/// Stretches pass the edge of a power with the sign of e, at which series end, and end in the state of
-/// the motion.
+/// Four bodies with friction; the power of the first spring has its edge at e = 0.
+const FOUR: &str = r#"
+name = "R65"
+body.b0 = { mass = 1.222, start = { s = 0.0008544, v = -0.5601 } }
+body.b1 = { mass = 1.646, start = { s = -0.003414, v = 0.8536 } }
+body.b2 = { mass = 2.565, start = { s = -0.003812, v = -0.5489 } }
+body.b3 = { mass = 2.714, start = { s = -0.001972, v = -0.6063 } }
+spring.s0 = { between = ["ground", "b0"], stiffness = 215.7, damping = 0.02287, preload = 0.0567, coefficient = 1605.0, exponent = 2.0 }
+spring.s1 = { between = ["ground", "b1"], stiffness = 338.4, damping = 0.3451, preload = 0, quintic = 18440000.0 }
+spring.s2 = { between = ["b0", "b1"], stiffness = 266.2, damping = 0.3176, force = "= 186.8*ln(1+132.1*e^2)*e" }
+spring.s3 = { between = ["ground", "b2"], stiffness = 230.5, damping = 0.2095, force = "= 8.299*atan(18.08*e)" }
+spring.s4 = { between = ["b1", "b2"], stiffness = 180.7, damping = 0.4301, preload = 0, cubic = -1990.0 }
+spring.s5 = { between = ["ground", "b3"], stiffness = 249.1, damping = 0.07586, preload = 0 }
+spring.s6 = { between = ["b2", "b3"], stiffness = 355.1, damping = 0.2428, force = "= 2.119*(exp(3.641*e)-1)" }
+stop.h0 = { between = ["b2", "b1"], gap = 0.03401, stiffness = 41740.0, exponent = 1.5, dissipation = 0.1003 }
+stop.w0 = { between = ["b3", "b0"], gap = 0.04894, restitution = 0.6773 }
+stop.w1 = { between = ["b3", "b1"], gap = 0.03815, restitution = 0.6896 }
+friction.f0 = { between = ["ground", "b0"], force = 1.149, static = 1.53, stribeck = 0.2227 }
+friction.f1 = { between = ["ground", "b1"], force = 0.9467 }
+load.l = { on = "b1", amplitude = 12.9, frequency = 1.451, phase = 0.2528 }
+"#;
+
+/// Stretches pass the edge of a power with the sign of e, at which series end, and reach the end of the
+/// flight, also one that is a rounding away.
+#[test]
+fn invariant_stretches_pass_the_edge_of_a_power() {
+    let mut motion = started(&text(FOUR));
+    for k in 0..40 {
+        motion.advance_to_event(3.0, &mut |_| ()).unwrap();
+        for part in [0.3, 0.9, 0.999, 1.1] {
+            let (flow, z, span) = (flow_of(&motion), motion.state().as_slice().to_vec(), 0.12198 * part);
+            let (mut count, mut time) = (0, 0.0);
+            flow.stretches(&z, span, &mut |_, length| {
+                count += 1;
+                time += length;
+                assert!(count < MOST_STRETCHES, "{k} {time}");
+            });
+            assert!((time - span).abs() < ROUNDING, "{time}");
+        }
+    }
+}
+
+/// Stretches across the edge of a power, at which series end, end in the state of the motion.
 #[test]
 fn second_method_stretches_pass_the_edge_of_a_power() {
     let mut motion = started(&text(
@@ -213,13 +254,12 @@ fn second_method_stretches_pass_the_edge_of_a_power() {
          load.f = { on = \"a\", amplitude = 0.0, frequency = 5.0 }\n",
     ));
     let (flow, z, span) = (flow_of(&motion), motion.state().as_slice().to_vec(), 0.3);
-    let (mut count, mut time) = (0, 0.0);
-    let end = flow.stretches(&z, span, &mut |_, length| {
+    let mut count = 0;
+    let end = flow.stretches(&z, span, &mut |_, _| {
         count += 1;
-        time += length;
-        assert!(count < MOST_STRETCHES, "{time}");
+        assert!(count < MOST_STRETCHES);
     });
     motion.advance_to(span).unwrap();
     let off = end.iter().zip(motion.state().as_slice()).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
-    assert!(off < ROUNDING && (time - span).abs() < ROUNDING, "{off:e} {time}");
+    assert!(off < ROUNDING, "{off:e}");
 }
