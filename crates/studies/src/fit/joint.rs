@@ -319,6 +319,10 @@ impl Problem for Joint<'_> {
         self.models.iter().all(Model::is_of_contacts)
     }
 
+    fn simulations(&self) -> u32 {
+        Joint::simulations(self)
+    }
+
     fn evaluate(&self, point: &Point, reach: &Reach) -> Result<Evaluated> {
         let one = |k: usize| {
             let (point, reach) = self.local(k, point, reach);

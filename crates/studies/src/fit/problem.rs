@@ -19,6 +19,8 @@ pub(super) trait Problem: Sync {
     fn has_stops(&self) -> bool;
     /// Whether the problem has only contact times.
     fn is_of_contacts(&self) -> bool;
+    /// Number of simulations so far.
+    fn simulations(&self) -> u32;
     /// Residuals and derivatives at a point.
     fn evaluate(&self, point: &Point, reach: &Reach) -> Result<Evaluated>;
     /// Sum of losses at a point.
@@ -62,6 +64,10 @@ impl Problem for Model<'_> {
 
     fn is_of_contacts(&self) -> bool {
         Model::is_of_contacts(self)
+    }
+
+    fn simulations(&self) -> u32 {
+        self.compared.simulations()
     }
 
     fn evaluate(&self, point: &Point, reach: &Reach) -> Result<Evaluated> {
