@@ -8,6 +8,7 @@ use super::{FitRequest, Measured};
 use crate::QuantityName;
 use crate::error::{Error, Result};
 use rayon::prelude::*;
+use std::cell::Cell;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -17,6 +18,8 @@ use vibro_machine::{Differentiated, Quantity, What};
 
 /// Step of a finite difference, relative to the value; for a value of 0, in SI units.
 const MOVED: f64 = 1e-6;
+/// Number of parts in which a motion with a limited number of events advances.
+const PARTS: u32 = 32;
 
 /// Record, with the motion's quantity for each column and the stop for each list of contacts.
 pub(super) struct Compared<'a> {
@@ -28,6 +31,8 @@ pub(super) struct Compared<'a> {
     pub sensors: Arc<[Sensor]>,
     /// Index of the stop of each list of contacts.
     stops: Vec<usize>,
+    /// Largest number of events of a motion. A motion with more is an error.
+    pub most_events: usize,
     simulations: AtomicU32,
 }
 
@@ -158,8 +163,30 @@ impl<'a> Compared<'a> {
             rates,
             sensors: sensors.into(),
             stops: stops_of(measured, d)?,
+            most_events: usize::MAX,
             simulations: AtomicU32::new(0),
         })
+    }
+
+    /// Advances a motion of a segment, in parts if its events are limited.
+    fn advance(
+        &self,
+        motion: &mut Differentiated,
+        until: f64,
+        note: &mut dyn FnMut(&Event, &[Option<f64>]),
+        count: &Cell<usize>,
+    ) -> Result<()> {
+        let (from, parts) = (motion.motion().time(), if self.most_events < usize::MAX { PARTS } else { 1 });
+        for k in 1..=parts {
+            let part = f64::from(k) / f64::from(parts);
+            let time = if k == parts { until } else { from + (until - from) * part };
+            motion.advance_observed(time, note)?;
+            if count.get() > self.most_events {
+                let problem = format!("{} events; expected at most {}", count.get(), self.most_events);
+                return Err(Error::Described { problem });
+            }
+        }
+        Ok(())
     }
 
     /// Largest of the mean intervals between contacts of each list, s; 0 without contacts.
@@ -241,8 +268,9 @@ impl<'a> Compared<'a> {
         };
         let lists = self.measured.contacts.iter();
         let mut contacts: Vec<_> = lists.map(|(_, times)| (inside(times), Vec::new())).collect();
-        let mut events = Vec::new();
+        let (mut events, count) = (Vec::new(), Cell::new(0));
         let mut note = |event: &Event, by: &[Option<f64>]| {
+            count.set(count.get() + 1);
             let (EventKind::Impact { stop, .. } | EventKind::Press { stop, .. }) = event.kind else { return };
             events.push((event.time - made.shift, stop));
             if let Some(list) = self.stops.iter().position(|own| *own == stop) {
@@ -257,7 +285,8 @@ impl<'a> Compared<'a> {
         let range = if data.is_empty() { 0..0 } else { inside(&self.measured.times) };
         for row in range.clone() {
             // The motion does not exist before its start.
-            motion.advance_observed((self.measured.times[row] + made.shift).max(begin), &mut note)?;
+            let time = (self.measured.times[row] + made.shift).max(begin);
+            self.advance(&mut motion, time, &mut note, &count)?;
             let sample = |k: usize| {
                 let value = motion.motion().value(self.quantities[k]) + made.offsets[k] - data[k].1[row];
                 let rate = self.rates[k].map(|rate| motion.motion().value(rate));
@@ -267,7 +296,7 @@ impl<'a> Compared<'a> {
             samples.push((0..data.len()).map(sample).collect());
         }
         if (next.is_some() || !self.stops.is_empty()) && until + made.shift > motion.motion().time() {
-            motion.advance_observed(until + made.shift, &mut note)?;
+            self.advance(&mut motion, until + made.shift, &mut note, &count)?;
         }
         let end = if next.is_some() { end_of(&motion, &columns, &carried) } else { Vec::new() };
         let lost =
@@ -277,7 +306,8 @@ impl<'a> Compared<'a> {
             // A contact of the motion may come later than the record's last contact, so the motion
             // is continued by one interval. If it cannot be continued, it already covers the
             // record.
-            let _ = motion.advance_observed(until + made.shift + self.longest_interval(), &mut note);
+            let later = until + made.shift + self.longest_interval();
+            let _ = self.advance(&mut motion, later, &mut note, &count);
             events.retain(|(time, _)| *time <= until);
         }
         if k == 1 {

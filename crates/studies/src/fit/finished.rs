@@ -40,6 +40,7 @@ impl Joint<'_> {
     ) -> Result<Vec<Fitted>> {
         let variance = self.variance(best.cost, best.point.values.len());
         let reached = bounds.reached(&best.point.values);
+        let simulations = self.simulations();
         let one = |(k, request): (usize, &FitRequest)| {
             let (point, reach) = self.local(k, &best.point, &best.reach);
             let places = &self.places[k];
@@ -54,7 +55,7 @@ impl Joint<'_> {
                 doubt: doubt.as_deref(),
                 cost: best.cost,
                 variance,
-                simulations: self.simulations(),
+                simulations,
             };
             self.models[k].finish(request, &point, &reach, shared)
         };

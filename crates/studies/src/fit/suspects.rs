@@ -17,6 +17,7 @@ use crate::Machine;
 use crate::error::Result;
 use nalgebra::DVector;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use vibro_machine::description::{Arms, Description, Friction, Signal};
 
@@ -27,10 +28,14 @@ const TOLD: usize = 3;
 const LEAST: f64 = 0.2;
 /// Largest number of steps over growing horizons with a candidate.
 const STEPS: u32 = 60;
+/// Largest number of events of a motion with a candidate: this number, plus this multiple of the
+/// fitted motion's contacts. A body of almost no mass has ten thousands of contacts, which take
+/// minutes and explain no record.
+const EVENTS: (usize, usize) = (1000, 20);
 /// Linear reduction above which a candidate is fitted.
 const PROMISING: f64 = 0.02;
 /// Sections of the machine's file whose parameters are candidates.
-const SECTIONS: [&str; 5] = ["body.", "spring.", "stop.", "friction.", "load."];
+const SECTIONS: [&str; 6] = ["body.", "spring.", "damper.", "stop.", "friction.", "load."];
 /// Parts of names of parameters that are not candidates: starts, shares of gravity, levers.
 const NOT: [&str; 3] = [".start", ".gravity", ".arms"];
 
@@ -150,9 +155,10 @@ impl Model<'_> {
         let (own, cost) = (point.clone(), f64::INFINITY);
         let now = Solved { point: own, reach: reach.clone(), cost, is_continuous: true };
         let before = self.cost(&now)?.min(refit.unwrap_or(f64::INFINITY));
+        let most_events = EVENTS.0 + EVENTS.1 * self.beside(point, reach)?.events().count();
         let one = |k: &usize| -> Option<Suspect> {
             let one = self.with_free(request, &machine, &names[*k..=*k]);
-            let model = self.like(&one).ok()?;
+            let model = self.like(&one).ok()?.with_most_events(most_events);
             let value = *model.unknowns.begin.last()?;
             let bounds = Bounds::of(&one, &model).ok()?;
             let changed = value + scores[*k].1;
@@ -205,6 +211,15 @@ impl Model<'_> {
     /// Model of another request of the same record, with the same weights.
     fn like<'r>(&self, request: &'r FitRequest) -> Result<Model<'r>> {
         Ok(Model::new(request)?.weighed_as(self))
+    }
+
+    /// The model with motions of at most `most` events.
+    fn with_most_events(mut self, most: usize) -> Self {
+        // A model that was just made shares its record with no other.
+        if let Some(compared) = Arc::get_mut(&mut self.compared) {
+            compared.most_events = most;
+        }
+        self
     }
 }
 

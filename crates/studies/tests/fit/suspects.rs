@@ -96,3 +96,23 @@ fn second_method_what_a_suspect_leaves_is_what_a_fit_with_its_value_leaves() {
     let again = fitted(&request(with, measured, &["stop.floor.gap"]));
     assert!((again.rms[0].1 / found.rms[0].1 / best.left - 1.0).abs() < NEAR, "{best:?}");
 }
+
+/// Contact times of a ball in air, fitted almost without air. A ball of a millionth of the mass
+/// would take up the residuals as well; its tens of thousands of contacts do not delay the search.
+#[test]
+fn made_contacts_of_a_ball_whose_drag_is_left_out() {
+    let text = "name = \"Ball\"\ngravity = 9.81\n\
+                body.a = { mass = 2.7e-3, gravity = 1.0, start = { v = -2.3 } }\n\
+                stop.table = { between = [\"ground\", \"a\"], gap = 0.0, restitution = 0.95 }\n\
+                damper.air = { between = [\"ground\", \"a\"], quadratic = 4e-4 }\n";
+    let truth = Machine::parse(text, "ball.toml", &no_records).unwrap();
+    let mut measured = contacts(&truth, &["table"], 3.0, 0.0, &mut Noise(0));
+    measured.contacts[0].1.truncate(8);
+    let m = truth.with([("damper.air.quadratic", 1e-9)]).unwrap();
+    let free = ["stop.table.restitution", "body.a.start.v"];
+    let own = FitRequest { sigma: Some(vec![1e-4]), ..request(m, measured, &free) };
+    let (found, misfit) = explained(&own);
+    assert_ne!(found.verdict, Verdict::Fits);
+    let drag = misfit.suspects.iter().find(|own| own.name == "damper.air.quadratic").unwrap();
+    assert!((drag.better / 4e-4 - 1.0).abs() < NEAR && drag.left < 0.01, "{drag:?}");
+}
