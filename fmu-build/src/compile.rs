@@ -87,11 +87,16 @@ pub enum Product {
     Vibro,
     /// The library of any machine that a text file describes.
     Machine,
+    /// The same as a component of the layered standard for WebAssembly.
+    Component,
     /// The command line.
     CommandLine,
 }
 
 pub use vibro_pack::archive::PROGRAM;
+
+/// The target of components, whose linker makes them.
+const COMPONENT_TARGET: &str = "wasm32-wasip2";
 
 /// Linker stub (`.tbd`) of the functions of Apple's CoreFoundation that the crate iana-time-zone
 /// calls.
@@ -114,6 +119,7 @@ impl Product {
         match self {
             Self::Vibro => "vibro-paper-component",
             Self::Machine => "vibro-machine-fmu",
+            Self::Component => "vibro-machine-wasm",
             Self::CommandLine => PROGRAM,
         }
     }
@@ -123,6 +129,7 @@ impl Product {
         match self {
             Self::Vibro => "vibro_paper_component",
             Self::Machine => "vibro_machine_fmu",
+            Self::Component => "vibro_machine_wasm",
             Self::CommandLine => PROGRAM,
         }
     }
@@ -132,7 +139,7 @@ impl Product {
         match self {
             // `rustc` with a single crate type, since cargo leaves out link-time optimization if
             // an rlib is made as well.
-            Self::Vibro | Self::Machine => &["rustc", "--lib", "--crate-type", "cdylib"],
+            Self::Vibro | Self::Machine | Self::Component => &["rustc", "--lib", "--crate-type", "cdylib"],
             Self::CommandLine => &["rustc", "--bin", PROGRAM],
         }
     }
@@ -170,6 +177,21 @@ impl Compiler {
         self.arguments(&mut cargo);
         if let Some(folder) = self.static_unwinder()? {
             cargo.args(["--", "-C"]).arg(format!("link-arg=-L{}", folder.display()));
+        }
+        made(&mut cargo, self.product)
+    }
+
+    /// Compiles the product as a component for WebAssembly and returns its path.
+    ///
+    /// # Errors
+    /// [`Error::Cargo`] if the standard library of the target is missing, or if cargo fails.
+    pub(crate) fn component(&self) -> Result<PathBuf> {
+        let mut cargo = cargo();
+        self.arguments(&mut cargo);
+        cargo.args(["--target", COMPONENT_TARGET]);
+        if !crate::platforms::has_standard_library(COMPONENT_TARGET) {
+            let problem = format!("needs a target; run `rustup target add {COMPONENT_TARGET}`");
+            return Err(Error::Cargo { command: line(&cargo), problem });
         }
         made(&mut cargo, self.product)
     }
@@ -312,6 +334,6 @@ fn file_of(message: &str, product: Product) -> Option<PathBuf> {
         return message["executable"].as_str().filter(|_| ours).map(PathBuf::from);
     }
     let files = message["filenames"].as_array().filter(|_| ours)?;
-    let shared = |name: &&str| [".so", ".dll", ".dylib"].iter().any(|ending| name.ends_with(ending));
+    let shared = |name: &&str| [".so", ".dll", ".dylib", ".wasm"].iter().any(|ending| name.ends_with(ending));
     files.iter().filter_map(|f| f.as_str()).find(shared).map(PathBuf::from)
 }

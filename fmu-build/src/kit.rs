@@ -64,6 +64,17 @@ pub fn of(only: &[String]) -> Result<(Kit, Vec<LeftOut>)> {
     Ok((around(binaries)?, left_out))
 }
 
+/// A kit with the component for WebAssembly, too; it is compiled unless unchanged.
+///
+/// # Errors
+/// As [`own`].
+pub fn with_component(kit: Kit) -> Result<Kit> {
+    let binaries = kit.binaries.with_component(platforms::component()?);
+    let mut licences = licences::texts_of(Product::Component, false)?;
+    licences.extend(kit.licences);
+    Ok(Kit { binaries, licences, ..kit })
+}
+
 /// Kit around compiled libraries.
 fn around(binaries: Binaries) -> Result<Kit> {
     Ok(Kit { binaries, licences: licences::texts_of(Product::Machine, false)?, date: date::of_sources() })

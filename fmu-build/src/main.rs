@@ -46,6 +46,10 @@ struct Arguments {
     /// importers do not support clocks
     #[arg(long)]
     clocked: bool,
+    /// Also pack a WebAssembly component (draft of FMI-LS-WASM) into the FMI 3.0 archives of machine
+    /// files, and into the kit. Requires `rustup target add wasm32-wasip2`
+    #[arg(long)]
+    wasm: bool,
     /// Also pack the live page (documentation/explorer.html). If it cannot be built, print what it
     /// requires
     #[arg(long)]
@@ -84,6 +88,10 @@ enum Task {
         /// cannot read arrays
         #[arg(long)]
         arrays: bool,
+        /// Also pack a WebAssembly component (draft of FMI-LS-WASM) into the FMI 3.0 archive. Requires
+        /// `rustup target add wasm32-wasip2`
+        #[arg(long)]
+        wasm: bool,
     },
     /// Prints the states of the native library at communication points as CSV, to compare with
     /// hosts
@@ -122,9 +130,9 @@ fn main() -> ExitCode {
     let done = match arguments.command {
         Some(Task::Refresh { description: true }) => package::described().and_then(write),
         Some(Task::Refresh { description: false }) => refresh(),
-        Some(Task::Assembly { ref file, ref out, all_platforms, arrays }) => {
+        Some(Task::Assembly { ref file, ref out, all_platforms, arrays, wasm }) => {
             let (all, arrays) = (arguments.all_platforms || all_platforms, arguments.arrays || arrays);
-            pack(file, out.as_deref(), arrays, all)
+            pack(file, out.as_deref(), arrays, [all, arguments.wasm || wasm])
         }
         Some(Task::Native { step, steps, ref start }) => native(step, steps, start),
         Some(Task::Release { tag, preview, platform, out }) => {
@@ -186,14 +194,21 @@ fn write_kit(output: &Path, arguments: &Arguments) -> fmu_build::Result<PathBuf>
         (false, true) => kit::own()?,
         (false, false) => kit::at_hand()?,
     };
+    let kit = if arguments.wasm { kit::with_component(kit)? } else { kit };
     let file = output.with_file_name(KIT_FILE);
     kit.write(&file)?;
     Ok(file)
 }
 
 /// Packs a machine and names its archives.
-fn pack(file: &Path, out: Option<&Path>, arrays: bool, all_platforms: bool) -> fmu_build::Result<()> {
+fn pack(
+    file: &Path,
+    out: Option<&Path>,
+    arrays: bool,
+    [all_platforms, wasm]: [bool; 2],
+) -> fmu_build::Result<()> {
     let (kit, left_out) = if all_platforms { kit::all()? } else { (kit::own()?, Vec::new()) };
+    let kit = if wasm { kit::with_component(kit)? } else { kit };
     for path in assembly::write(file, out, arrays, &kit)? {
         println!("{}", path.display());
     }

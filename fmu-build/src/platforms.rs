@@ -101,6 +101,14 @@ pub fn own(product: Product) -> Result<Binaries> {
     Ok(Binaries::own(read(&Compiler::from(product).library()?)?))
 }
 
+/// The component of described machines for WebAssembly.
+///
+/// # Errors
+/// [`Error::Cargo`] without the compiler's target, [`Error::File`].
+pub fn component() -> Result<Vec<u8>> {
+    read(&Compiler::from(Product::Component).component()?)
+}
+
 /// Binaries of the 3-DOF library for the platforms that can be built here, and a list of the
 /// others. `only` selects platforms by their FMI 3.0 tuples; empty selects all. This machine's own
 /// platform is always included.

@@ -26,7 +26,7 @@ mod units;
 
 pub use experiment::experiment;
 pub use machine::Machine;
-pub use plan::{FILE, Plan};
+pub use plan::{FILE, Plan, ResourceReader, read_resources_by};
 pub use problem::MachineProblem;
 pub use saved_state::SavedState;
 pub use table::{Energy, Quantity, Role, VariableRow, VariableTable};

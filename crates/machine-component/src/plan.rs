@@ -7,7 +7,7 @@ use fmi_doors::identifier::identifier;
 use fmi_doors::{Instantiation, Version};
 use std::io::Read;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::{Assembly, Description};
 
@@ -203,12 +203,29 @@ fn token_with_arrays(text: &str) -> String {
     identifier(&format!("{} with arrays {}\n{text}", env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")))
 }
 
+/// Reads a file of the archive's resources by its path in their folder.
+pub type ResourceReader = fn(&str) -> Result<Vec<u8>, String>;
+
+static READER: OnceLock<ResourceReader> = OnceLock::new();
+
+/// Reads resources by a function of the host from now on, for libraries without a file system.
+/// Only the first call has an effect.
+pub fn read_resources_by(reader: ResourceReader) {
+    let _ = READER.set(reader);
+}
+
 fn read(file: &Path) -> Result<String, String> {
+    let long = || format!("it has more than {MOST_BYTES} bytes");
+    if let Some(reader) = READER.get() {
+        let bytes = reader(FILE)?;
+        let text = if bytes.len() as u64 > MOST_BYTES { Err(long()) } else { Ok(bytes) }?;
+        return String::from_utf8(text).map_err(|error| error.to_string());
+    }
     let mut text = String::new();
     let opened = std::fs::File::open(file);
     let read = opened.and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
     match read {
-        Ok(_) if text.len() as u64 > MOST_BYTES => Err(format!("it has more than {MOST_BYTES} bytes")),
+        Ok(_) if text.len() as u64 > MOST_BYTES => Err(long()),
         Ok(_) => Ok(text),
         Err(error) => Err(error.to_string()),
     }

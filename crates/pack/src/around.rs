@@ -78,7 +78,8 @@ mod tests {
             binaries: crate::PACKED_PLATFORMS
                 .into_iter()
                 .map(|place| (place, place.tuple.repeat(99).into()))
-                .collect(),
+                .collect::<crate::Binaries>()
+                .with_component(b"component".to_vec()),
             licences: Content::from([
                 ("a/LICENSE".to_owned(), b"text".to_vec()),
                 (crate::LICENCE_LIST.to_owned(), b"list".to_vec()),
@@ -86,12 +87,15 @@ mod tests {
             date: Some("2026-01-01T00:00:00Z".into()),
         };
         let file = archive::to_bytes(&kit.entries()).unwrap();
-        assert_eq!(platforms_of(&file).unwrap().len(), crate::PACKED_PLATFORMS.len());
+        assert_eq!(platforms_of(&file).unwrap().len(), crate::PACKED_PLATFORMS.len() + 1);
         let plan = Plan::of(&parse(BALL, "ball.toml", &no_records).unwrap()).unwrap();
         for version in [Version::Fmi2, Version::Fmi3] {
             let packed = around(version, &plan, &file).unwrap();
             let found = archive::of(Cursor::new(packed), Path::new("in memory")).unwrap();
             assert!(found == content(version, &plan, &kit).unwrap());
+            // The component has the functions of FMI 3.0 only.
+            let wasm = ["binaries/wasm32-wasip2/Ball.wasm", "extra/org.modelica.fmi-ls-wasm/manifest.xml"];
+            assert!(wasm.iter().all(|name| found.contains_key(*name) == (version == Version::Fmi3)));
         }
         let none = archive::to_bytes(&Content::from([("a.txt".to_owned(), Vec::new())])).unwrap();
         assert!(matches!(platforms_of(&none), Err(Error::Missing { .. })));

@@ -32,6 +32,10 @@ pub const PACKED_PLATFORMS: [PackedPlatform; 7] = [
     place("win32", "x86-windows", ".dll"),
 ];
 
+/// The component of the layered standard for WebAssembly, which runs on any platform. It has the
+/// functions of FMI 3.0 only.
+pub const WASM_COMPONENT: PackedPlatform = place("wasm32-wasip2", "wasm32-wasip2", ".wasm");
+
 /// Folder in which hosts on this platform look for the binary in an FMI 2.0 archive (2.3). It
 /// depends only on operating system and pointer width, not on the processor.
 pub const PLATFORM: &str = match (cfg!(target_os = "windows"), cfg!(target_os = "macos"), usize::BITS) {
@@ -73,6 +77,11 @@ impl PackedPlatform {
     pub fn in_archive(self, version: Version) -> &'static str {
         if version == Version::Fmi2 { self.folder } else { self.tuple }
     }
+
+    /// Whether archives of a version have binaries for this platform.
+    fn is_in(self, version: Version) -> bool {
+        self != WASM_COMPONENT || version == Version::Fmi3
+    }
 }
 
 /// Compiled libraries by platform; FMI 2.0 and 3.0 archives have different folders for them.
@@ -91,6 +100,24 @@ impl Binaries {
         Self(vec![(OWN, bytes)])
     }
 
+    /// The libraries and the component of the layered standard for WebAssembly.
+    #[must_use]
+    pub fn with_component(mut self, component: Vec<u8>) -> Self {
+        self.0.retain(|(place, _)| *place != WASM_COMPONENT);
+        self.0.push((WASM_COMPONENT, component));
+        self
+    }
+
+    /// Whether the archive of a version has the component for WebAssembly.
+    pub fn has_component(&self, version: Version) -> bool {
+        self.places(version).any(|place| place == WASM_COMPONENT)
+    }
+
+    /// Platforms in the archive of a version.
+    fn places(&self, version: Version) -> impl Iterator<Item = PackedPlatform> {
+        self.0.iter().map(|(place, _)| *place).filter(move |place| place.is_in(version))
+    }
+
     /// The libraries for some platforms, given by their FMI 3.0 tuples.
     #[must_use]
     pub fn only(&self, tuples: &[&str]) -> Self {
@@ -104,10 +131,10 @@ impl Binaries {
 
     /// Inverse of [`folders`](Self::folders); `None` for an unknown tuple.
     pub fn from_folders(libraries: BTreeMap<String, Vec<u8>>) -> Option<Self> {
-        // WebAssembly is not a platform of FMUs: in a web page, only [`PACKED_PLATFORMS`] are
-        // valid.
+        // A web page has no platform of its own.
         let own = Some(OWN).filter(|_| !cfg!(target_family = "wasm"));
-        let known = |name: &str| own.into_iter().chain(PACKED_PLATFORMS).find(|place| place.tuple == name);
+        let all = || own.into_iter().chain(PACKED_PLATFORMS).chain([WASM_COMPONENT]);
+        let known = |name: &str| all().find(|place| place.tuple == name);
         libraries.into_iter().map(|(name, bytes)| Some((known(&name)?, bytes))).collect()
     }
 
@@ -115,6 +142,7 @@ impl Binaries {
     pub fn of(&self, version: Version, model_identifier: &str) -> Content {
         self.0
             .iter()
+            .filter(|(place, _)| place.is_in(version))
             .map(|(at, bytes)| (binary_path(version, model_identifier, *at), bytes.clone()))
             .collect()
     }
@@ -122,7 +150,7 @@ impl Binaries {
     /// Names of the folders in the archive of a version, this platform's first.
     pub fn names(&self, version: Version) -> Vec<&'static str> {
         let (own, others): (Vec<PackedPlatform>, _) =
-            self.0.iter().map(|(place, _)| *place).partition(|place| place.tuple == PLATFORM_TUPLE);
+            self.places(version).partition(|place| place.tuple == PLATFORM_TUPLE);
         own.into_iter().chain(others).map(|place| place.in_archive(version)).collect()
     }
 }

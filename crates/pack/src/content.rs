@@ -77,8 +77,24 @@ pub fn content(version: Version, plan: &Plan, kit: &Kit) -> Result<Content> {
     }
     content.extend(results.into_iter().map(|(name, text)| (format!("{}/{name}", reference::FOLDER), text)));
     content.extend(kit.binaries.of(version, plan.name()));
+    if kit.binaries.has_component(version) {
+        content.insert(WASM_MANIFEST.0.to_owned(), WASM_MANIFEST.1.as_bytes().to_vec());
+    }
     Ok(content)
 }
+
+/// Manifest of the layered standard for WebAssembly in archives with its component: path and text.
+/// The version is the one that the working draft gives as an example.
+const WASM_MANIFEST: (&str, &str) = (
+    "extra/org.modelica.fmi-ls-wasm/manifest.xml",
+    r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiLayeredStandardManifest
+  xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
+  fmi-ls:fmi-ls-name="org.modelica.fmi-ls-wasm"
+  fmi-ls:fmi-ls-version="0.1.0"
+  fmi-ls:fmi-ls-description="FMI Layered Standard for WebAssembly"/>
+"#,
+);
 
 /// Writes the archive of a machine for an FMI version, atomically.
 ///

@@ -94,7 +94,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(KIT_FILE);
         let kit = Kit {
-            binaries: crate::PACKED_PLATFORMS.into_iter().map(|place| (place, place.tuple.into())).collect(),
+            binaries: crate::PACKED_PLATFORMS
+                .into_iter()
+                .map(|place| (place, place.tuple.into()))
+                .collect::<Binaries>()
+                .with_component(b"component".to_vec()),
             licences: Content::from([("a/LICENSE".to_owned(), b"text".to_vec())]),
             date: Some("2026-01-01T00:00:00Z".into()),
         };

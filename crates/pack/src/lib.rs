@@ -22,7 +22,8 @@ mod terminals;
 pub use archive::Content;
 pub use around::{around, platforms_of};
 pub use binaries::{
-    Binaries, PACKED_PLATFORMS, PLATFORM, PLATFORM_TUPLE, PackedPlatform, SHARED_LIBRARY, binary_path,
+    Binaries, PACKED_PLATFORMS, PLATFORM, PLATFORM_TUPLE, PackedPlatform, SHARED_LIBRARY, WASM_COMPONENT,
+    binary_path,
 };
 pub use content::{MODEL_DESCRIPTION, content, file_name, suffix, write};
 pub use error::{Error, Result};
