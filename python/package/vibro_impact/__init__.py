@@ -50,6 +50,7 @@ from ._paper_orbits import PAPER_LABELS, PaperBranch, PaperOrbit
 from ._paper_parameters import GROUP_NAMES, PARAMETERS, SI_NAMES, MixedParametersWarning, SimilarNameWarning
 from ._paper_steady import SteadyState, SteadyStates
 from ._paper_studies import PaperAttractor, PaperBasins, PaperDiagram, PaperDirection
+from ._reduce import Reduced, reduce
 from ._sketch import Sketch
 from ._start import Start
 from ._table import Table
@@ -92,6 +93,7 @@ __all__ = [
     "PaperRun",
     "PaperSection",
     "PaperSpectrum",
+    "Reduced",
     "Rival",
     "Run",
     "Section",
@@ -111,6 +113,7 @@ __all__ = [
     "fit_records",
     "fmu_path",
     "measure_many",
+    "reduce",
     "simulate_many",
 ]
 
