@@ -188,7 +188,10 @@ impl Section {
                 None if !d.stops.is_empty() => Ok(Self::Stop(0)),
                 None if !d.frictions.is_empty() => Ok(Self::Friction(0)),
                 None => refused(
-                    "the machine has no harmonics, stops or friction; give a period (--period)".into(),
+                    "the machine has no harmonics, stops or friction; give a period (--period), or add a stop \
+                     without effect as section: `stop.section = { between = [\"ground\", \"BODY\"], gap = 0, \
+                     stiffness = 1e-9 }`"
+                        .into(),
                 ),
             },
         }

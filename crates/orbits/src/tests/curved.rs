@@ -346,3 +346,24 @@ fn invariant_a_limit_cycle_that_leaves_its_stop_ends_at_the_touch() {
     let branches = grown(&family, 3, 1);
     assert_eq!(specials(&branches, 1, "GR").len(), 1);
 }
+
+/// A van der Pol oscillator has no events. A stop almost without stiffness gives it a section.
+#[test]
+fn second_method_limit_cycle_of_a_van_der_pol_oscillator() {
+    // Period at μ = 1, from Poincaré-Lindstedt series of high order (C. M. Andersen and J. F. Geer,
+    // SIAM J. Appl. Math. 42, 1982) and many integrations.
+    const PERIOD: f64 = 6.663_286_859_323_13;
+    // The section's stiffness of 1e-9 N/m shortens the period by twice as much.
+    const STIFFENED: f64 = 4e-9;
+    let text = |more: &str| {
+        format!(
+            "name = \"VanDerPol\"\nbody.a = {{ mass = 1.0, start = {{ s = 0.1 }} }}\n\
+             spring.k = {{ between = [\"ground\", \"a\"], stiffness = 1.0, force = \"= -(1 - e^2)*rate\" }}\n{more}"
+        )
+    };
+    let refused = Orbit::settled(&machine(&text("")), &Start::default(), 100).unwrap_err().to_string();
+    let (_, advice) = refused.split_once("stop.section").unwrap();
+    let advice = format!("stop.section{}\n", advice.trim_end_matches('`').replace("BODY", "a"));
+    let orbit = Orbit::settled(&machine(&text(&advice)), &Start::default(), 100).unwrap();
+    assert!((orbit.period() - PERIOD).abs() < STIFFENED, "{}", orbit.period());
+}
