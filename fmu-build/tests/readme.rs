@@ -17,7 +17,7 @@ const RUN_ELSEWHERE: [(&str, &str); 11] = [
     ("derivatives.md", "tests/python/test_guide.py"),
     ("machine-studies.md", "crates/command-line/tests/assembly_orbits.rs"),
     ("fit.md", "crates/command-line/tests/fit.rs"),
-    ("reduce.md", "crates/command-line/tests/reduce.rs"),
+    ("fe-to-fmu.md", "crates/command-line/tests/reduce.rs"),
     ("against-experiment.md", "crates/command-line/tests/experiment.rs"),
     ("matlab.md", "crates/command-line/tests/octave.rs"),
     ("assemblies.md", "crates/machine/tests/file/examples.rs"),
@@ -31,7 +31,7 @@ const OUTSIDE: [&str; 4] = ["README.md", "CONTRIBUTING.md", "tests/README.md", "
 const BY_HAND: &str = "\n## Memory and random input, by hand";
 
 /// Shell commands and the tests that run them.
-const COVERED: [(&str, &str); 16] = [
+const COVERED: [(&str, &str); 20] = [
     ("python3 truth/build.py", "fmu-build/tests/truth.rs packs the same machines"),
     ("python3 truth/score.py fmpy", "fmu-build/tests/truth.rs, run by .ci/run"),
     ("python3 docs/site/build.py", "fmu-build/tests/site.rs, run by .ci/run"),
@@ -41,6 +41,10 @@ const COVERED: [(&str, &str); 16] = [
         "cargo build --release -p vibro --features reduce",
         "crates/command-line/tests/reduce.rs, run by .ci/run with the feature",
     ),
+    ("python3 matrices.py", TUTORIAL),
+    ("cat strip.toml surroundings.toml > machine.toml", TUTORIAL),
+    ("cat finer.toml surroundings.toml > finer_machine.toml", TUTORIAL),
+    ("cat rubin.toml surroundings.toml > rubin_machine.toml", TUTORIAL),
     ("cargo run --bin fmu-build", "fmu-build/tests/command.rs runs the same binary"),
     (
         "cargo run --bin fmu-build -- assembly examples/assembly/damper_with_buffer.toml",
@@ -62,6 +66,8 @@ const COVERED: [(&str, &str); 16] = [
     ),
 ];
 
+/// docs/fe-to-fmu.md.
+const TUTORIAL: &str = "crates/command-line/tests/reduce.rs, run by .ci/run with the feature";
 const ZIG: &str =
     "python3 -m venv target/zig && target/zig/bin/pip install --requirement fmu-build/requirements.txt";
 const TARGETS: &str = "rustup target add x86_64-pc-windows-gnu i686-pc-windows-gnu i686-unknown-linux-gnu \

@@ -52,6 +52,9 @@ pub static EXAMPLES: &[Example] = examples! {
     "stribeck_brake",
     "hammer_drill",
     "shaken_box" "shaken_box.csv",
+    "blade_tip",
+    "underplatform_damper",
+    "bar_on_wall",
 };
 
 /// Names of machines in version 0.3 that are still accepted, each with the present name.

@@ -268,7 +268,7 @@ fn watched(d: &Description) -> Vec<Quantity> {
         (0..d.bodies.len()).filter(|&i| !d.bodies[i].is_inner()).map(move |i| Quantity::of_body(i, what))
     };
     let forces = d.elements().enumerate().filter(|(_, element)| is_contact(*element));
-    let forces = forces.map(|(i, _)| Quantity::of_element(i, What::F));
+    let forces = forces.flat_map(|(i, element)| forces_of(i, element));
     bodies(What::S).chain(forces).chain(bodies(What::V)).collect()
 }
 
@@ -276,6 +276,12 @@ fn watched(d: &Description) -> Vec<Quantity> {
 /// freewheel.
 pub(crate) fn is_contact(element: Element) -> bool {
     matches!(element, Element::Stop(_) | Element::Friction(_) | Element::Contact(_) | Element::Freewheel(_))
+}
+
+/// The forces of an element that is a contact, in the direction of its elongation and along its tangent.
+pub(crate) fn forces_of(i: usize, element: Element) -> impl Iterator<Item = Quantity> {
+    let tangent = matches!(element, Element::Contact(own) if own.tangent.is_some()).then_some(What::TangentF);
+    [What::F].into_iter().chain(tangent).map(move |what| Quantity::of_element(i, what))
 }
 
 /// Kind, element and value of an event, and the number of stops that took part: the columns of

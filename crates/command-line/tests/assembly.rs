@@ -183,6 +183,37 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
     assert!((lost - 1.0).abs() < 1e-8, "{lost}");
 }
 
+/// Relative rounding of a sum of losses.
+const LOSSES: f64 = 1e-12;
+
+/// The losses of contacts with friction, with and without residual flexibility, add up to the engine's
+/// account; the picture shows both forces, and `account.txt` counts the contacts.
+#[test]
+fn invariant_losses_of_contacts_with_friction_are_those_of_the_account() {
+    let residual = std::fs::read_to_string(example("blade_tip.toml")).unwrap();
+    let modes = residual.lines().filter(|line| !line.starts_with("residual")).collect::<Vec<_>>().join("\n");
+    for (text, count) in [(residual, 9), (modes, 9)] {
+        let path = file("assembly-rub.toml", &text);
+        let times = vibro::machine::even_times((0.0, 0.12), 100).unwrap();
+        let read = vibro_machine::file::read(&path).unwrap();
+        let record =
+            vibro::machine::record(read, &Start::default(), &times, &Arc::default(), &mut |_| ()).unwrap();
+        let all = record.followed.contacts.all();
+        let lost: f64 = all.iter().filter_map(|contact| contact.lost).sum();
+        let account: f64 = record.motion.energy().branches.iter().map(|own| own.value()).sum();
+        assert!(all.len() == count && account > 1e-3, "{} {account}", all.len());
+        assert!((lost / account - 1.0).abs() < LOSSES, "{lost} {account}");
+        let picture = vibro::machine::figure(&record, Vec::new()).unwrap();
+        let panel = picture.panels.iter().find(|panel| panel.y.label == "f (N)").unwrap();
+        let names: Vec<&str> = panel.layers.iter().filter_map(|layer| layer.name.as_deref()).collect();
+        assert_eq!(names, ["casing", "casing.ft"]);
+        let out = folder("assembly-rub");
+        let path = path.display().to_string();
+        let told = drawn(&out, &["run", &path, "--until", "0.12", "--samples", "100"]);
+        assert!(told.contains(&format!("contact.casing: {count} contacts, largest force ")), "{told}");
+    }
+}
+
 #[test]
 fn times_from_a_file_are_the_rows() {
     let times = file("assembly-times.txt", "# s\n0\n\n0.1\n0.1\n0.30000000000000004\n").display().to_string();

@@ -3,6 +3,8 @@
 
 #[path = "common/mod.rs"]
 mod command;
+#[path = "gallery/figures.rs"]
+mod figures;
 
 use command::{folder, numbers};
 use std::path::{Path, PathBuf};
@@ -45,8 +47,9 @@ fn sketched(name: &str) -> String {
     std::fs::read_to_string(svg).unwrap()
 }
 
-/// Compares a page's picture with the output of its command, or rewrites the picture.
-fn compare(gallery: &Path, name: &str, command: &str, update: bool) {
+/// Compares a page's picture with the output of its command, or rewrites the picture. Returns what
+/// the command says.
+fn compare(gallery: &Path, name: &str, command: &str, update: bool) -> String {
     let line = command.strip_prefix("vibro ").expect("a command of vibro");
     let (line, _) = line.split_once(" --out ").expect("a folder");
     let out = folder(&format!("gallery-{name}"));
@@ -54,8 +57,8 @@ fn compare(gallery: &Path, name: &str, command: &str, update: bool) {
     let vibro = vibro.args(line.split_whitespace()).arg("--out").arg(&out).current_dir(root());
     let output = vibro.output().expect("vibro runs");
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-    let drawn =
-        ["motion.svg", "bifurcation.svg", "response.svg", "design.svg", "fit.svg"].map(|n| out.join(n));
+    let drawn = ["motion", "bifurcation", "response", "sweep", "design", "fit"]
+        .map(|n| out.join(n).with_extension("svg"));
     let drawn = drawn.iter().find(|p| p.exists()).expect("a picture");
     let now = std::fs::read_to_string(drawn).unwrap();
     let kept = gallery.join(format!("{name}.svg"));
@@ -73,6 +76,7 @@ fn compare(gallery: &Path, name: &str, command: &str, update: bool) {
     let apart = far as f64 + old.len().abs_diff(new.len()) as f64;
     let stale = "is stale; VIBRO_IMPACT_UPDATE=1 writes it anew";
     assert!(apart <= CHAOTIC * old.len() as f64, "{name}.svg {stale}");
+    String::from_utf8(output.stdout).unwrap()
 }
 
 /// The commands of a page.
@@ -111,12 +115,19 @@ fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
         let before = std::fs::read_to_string(&kept).expect("a sketch; VIBRO_IMPACT_UPDATE=1 writes it");
         assert!(before == sketch, "sketches/{name}.svg is stale; VIBRO_IMPACT_UPDATE=1 writes it anew");
         let commands = commands(&page);
-        assert!((1..=2).contains(&commands.len()), "{name}: {commands:?}");
+        // A third command makes a table; `figures` runs it.
+        assert!((1..=3).contains(&commands.len()), "{name}: {commands:?}");
+        let mut said = String::new();
         for (command, further) in commands.iter().zip(["", "_response"]) {
             let name = format!("{name}{further}");
             if !LONG.contains(&name.as_str()) {
-                compare(&gallery, &name, command, update);
+                said += &compare(&gallery, &name, command, update);
             }
+        }
+        for line in
+            page.split("```text\n").skip(1).flat_map(|rest| rest.lines().take_while(|line| *line != "```"))
+        {
+            assert!(said.lines().any(|own| own == line), "{name}: the commands do not say `{line}`:\n{said}");
         }
     }
     assert!(count >= 17, "{count} pages");

@@ -113,43 +113,105 @@ fn blocks(page: &str) -> Vec<(&str, &str)> {
     blocks.filter_map(|block| block.split_once('\n')).collect()
 }
 
+/// Runs a line of the tutorial and returns what it says; `None` if a program for it is missing.
+#[cfg(feature = "reduce")]
+fn performed(folder: &Path, line: &str) -> Option<String> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let output = match words[..] {
+        ["cat", one, other, ">", whole] => {
+            let text = [one, other].map(|name| std::fs::read_to_string(folder.join(name)).unwrap());
+            std::fs::write(folder.join(whole), text.concat()).unwrap();
+            return Some(String::new());
+        }
+        ["python3", script] => Command::new("python3").arg(script).current_dir(folder).output().ok()?,
+        ["vibro", "fmu", machine] => {
+            // Made by `cargo run --bin fmu-build`, which compiles the library.
+            let kit = root().join("target/fmu/kits/own.zip");
+            kit.exists().then(|| vibro(folder, &format!("fmu {machine} --kit {}", kit.display())))?
+        }
+        ["vibro", ..] => vibro(folder, &line["vibro ".len()..]),
+        _ => return Some(String::new()),
+    };
+    assert!(output.status.success(), "{line}: {}", said(&output));
+    Some(said(&output))
+}
+
+#[cfg(feature = "reduce")]
+fn root() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The Python of the FMUs' tests, which has fmpy.
+#[cfg(feature = "reduce")]
+fn with_fmpy() -> Option<std::path::PathBuf> {
+    let folders =
+        std::fs::read_dir(root().join("target")).ok()?.filter_map(Result::ok).map(|entry| entry.path());
+    let programs = folders.map(|folder| folder.join("bin/python"));
+    let has = |python: &std::path::PathBuf| {
+        let output = Command::new(python).args(["-c", "import fmpy"]).output();
+        output.is_ok_and(|output| output.status.success())
+    };
+    programs.filter(|python| python.exists()).find(has)
+}
+
+/// The last row of a table that `vibro run` has written.
+#[cfg(feature = "reduce")]
+fn last(folder: &Path, table: &str) -> Vec<f64> {
+    let text = std::fs::read_to_string(folder.join(table)).unwrap();
+    text.lines().last().unwrap().split(',').map(|cell| cell.parse().unwrap()).collect()
+}
+
+/// Rounding of the motion in other steps, m.
+#[cfg(feature = "reduce")]
+const ROUNDING: f64 = 1e-12;
+
+/// Every command and file of docs/fe-to-fmu.md, the lines that it shows, and its statements about them.
 #[test]
 #[cfg(feature = "reduce")]
-fn golden_the_page_runs_and_shows_what_it_says() {
-    let page = include_str!("../../../docs/reduce.md");
+fn golden_the_tutorial_runs_and_shows_what_it_says() {
+    let page = include_str!("../../../docs/fe-to-fmu.md");
     let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let folder = folder.path();
+    let (mut shown, mut expected) = (String::new(), Vec::new());
     for (info, block) in blocks(page) {
-        if let Some((_, name)) = info.split_once(' ') {
-            write(name, block);
+        match info.split_once(' ') {
+            Some((_, name)) => std::fs::write(folder.join(name), format!("{block}\n")).unwrap(),
+            None if info == "sh" => {
+                for line in block.replace("\\\n", " ").lines() {
+                    match performed(folder, line) {
+                        Some(said) => shown += &said,
+                        None => eprintln!("NOT RUN: {line}"),
+                    }
+                }
+            }
+            None => expected.extend(block.lines()),
         }
     }
-    let python = Command::new("python3").arg("matrices.py").current_dir(folder.path()).output();
-    let Ok(python) = python else {
-        eprintln!("NOT RUN: python3 is missing");
-        return;
-    };
-    assert!(python.status.success(), "{}", said(&python));
-    let joined = page.replace("\\\n", " ");
-    let mut shown = String::new();
-    for line in joined.lines().filter(|line| line.starts_with("vibro ") && !line.starts_with("vibro fmu")) {
-        if line.starts_with("vibro check") {
-            let [one, other] = ["beam.toml", "surroundings.toml"]
-                .map(|name| std::fs::read_to_string(folder.path().join(name)).unwrap());
-            write("machine.toml", &(one + &other));
-        }
-        let output = vibro(folder.path(), &line["vibro ".len()..]);
-        assert!(output.status.success(), "{line}: {}", said(&output));
-        shown += &said(&output);
-    }
-    shown += &std::fs::read_to_string(folder.path().join("beam.txt")).unwrap();
-    let outputs: Vec<&str> =
-        blocks(page).into_iter().filter(|(info, _)| *info == "text").map(|own| own.1).collect();
-    assert_eq!(outputs.len(), 3);
-    for line in outputs.iter().flat_map(|block| block.lines()) {
+    shown += &std::fs::read_to_string(folder.join("strip.txt")).unwrap();
+    assert!(expected.len() > 10);
+    for line in expected {
         assert!(
             shown.lines().any(|own| own.trim_end() == line.trim_end()),
             "the page shows\n{line}\nbut there is\n{shown}"
         );
     }
+    // More modes have the same events.
+    let kinds = |name: &str| {
+        let text = std::fs::read_to_string(folder.join(name).join("events.csv")).unwrap();
+        text.lines().map(|line| line.split(',').nth(1).unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let events = kinds("motion");
+    assert_eq!(events, kinds("finer"));
+    assert!(page.contains(&format!("the same {} events", events.len() - 1)), "{}", events.len() - 1);
+    // The FMU moves as the machine.
+    let Some(python) = with_fmpy().filter(|_| folder.join("vibro-out/strip-FMI3.fmu").exists()) else {
+        eprintln!("NOT RUN: the FMU, which needs `cargo run --bin fmu-build` and its Python");
+        return;
+    };
+    let output = Command::new(python).arg("fmu.py").current_dir(folder).output().unwrap();
+    let told = said(&output);
+    let told: f64 = told.trim().rsplit(' ').next().unwrap().parse().unwrap_or_else(|_| panic!("{told}"));
+    let run = vibro(folder, "run machine.toml --until 0.5s --samples 50 --columns strip.tip_z.s --out fmu");
+    assert!(run.status.success(), "{}", said(&run));
+    assert!((last(folder, "fmu/states.csv")[1] - told).abs() < ROUNDING, "{told}");
 }

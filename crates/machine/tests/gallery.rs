@@ -10,22 +10,22 @@ use vibro_machine::{Assembly, Motion, file};
 
 /// Events of a solver lie on a grid of a step over 2^HALVINGS, which is below 1e-11 s in all tests
 /// here.
-const HALVINGS: usize = 26;
+pub const HALVINGS: usize = 26;
 
-fn example(name: &str) -> Motion {
+pub fn example(name: &str) -> Motion {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/assembly/");
     let machine = file::read(format!("{folder}{name}.toml").as_ref()).unwrap_or_else(|e| panic!("{e}"));
     Motion::new(Arc::new(Assembly::new(machine).unwrap())).unwrap()
 }
 
-fn followed(motion: &mut Motion, end: f64) -> Vec<Event> {
+pub fn followed(motion: &mut Motion, end: f64) -> Vec<Event> {
     let mut all = Vec::new();
     motion.advance_observed(end, &mut |event| all.push(event.clone())).unwrap();
     all
 }
 
 /// A quantity by its name.
-fn value(motion: &Motion, name: &str) -> f64 {
+pub fn value(motion: &Motion, name: &str) -> f64 {
     let all = motion.assembly().description.named_quantities();
     motion.value(all.iter().find(|quantity| quantity.name == name).expect("a column").quantity)
 }
@@ -35,7 +35,7 @@ fn press(event: &EventKind) -> bool {
 }
 
 /// z' = A z: exp(A h/2^k) - 1 for each k. E(2h) = 2 E(h) + E(h)² preserves the digits.
-fn flow(a: &DMatrix<f64>, step: f64) -> Vec<DMatrix<f64>> {
+pub fn flow(a: &DMatrix<f64>, step: f64) -> Vec<DMatrix<f64>> {
     let small = a * (step / f64::exp2(HALVINGS as f64));
     let mut e = &small + &small * &small / 2.0 + &small * &small * &small / 6.0;
     let mut all = vec![e.clone()];

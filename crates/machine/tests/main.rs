@@ -27,6 +27,7 @@ mod formulas;
 mod freewheel;
 mod frictional;
 mod gallery;
+mod gallery_contacts;
 mod held_exactly;
 mod held_force;
 mod instants;

@@ -54,7 +54,7 @@ pub struct StopContact {
     /// impacts are separate contacts.
     pub speed: f64,
     /// Energy lost, J, at an impact or in a compliant stop, including the loss of its spring after
-    /// its force is zero. `None` if the flow was not observed.
+    /// its force is zero, or in the dashpot and the friction of a contact. `None` if the flow was not observed.
     pub lost: Option<f64>,
 }
 
@@ -72,8 +72,9 @@ pub struct ContactRecorder {
 struct Acting {
     stop: usize,
     force: Sparse,
-    /// The dissipative force and the rate; `None` for a rigid stop.
-    loss: Option<(Sparse, Sparse)>,
+    /// Dissipative forces with their rates: of a dashpot, and of friction along the tangent. None
+    /// for a rigid stop.
+    losses: Vec<(Sparse, Sparse)>,
 }
 
 impl ContactRecorder {
@@ -157,18 +158,24 @@ impl ContactRecorder {
             }
             let force = system.force_row(Part::Stop(stop), &flow.mode, &flow.lambda);
             let rows = &system.stops[stop];
-            let loss = (state != StopState::Closed).then(|| {
+            let mut losses = Vec::new();
+            if state != StopState::Closed {
                 let beyond = force.iter().zip(rows.spring.iter()).map(|(f, k)| f - k);
-                (Sparse::of(beyond), Sparse::of(rows.elongation.rate.iter().copied()))
-            });
+                losses.push((Sparse::of(beyond), Sparse::of(rows.elongation.rate.iter().copied())));
+            }
+            for (i, branch) in system.branches.iter().enumerate().filter(|own| own.1.stop() == Some(stop)) {
+                let force = system.force_row(Part::Branch(i), &flow.mode, &flow.lambda);
+                let slider = flow.rate_of(branch.inner.as_slice());
+                losses.push((Sparse::of(force.iter().copied()), Sparse::of(slider.into_iter())));
+            }
             let stop = system.stop_of(stop);
-            self.acting.push(Acting { stop, force: Sparse::of(force.iter().copied()), loss });
+            self.acting.push(Acting { stop, force: Sparse::of(force.iter().copied()), losses });
         }
     }
 
     /// Records a stretch of a flight over `length` s.
     pub(super) fn stretch(&mut self, series: &Series, length: f64) {
-        for Acting { stop, force, loss } in &self.acting {
+        for Acting { stop, force, losses } in &self.acting {
             let Some(place) = self.current[*stop] else { continue };
             let contact = &mut self.all[place];
             if contact.end.is_none() {
@@ -177,7 +184,7 @@ impl ContactRecorder {
                 let integral: f64 = f.iter().enumerate().map(|(k, c)| c / (k + 1) as f64).sum();
                 contact.impulse = contact.impulse.map(|p| p + length * integral);
             }
-            if let Some((beyond, rate)) = loss {
+            for (beyond, rate) in losses {
                 let (beyond, rate) = (beyond.along(series), rate.along(series));
                 let power = |u: f64| value_at(&beyond, u) * value_at(&rate, u);
                 let work: f64 = NODES.iter().map(|(u, w)| w * power(*u)).sum();

@@ -1,7 +1,7 @@
 //! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts
 //! over time.
 
-use super::{MotionRecord, is_contact};
+use super::{MotionRecord, forces_of, is_contact};
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
 use vibro_machine::description::Dimension;
@@ -32,13 +32,18 @@ pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
     for (dimension, label) in [(Dimension::Translation, "s (m)"), (Dimension::Rotation, "s (rad)")] {
         let bodies = d.bodies.iter().enumerate().filter(|(_, b)| b.dimension == dimension && !b.is_inner());
         let coordinate = |i| Quantity::of_body(i, What::S);
-        let curves: Vec<_> = bodies.filter_map(|(i, b)| curve(record, &b.name, coordinate(i))).collect();
+        let curves: Vec<_> =
+            bodies.filter_map(|(i, b)| curve(record, b.name.clone(), coordinate(i))).collect();
         panels.extend(curves_over_time(record, "coordinates", label, &curves));
     }
     for (dimension, label) in [(Dimension::Translation, "f (N)"), (Dimension::Rotation, "f (N·m)")] {
         let of = |e: &Element| is_contact(*e) && e.dimension(d) == dimension;
         let these = d.elements().enumerate().filter(|(_, element)| of(element));
-        let curves = these.filter_map(|(i, e)| curve(record, e.name(), Quantity::of_element(i, What::F)));
+        let forces = these.flat_map(|(i, e)| forces_of(i, e).map(move |quantity| (e.name(), quantity)));
+        let curves = forces.filter_map(|(name, quantity)| match quantity.what {
+            What::F => curve(record, name.to_owned(), quantity),
+            what => curve(record, format!("{name}.{}", what.word()), quantity),
+        });
         // A stop without a force at any time has no curve.
         let curves: Vec<_> = curves.filter(|curve| curve.extreme.largest != 0.0).collect();
         panels.extend(curves_over_time(record, "forces of stops and friction", label, &curves));
@@ -60,14 +65,14 @@ fn time_axis(record: &MotionRecord) -> Axis {
     Axis::over("time (s)", time(record.rows.first()), time(record.rows.last()))
 }
 
-fn curve<'a>(record: &'a MotionRecord, name: &'a str, quantity: Quantity) -> Option<MotionCurve<'a>> {
+fn curve(record: &MotionRecord, name: String, quantity: Quantity) -> Option<MotionCurve<'_>> {
     let column = record.assembly.description.quantities().position(|column| column == quantity)?;
     Some(MotionCurve { name, column, extreme: record.extreme(quantity)? })
 }
 
 /// A drawn quantity: its name, its column in the samples, and its extremes between samples.
 struct MotionCurve<'a> {
-    name: &'a str,
+    name: String,
     column: usize,
     extreme: &'a Extreme,
 }
@@ -97,7 +102,7 @@ fn curves_over_time(
         return None;
     }
     let layers = curves.iter().zip(COLOURS).map(|(curve, colour)| {
-        Layer::line(curve.name, colour, Dash::Solid, curve.points(record)).stroke(THIN)
+        Layer::line(&curve.name, colour, Dash::Solid, curve.points(record)).stroke(THIN)
     });
     let layers = layers.collect();
     // Small lengths are shown in mm, so that the numbers on the axis are short.

@@ -12,7 +12,7 @@ use crate::Result;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use vibro_machine::description::{BodyKind, Description, Dimension, Stop};
+use vibro_machine::description::{BodyKind, Description, Dimension};
 use vibro_machine::elements::Action;
 use vibro_machine::following::Following;
 use vibro_machine::mode::{FrictionState, StopState};
@@ -283,13 +283,17 @@ fn frequencies(assembly: &Assembly, motion: &Motion) -> Vec<String> {
     lines
 }
 
-/// Number and extremes of the contacts of each stop.
+/// Number and extremes of the contacts of each stop and each contact with friction.
 fn contacts(record: &MotionRecord) -> Vec<String> {
     let d = &record.assembly.description;
-    let all = record.followed.contacts.all();
-    let line = |(i, stop): (usize, &Stop)| {
-        let own: Vec<_> = all.iter().filter(|contact| contact.stop == i).collect();
-        let [_, speed_unit, force] = units(stop.arms.dimension);
+    let mut all: BTreeMap<String, Vec<StopContact>> = BTreeMap::new();
+    for contact in record.followed.contacts.all() {
+        all.entry(contact.element(&record.assembly)).or_default().push(contact);
+    }
+    let line = |element: Element| {
+        let name = element.dotted();
+        let own = all.get(&name)?;
+        let [_, speed_unit, force] = units(element.dimension(d));
         let largest =
             |of: &dyn Fn(&StopContact) -> Option<f64>| own.iter().filter_map(|c| of(c)).reduce(f64::max);
         let speed = largest(&|c| Some(c.speed))?;
@@ -299,15 +303,15 @@ fn contacts(record: &MotionRecord) -> Vec<String> {
             value.map_or(String::new(), |x| format!(", {name} {} {unit}", short(x)))
         };
         Some(format!(
-            "stop.{}: {} contacts{}{}{}",
-            stop.name,
+            "{name}: {} contacts{}{}{}",
             own.len(),
             part("largest force", peak, force),
             part("largest impulse", blow, &format!("{force}·s")),
             part("largest closing speed", Some(speed), speed_unit)
         ))
     };
-    d.stops.iter().enumerate().filter_map(line).collect()
+    let stops = d.elements().filter(|own| matches!(own, Element::Stop(_) | Element::Contact(_)));
+    stops.filter_map(line).collect()
 }
 
 /// Number of events of each kind, and the kinds that are not in the file.
