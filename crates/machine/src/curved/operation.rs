@@ -69,12 +69,13 @@ impl Operation {
         }
     }
 
-    /// Requirement on the first argument, in words.
-    pub(crate) fn requirement(&self) -> String {
+    /// The operation of an argument outside its domain, and the requirement, in words.
+    pub(crate) fn undefined(&self, a: f64) -> String {
         match self {
-            Self::Power(p) if p.fract() == 0.0 => "requires a divisor other than 0".into(),
-            Self::Power(p) => format!("requires a positive base of the power {p:?}"),
-            Self::Logarithm => "requires a positive argument of ln".into(),
+            Self::Power(p) if p.fract() == 0.0 => format!("a division by {a:?}; the divisor must not become 0"),
+            Self::Power(0.5) => format!("sqrt({a:?}); the argument of sqrt must be greater than 0"),
+            Self::Power(p) => format!("({a:?})^{p:?}; the base of a power that is not whole must be greater than 0"),
+            Self::Logarithm => format!("ln({a:?}); the argument of ln must be greater than 0"),
             _ => String::new(),
         }
     }

@@ -156,9 +156,9 @@ impl Motion {
     fn leaves_domain(&self, own: &Curved) -> Error {
         let argument = own.argument.at(self.hybrid.z.as_slice());
         let cause = format!(
-            "the motion leaves the domain of the force of {}, which {}; it is {argument:e} here",
+            "the force of {} contains {} here",
             self.name_of_curved(own),
-            own.operation.requirement()
+            own.operation.undefined(argument)
         );
         Error::Stuck { time: self.time(), cause }
     }

@@ -52,6 +52,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("normal = \"y\"", "normal = \"-x\"", "b.toml:18: contact.tip.tangent: has the same direction as `normal`; expected another direction of the bodies"),
     ("between = [\"ground\", \"blade.tip\"]", "between = [\"ground\", \"blade.tp\"]", "b.toml:16: contact.tip.between[1] = \"blade.tp\": no body has this name; did you mean `blade.tip`?"),
     ("between = [\"ground\", \"blade.tip\"]", "between = [\"ground\", \"blade.push\"]", "b.toml:16: contact.tip.between[1] = \"blade.push\": it has no directions; use `normal = [A, B]`, or give the node directions, such as nodes.tip = { x = [...], y = [...] }"),
+    ("between = [\"ground\", \"blade.tip\"]", "between = [\"ground\", \"blade.tip.y\"]", "b.toml:16: contact.tip.between[1] = \"blade.tip.y\": is a direction of the node `blade.tip`; expected the node, \"blade.tip\": `normal` gives the direction"),
     ("between = [\"ground\", \"blade.tip\"]", "between = [\"blade.tip\", \"blade.tip\"]", "b.toml:16: contact.tip.between = [\"blade.tip\", \"blade.tip\"]: both ends are the same; expected two nodes, or ground and a node"),
     ("normal = \"y\"", "normal = 3", "b.toml:17: contact.tip.normal = 3: expected a direction of the nodes in `between`, such as \"y\" or \"-y\"; two names, such as [\"ground\", \"box\"]; or { arms = { A = 1.0, B = -1.0 } }"),
     ("normal = \"y\"", "normal = [\"ground\", \"wheel\"]", "b.toml:17: contact.tip.normal = [\"ground\", \"wheel\"]: is an angle; the normal and the tangent of a contact are lengths: use `arms` with a lever such as \"50 mm\""),
