@@ -83,7 +83,8 @@ impl Example {
         let new = OLD_NAMES.iter().find(|(old, _)| *old == name).map_or(name, |(_, new)| new);
         EXAMPLES.iter().find(|example| example.name == new).ok_or_else(|| {
             let advice = vibro_machine::refusal::advice(name, EXAMPLES.iter().map(|example| example.name));
-            let problem = format!("no machine of the gallery has this name; {advice} (`vibro new` lists all)");
+            let problem =
+                format!("no machine of the gallery has this name; {advice} (`vibro new` lists all)");
             Error::Refused { what: format!("new {name}"), problem }
         })
     }

@@ -59,10 +59,9 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
             return Err(Error::Refused { what: format!("--set {text}"), problem });
         };
         let name = name.trim();
-        let read = machine.quantity(name, value).map_err(|error| Error::Refused {
-            what: "--set".into(),
-            problem: error.to_string(),
-        })?;
+        let read = machine
+            .quantity(name, value)
+            .map_err(|error| Error::Refused { what: "--set".into(), problem: error.to_string() })?;
         note_if_not_si(&[value], &read, text).into_iter().for_each(&mut *note);
         machine.note_unit(name, value);
         changes.push((name, read.value));

@@ -8,6 +8,7 @@ mod path;
 mod weighted;
 
 use crate::description::{Contact, Description, Dimension, Friction, StopLaw};
+use crate::elements::Element;
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};
 use crate::law::Sizes;
@@ -159,6 +160,14 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     }
     let left = system.inertia.solve(&worst.unwrap_or_else(|| DVector::zeros(n)));
     let body = (0..n).max_by(|&a, &b| left[a].abs().total_cmp(&left[b].abs()));
+    if left.iter().any(|x| !x.is_finite()) {
+        let curved = d.elements().find(|own| crate::system::compiled(*own).is_some());
+        let curved = curved.map_or("the curved springs".into(), Element::dotted);
+        let allowed = format!(
+            "coordinates at which the force of {curved} is defined: the search for the equilibrium begins at 0"
+        );
+        return Err(Error::OutOfRange { name: "coordinates of the bodies".into(), value: 0.0, allowed });
+    }
     let own = body.map(|k| &d.bodies[system.bodies_of[k]]);
     Err(Error::NoEquilibrium {
         body: own.map_or(String::new(), |own| own.name.clone()),

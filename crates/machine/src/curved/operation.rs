@@ -69,15 +69,26 @@ impl Operation {
         }
     }
 
-    /// The operation of an argument outside its domain, and the requirement, in words.
-    pub(crate) fn undefined(&self, a: f64) -> String {
+    /// The first argument of an operation with a domain, in words.
+    pub(crate) fn argument(&self) -> String {
         match self {
-            Self::Power(p) if p.fract() == 0.0 => format!("a division by {a:?}; the divisor must not become 0"),
-            Self::Power(0.5) => format!("sqrt({a:?}); the argument of sqrt must be greater than 0"),
-            Self::Power(p) => format!("({a:?})^{p:?}; the base of a power that is not whole must be greater than 0"),
-            Self::Logarithm => format!("ln({a:?}); the argument of ln must be greater than 0"),
+            Self::Power(p) if p.fract() == 0.0 => "the divisor".into(),
+            Self::Power(0.5) => "the argument of sqrt".into(),
+            Self::Power(p) => format!("the base of the power {p:?}"),
+            Self::Logarithm => "the argument of ln".into(),
             _ => String::new(),
         }
+    }
+
+    /// The operation of an argument outside its domain, and the requirement, in words.
+    pub(crate) fn undefined(&self, a: f64) -> String {
+        let (found, least) = match self {
+            Self::Power(p) if p.fract() == 0.0 => (format!("a division by {a:?}"), "must not be 0"),
+            Self::Power(0.5) => (format!("sqrt({a:?})"), "must be greater than 0"),
+            Self::Power(p) => (format!("({a:?})^{p:?}"), "must be greater than 0"),
+            _ => (format!("ln({a:?})"), "must be greater than 0"),
+        };
+        format!("{found}; {} {least}", self.argument())
     }
 
     /// Value at the arguments.

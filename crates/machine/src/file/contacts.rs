@@ -192,8 +192,8 @@ fn direction(reading: &mut Reading, table: &FileTable, entry: &Entry, names: &Na
                 Some(_) if node.matches('.').count() > 1 => {
                     let (of, _) = node.rsplit_once('.').unwrap_or_default();
                     let text = format!(
-                        "is a direction of the node `{of}`; expected the node, \"{of}\": `{}` gives the direction",
-                        entry.key
+                        "is a direction of the node `{of}`; expected the node, \"{of}\": `normal` and \
+                         `tangent` give the directions"
                     );
                     reading.refuse(item, text);
                     return None;

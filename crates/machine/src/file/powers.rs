@@ -30,7 +30,8 @@ pub(super) fn read(
     }
     for (key, other) in [("exponent", "coefficient"), ("coefficient", "exponent")] {
         if !table.has(other) {
-            let text = format!("requires `{other}`: the force is coefficient * |x|^exponent, with the sign of x");
+            let text =
+                format!("requires `{other}`: the force is coefficient * |x|^exponent, with the sign of x");
             reading.excluded(table, key, &text);
             return None;
         }

@@ -155,7 +155,11 @@ fn a_changed_parameter_is_a_file_with_that_value() {
     }
     let before = machine.clone();
     for (name, value, said) in [
-        ("ratio", 0.0, "ratio = 0.0: then stop.hard.restitution = 1 / ratio: divides by zero"),
+        (
+            "ratio",
+            0.0,
+            "ratio = 0.0: then stop.hard.restitution = 1 / ratio: divides by zero; change the expression or a parameter in its divisor",
+        ),
         ("ratio", f64::NAN, "ratio = NaN: must be a finite number"),
         (
             "ratio",

@@ -144,6 +144,9 @@ pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
 
+/// Largest number of commands that the refusal of an option names.
+const OTHERS: usize = 3;
+
 /// Refuses a FILE after `vibro paper`, a shared option that the command does not use, options of
 /// the paper's machine if a FILE is given, and options of a machine file if no FILE is given.
 ///
@@ -177,10 +180,14 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     let Some(given) = under.find(is_given) else { return Ok(()) };
     let others = with_file(&all, given);
     let whose = match file {
-        Some(_) if !others.is_empty() => format!(
-            "not an option of `vibro {name}` for a machine file, but of {}",
-            others.join(", ")
-        ),
+        Some(_) if !others.is_empty() => {
+            let shown = &others[..others.len().min(OTHERS)];
+            let more = match others.len() - shown.len() {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            format!("not an option of `vibro {name}` for a machine file, but of {}{more}", shown.join(", "))
+        }
         Some(file) => format!("an option of the paper's machine, but {} is a machine file", file.display()),
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
@@ -191,9 +198,8 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
 /// The commands that take an option for a machine file.
 fn with_file(all: &clap::Command, option: &Arg) -> Vec<String> {
     let takes = |command: &&clap::Command| {
-        let is_own = |arg: &Arg| {
-            arg.get_long() == option.get_long() && arg.get_help_heading() != Some(WITHOUT_FILE)
-        };
+        let is_own =
+            |arg: &Arg| arg.get_long() == option.get_long() && arg.get_help_heading() != Some(WITHOUT_FILE);
         has_file(command)
             && !unused(command.get_name()).contains(&option.get_id().as_str())
             && command.get_arguments().any(is_own)
