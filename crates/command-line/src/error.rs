@@ -67,12 +67,22 @@ pub enum Error {
 /// The failed operation on a file, and the cause.
 fn failed(doing: &str, path: &Path, source: &io::Error) -> String {
     let name = path.display();
+    let said = source.to_string();
+    let said = said.split(" (os error").next().unwrap_or_default();
     match source.kind() {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
             format!("{name}: is a file; expected a folder")
         }
         _ if doing == "reading" => format!("{name}: {}", unread(source, "save it with the encoding UTF-8")),
-        _ => format!("{doing} {name}: {source}"),
+        ErrorKind::NotFound if doing == "writing" => {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            format!("{name}: cannot be written: there is no folder {}", folder.display())
+        }
+        _ if doing == "writing" => format!("{name}: cannot be written: {said}; give another path"),
+        _ if doing == "making folder" => {
+            format!("{name}: the folder cannot be made: {said}; give another folder (--out)")
+        }
+        _ => format!("{doing} {name}: {said}"),
     }
 }
 

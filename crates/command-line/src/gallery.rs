@@ -81,13 +81,13 @@ impl Example {
     /// Finds the machine by its name in this version or in version 0.3.
     ///
     /// # Errors
-    /// [`Error::Refused`] for an unknown name, with all names of this version.
+    /// [`Error::Refused`] for an unknown name, with the nearest name of this version.
     pub fn find(name: &str) -> Result<&'static Self> {
         let new = OLD_NAMES.iter().find(|(old, _)| *old == name).map_or(name, |(_, new)| new);
         EXAMPLES.iter().find(|example| example.name == new).ok_or_else(|| {
-            let names: Vec<&str> = EXAMPLES.iter().map(|example| example.name).collect();
+            let advice = vibro_machine::refusal::advice(name, EXAMPLES.iter().map(|example| example.name));
             let problem =
-                format!("no machine of the gallery has this name; expected one of {}", names.join(", "));
+                format!("no machine of the gallery has this name; {advice} (`vibro new` lists all)");
             Error::Refused { what: format!("new {name}"), problem }
         })
     }

@@ -44,7 +44,8 @@ const MOST: usize = 10_000_000;
 /// unit is not SI. The machine with the new values is checked, not the file's.
 ///
 /// # Errors
-/// [`Error::Refusal`] with all problems if the file or the new values are not valid.
+/// [`Error::Refused`] if a text of `set` is not valid; [`Error::Refusal`] with all problems if the
+/// file or the machine with the new values is not valid.
 pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result<Machine> {
     let read = if set.is_empty() { Machine::read } else { Machine::read_draft };
     let mut machine = read(path).map_err(|error| match parameter_file::is_at(path) {
@@ -54,10 +55,13 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     let mut changes = Vec::new();
     for text in set {
         let Some((name, value)) = text.split_once('=').filter(|(name, _)| !name.trim().is_empty()) else {
-            return Err(Error::form(text, "NAME=VALUE, e.g. stop.steel.gap=5mm"));
+            let problem = "expected NAME=VALUE, e.g. stop.steel.gap=5mm".into();
+            return Err(Error::Refused { what: format!("--set {text}"), problem });
         };
         let name = name.trim();
-        let read = machine.quantity(name, value)?;
+        let read = machine
+            .quantity(name, value)
+            .map_err(|error| Error::Refused { what: "--set".into(), problem: error.to_string() })?;
         note_if_not_si(&[value], &read, text).into_iter().for_each(&mut *note);
         machine.note_unit(name, value);
         changes.push((name, read.value));

@@ -26,7 +26,7 @@ pub fn write_whole_by(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Re
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.{WRITING}", std::process::id()));
     let beside = path.with_file_name(name);
-    let failed = || Error::file("writing", &beside);
+    let failed = || Error::file("writing", path);
     let mut file = BufWriter::new(File::create(&beside).map_err(failed())?);
     fill(&mut file)?;
     file.flush().map_err(failed())?;

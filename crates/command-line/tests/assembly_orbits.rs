@@ -135,7 +135,7 @@ fn what_has_no_orbit_is_refused_by_name() {
         ),
         (
             "orbits examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --word U",
-            "an option of the paper's machine",
+            "--word: is not an option of `vibro orbits` for a machine file, but of `vibro orbit`",
         ),
         (
             "response examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --section up",

@@ -115,6 +115,83 @@ fn told(out: &Path, words: &[&str]) -> (bool, String, String) {
     (done.status.success(), text(done.stdout), text(done.stderr))
 }
 
+/// A refusal of an option names the option, its value once, and a remedy that the command has.
+#[test]
+fn golden_refusals_of_options_name_what_the_command_takes() {
+    let out = folder("machine-file-options");
+    std::fs::create_dir_all(&out).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(out.join(name), text).unwrap();
+    let body = "[body.b]\nmass = 1.0\n";
+    let spring = "[spring.k]\nbetween = [\"ground\", \"b\"]\nstiffness = 1.0\n";
+    write("free.toml", &format!("name = \"Free\"\n{body}{spring}"));
+    write(
+        "falls.toml",
+        &format!(
+            "name = \"Falls\"\ngravity = 9.81\nstart = \"rest\"\n{body}gravity = 1.0\n[load.f]\non = \"b\"\nconstant = 0.0\n"
+        ),
+    );
+    write("empty.toml", "# nothing\n");
+    write("empty.csv", "");
+    let none = "the machine has no harmonics, stops or friction";
+    for (line, said) in [
+        ("check empty.toml", "empty.toml: is empty; expected a machine: `name`, bodies such as [body.box]"),
+        (
+            "orbits free.toml --vary body.b.mass=0.5:2",
+            &format!("{none}; orbits require harmonics with a common period, a stop or a friction"),
+        ),
+        ("sweep free.toml --vary body.b.mass=0.5:2", &format!("{none}; give a period (--period)\n")),
+        (
+            "check falls.toml",
+            "falls.toml:3: start = \"rest\": no equilibrium; body.b keeps the acceleration 9.81 m/s2",
+        ),
+        (
+            "run DAMPER --until 1s --threads 2",
+            "--threads: is not an option of `vibro run` for a machine file, but of `vibro sweep`",
+        ),
+        (
+            "design DAMPER --minimize amplitude.box.s --vary stop.steel.gap",
+            "`stop.steel.gap`: expected NAME=LOW:HIGH without a count, e.g. stop.steel.gap=1mm:8mm\n",
+        ),
+        (
+            "response DAMPER --vary load.shaker.frequency=11Hz",
+            "`load.shaker.frequency=11Hz`: expected NAME=FROM:TO, e.g. stop.steel.gap=1mm:8mm\n",
+        ),
+        (
+            "design DAMPER --minimize amplitude.bx.s --vary stop.steel.gap=1mm:8mm",
+            "--minimize: the machine has no `bx.s`; did you mean `box.s`?",
+        ),
+        (
+            "sweep DAMPER --output amplitude.bx.s",
+            "--output: the machine has no `bx.s`; did you mean `box.s`?",
+        ),
+        ("check DAMPER --until 1s", "tip: '--until' is an option of 'vibro run'\n"),
+        (
+            "sweep DAMPER --vary stop.steel.gap=1mm:8mm:4 --shard 3/2",
+            "invalid value '3/2' for '--shard <I/N>': expected I/N with I from 1 to N, e.g. 2/4\n",
+        ),
+        (
+            "check DAMPER --set stop.steel.gap",
+            "--set stop.steel.gap: expected NAME=VALUE, e.g. stop.steel.gap=5mm",
+        ),
+        ("check DAMPER --set stop.steel.gap=5N", "--set: stop.steel.gap = \"5N\": cannot be in `N`"),
+        (
+            "check DAMPER --set speed=5",
+            "expected one of gravity, body.box.mass, body.box.gravity, body.block.mass",
+        ),
+        ("run free.toml --until 1s --out /dev/null/x", "/dev/null/x: is a file; expected a folder"),
+        ("new damper_with_buffer none/x.toml", "none/x.toml: cannot be written: there is no folder none\n"),
+        ("new nothing_like_it", "expected one of damper_with_buffer, gear_backlash"),
+        (
+            "fit DAMPER --data empty.csv --free stop.steel.gap",
+            "empty.csv: is empty; expected a first line that names the columns, such as time,box.s",
+        ),
+    ] {
+        let line = line.replace("DAMPER", DAMPER);
+        let (done, _, error) = told(&out, &line.split(' ').collect::<Vec<_>>());
+        assert!(!done && error.contains(said), "{line}: {error}");
+    }
+}
+
 #[test]
 fn second_method_old_spellings_do_what_the_new_ones_do_and_say_them() {
     let out = folder("machine-file-spellings");

@@ -195,8 +195,12 @@ fn check_signal(name: &str, signal: &Signal, problems: &mut Vec<Problem>) {
 
 /// The fault of a record with too few rows.
 pub(crate) fn too_few(count: usize) -> String {
-    let rows = if count == 1 { "row" } else { "rows" };
-    format!("has {count} {rows} with numbers; a record requires at least 2, each with a time and a value")
+    let rows = match count {
+        0 => "no rows".into(),
+        1 => "1 row".into(),
+        _ => format!("{count} rows"),
+    };
+    format!("has {rows} with numbers; a record requires at least 2, each with a time and a value")
 }
 
 /// Index of a knot whose slope to the next knot cannot be distinguished from a step.
@@ -352,7 +356,11 @@ fn levels(machine: &Description, problems: &mut Vec<Problem>) {
         let Some(largest) = &friction.static_force else { continue };
         let force = friction.force.constant;
         if friction.force.is_constant() && largest.is_constant() && largest.constant < force {
-            let text = format!("must be at least friction.{}.force = {force:?}", friction.name);
+            let unit = crate::kinds::PRELOAD.unit(friction.arms.dimension);
+            let text = format!(
+                "must be at least {force:?} {unit}, the sliding friction friction.{}.force",
+                friction.name
+            );
             problems.push(refused(format!("friction.{}.static", friction.name), largest.constant, text));
         }
     }
@@ -376,7 +384,7 @@ fn check_follows(machine: &Description, name: &str, follows: &Follows, problems:
         Some(_) => {}
     }
     if let Some(largest) = static_coefficient.filter(|largest| *largest < coefficient) {
-        let text = format!("must be at least {name}.coefficient = {coefficient:?}");
+        let text = format!("must be at least {coefficient:?}, the sliding friction {name}.coefficient");
         problems.push(refused(format!("{name}.static_coefficient"), largest, text));
     }
 }

@@ -76,15 +76,17 @@ pub enum Error {
     },
     /// A machine that starts at rest without an equilibrium.
     #[error(
-        "start = \"rest\": no equilibrium; body.{body} has the acceleration {acceleration:?} (SI) \
+        "start = \"rest\": no equilibrium; body.{body} keeps the acceleration {acceleration:?} {unit} \
          at every position: hold it by a spring, a stop or friction, or give the bodies start values \
          instead of \"rest\""
     )]
     NoEquilibrium {
         /// Name of the body with the largest remaining acceleration.
         body: String,
-        /// Acceleration, m/s² or rad/s².
+        /// Acceleration, in `unit`.
         acceleration: f64,
+        /// Unit of the acceleration.
+        unit: &'static str,
     },
     /// A machine that starts at rest and gives way while its loads grow from zero.
     #[error(
@@ -160,6 +162,6 @@ pub enum Error {
 fn grown(factor: f64) -> String {
     match factor {
         0.0 => "without any load".into(),
-        _ => format!("when the loads have grown from zero to {factor:?} of their full values"),
+        _ => format!("when the loads have grown from zero to {:.1} % of their full values", 100.0 * factor),
     }
 }

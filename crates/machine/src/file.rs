@@ -135,6 +135,10 @@ fn read_by(path: &Path, check: Check) -> Result<Description, Refusal> {
     parse_by(&text, (&name, &records_beside(&folder)), check)
 }
 
+/// The fault of a file without keys.
+const EMPTY: &str = "is empty; expected a machine: `name`, bodies such as [body.box] and elements such as \
+                     [spring.mount]";
+
 /// The checks of a machine that a text describes.
 type Check = fn(&Description) -> Vec<Problem>;
 
@@ -197,6 +201,9 @@ fn parse_by(text: &str, (file, records): (&str, Records), check: Check) -> Resul
     let (root, broken) = syntax::toml(text);
     if !broken.is_empty() {
         return Err(refusal(broken));
+    }
+    if root.get_ref().is_empty() {
+        return Err(refusal(vec![Problem::new("", None, EMPTY)]));
     }
     let mut reading = Reading::new(text, records);
     let machine = machine(&mut reading, &FileTable::root(root.get_ref()));

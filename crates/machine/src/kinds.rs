@@ -65,7 +65,10 @@ const fn between(min: f64, max: f64, allowed: &'static str) -> Range {
     Range { min, max, open_min: false, allowed }
 }
 
-pub const GRAVITY: NumberKind = kind("Acceleration of gravity", "m/s2", "m/s2", Range::NOT_NEGATIVE);
+pub const GRAVITY: NumberKind = advised(
+    kind("Acceleration of gravity", "m/s2", "m/s2", Range::NOT_NEGATIVE),
+    "it is the size of the acceleration; `gravity` of each body, from -1 to 1, gives its direction",
+);
 pub const INERTIA: NumberKind = kind("Mass or moment of inertia", "kg", "kg.m2", Range::POSITIVE);
 pub const COSINE: NumberKind = advised(
     kind("Cosine of the angle to gravity", "1", "1", between(-1.0, 1.0, "a number from -1 to 1")),

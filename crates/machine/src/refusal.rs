@@ -106,6 +106,11 @@ impl std::error::Error for Refusal {}
 /// typos.
 const LONGEST_MISSPELT: usize = 100;
 
+/// Largest number of valid names that a message lists completely; the keys of a section are fewer.
+const LONGEST_LIST: usize = 24;
+/// Number of names that a message lists of a longer list.
+const LISTED: usize = 8;
+
 /// Advice on an unknown name: the nearest valid name or, if none is near, the valid names. Names
 /// with the same first parts are searched alone: `stop.a.damping` is not near `stop.b.damping`.
 pub fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> String {
@@ -113,12 +118,12 @@ pub fn advice<'a>(name: &str, valid: impl Iterator<Item = &'a str> + Clone) -> S
         return format!("did you mean `{nearest}`?");
     }
     let first = same_parts(name, valid.clone());
-    let mut all: Vec<_> = valid.filter(|v| v.starts_with(&first)).take(SHOWN + 1).collect();
+    let mut all: Vec<_> = valid.filter(|v| v.starts_with(&first)).collect();
     match all.len() {
         0 => "there are none".into(),
-        n if n > SHOWN => {
-            all.truncate(SHOWN);
-            format!("expected one of {} and more", all.join(", "))
+        n if n > LONGEST_LIST => {
+            all.truncate(LISTED);
+            format!("expected one of {} and {} more", all.join(", "), n - LISTED)
         }
         _ => format!("expected one of {}", all.join(", ")),
     }

@@ -7,7 +7,8 @@ mod lines;
 mod path;
 mod weighted;
 
-use crate::description::{Contact, Description, Friction, StopLaw};
+use crate::description::{Contact, Description, Dimension, Friction, StopLaw};
+use crate::elements::Element;
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};
 use crate::law::Sizes;
@@ -159,8 +160,20 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     }
     let left = system.inertia.solve(&worst.unwrap_or_else(|| DVector::zeros(n)));
     let body = (0..n).max_by(|&a, &b| left[a].abs().total_cmp(&left[b].abs()));
-    let name = body.map_or(String::new(), |k| d.bodies[system.bodies_of[k]].name.clone());
-    Err(Error::NoEquilibrium { body: name, acceleration: body.map_or(0.0, |k| left[k]) })
+    if left.iter().any(|x| !x.is_finite()) {
+        let curved = d.elements().find(|own| crate::system::compiled(*own).is_some());
+        let curved = curved.map_or("the curved springs".into(), Element::dotted);
+        let allowed = format!(
+            "coordinates at which the force of {curved} is defined: the search for the equilibrium begins at 0"
+        );
+        return Err(Error::OutOfRange { name: "coordinates of the bodies".into(), value: 0.0, allowed });
+    }
+    let own = body.map(|k| &d.bodies[system.bodies_of[k]]);
+    Err(Error::NoEquilibrium {
+        body: own.map_or(String::new(), |own| own.name.clone()),
+        acceleration: body.map_or(0.0, |k| left[k]),
+        unit: if own.is_some_and(|own| own.dimension == Dimension::Rotation) { "rad/s2" } else { "m/s2" },
+    })
 }
 
 /// Sliding and static level of each friction in an augmented state. A level that follows a stop

@@ -619,6 +619,9 @@ fn golden_refusals_of_blocks() {
     }
     let named = refusal(&text.replace("[signal.wanted]", "[signal.cart]").replace("\"wanted\"", "\"cart\""));
     assert!(named.contains("signal.cart: a body has this name: body.cart"), "{named}");
+    // A block without outputs is refused once, not again where a load names its output.
+    let without = refused("outputs = [\"u\"]\n", "");
+    assert!(without.contains("block.pp.outputs: missing") && !without.contains("load.motor"), "{without}");
     let looped = refused(
         "[load.motor]",
         "[block.p]\ninputs = [\"q.y\"]\nd = [[1.0]]\noutputs = [\"y\"]\n[block.q]\ninputs = [\"p.y\"]\nd = [[1.0]]\noutputs = [\"y\"]\n[load.motor]",

@@ -444,7 +444,7 @@ fn refused_contacts_and_powers() {
         (
             "coefficient = \"5 N/m^1.5\", exponent = 1.5 }",
             "exponent = 1.5 }",
-            "spring.k.coefficient: missing",
+            "spring.k.exponent = 1.5: requires `coefficient`: the force is coefficient * |x|^exponent",
         ),
         (
             "stop.h = ",

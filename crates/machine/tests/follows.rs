@@ -293,7 +293,7 @@ fn golden_following_in_files() {
         (
             "static_coefficient = 0.4",
             "static_coefficient = 0.2",
-            "m.toml:20: friction.rub.static_coefficient = 0.2: must be at least friction.rub.coefficient = 0.3",
+            "m.toml:20: friction.rub.static_coefficient = 0.2: must be at least 0.3, the sliding friction friction.rub.coefficient",
         ),
         (
             "static_coefficient = 0.4",

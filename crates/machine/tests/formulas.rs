@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use vibro_machine::derivative::Gradient;
 use vibro_machine::file::{no_records, parse};
 use vibro_machine::motion::{Event, EventKind, Motion};
-use vibro_machine::{Differentiated, Quantity, What};
+use vibro_machine::{Assembly, Differentiated, Quantity, What};
 
 fn described(text: &str) -> Result<vibro_machine::description::Description, String> {
     parse(text, "m.toml", &no_records).map_err(|refusal| refusal.to_string())
@@ -386,7 +386,11 @@ fn invariant_motions_end_at_the_edge_of_a_domain() {
             Ok(()) => panic!("{force}: no end at {:?}", motion.body(0)),
             Err(error) => {
                 let error = error.to_string();
-                assert!(error.contains("spring.root") && error.contains("requires a positive"), "{error}");
+                assert!(
+                    error.contains("spring.root")
+                        && error.contains("reaches 0, where the formula is not defined"),
+                    "{error}"
+                );
             }
         }
         assert!(motion.body(0).iter().all(|x| x.is_finite()) && motion.time() > 0.01, "{:?}", motion.body(0));
@@ -438,6 +442,20 @@ fn closed_form_smooth_friction_passes_zero() {
     }
 }
 
+/// The search for the equilibrium begins at zero coordinates, where this force is not defined; the
+/// error has no NaN.
+#[test]
+fn golden_no_equilibrium_of_a_force_that_is_undefined_at_zero() {
+    let text = "name = \"P\"\n[body.b]\nmass = 1.0\nstart.s = 0.5\n\
+        [spring.k]\nbetween = [\"ground\", \"b\"]\nforce = \"= -0.01 / e\"\n";
+    let said = Assembly::new(described(text).unwrap()).unwrap().equilibrium().unwrap_err().to_string();
+    assert_eq!(
+        said,
+        "coordinates of the bodies = 0: expected coordinates at which the force of spring.k is defined: the search \
+         for the equilibrium begins at 0"
+    );
+}
+
 /// Formulas that are not allowed are refused; the message says what is.
 #[test]
 fn refusals_of_formulas() {
@@ -463,8 +481,15 @@ fn refusals_of_formulas() {
         ("\"= 3 * k\"", "has neither `e` nor `rate`"),
         ("\"= e / z\"", "divides by zero"),
         ("\"= e + ln(z)\"", "not finite"),
-        ("\"= ln(e)\"", "spring.k.force: requires a positive argument of ln; it is 0.0 at the start"),
-        ("\"= 1 / e\"", "requires a divisor other than 0"),
+        (
+            "\"= ln(e)\"",
+            "spring.k.force: at the start, where e = 0.0 m and rate = 0.0 m/s, the formula contains ln(0.0)",
+        ),
+        (
+            "\"= 1 / e\"",
+            "contains a division by 0.0; the divisor must not be 0: change the formula or the start values",
+        ),
+        ("\"= sqrt(e - 1)\"", "contains sqrt(-1.0); the argument of sqrt must be greater than 0"),
         ("\"= e ** 2\"", "write `^` for a power"),
         ("\"= e +\"", "at the end of the expression"),
         ("\"= (e\"", "a `)` is missing"),

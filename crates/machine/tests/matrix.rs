@@ -315,7 +315,7 @@ fn errors_of_matrices_name_the_entry() {
         ("complex.mtx", "= \"complex.mtx\": line 1: complex: expected real or integer entries"),
         ("pattern.mtx", "= \"pattern.mtx\": line 1: pattern: expected real or integer entries"),
         ("double.mtx", "= \"double.mtx\": line 4: 1 1 3: this entry is given twice"),
-        ("short.mtx", "= \"short.mtx\": it has 1 entries; expected 2, as given with its sizes"),
+        ("short.mtx", "= \"short.mtx\": it has 1 entry; expected 2, the number in its line of sizes"),
         ("three.mtx", "has 3 rows and 3 columns; expected 2 of each, as in the mass matrix"),
         ("none.mtx", "cannot be read: it is not there"),
         ("/M.mtx", "expected a path below the file's folder"),

@@ -113,7 +113,7 @@ fn no_equilibrium_is_refused_by_name() {
         ..Description::default()
     };
     let refused = Assembly::new(at_rest(d)).unwrap_err();
-    let Error::NoEquilibrium { body, acceleration } = &refused else { panic!("{refused}") };
+    let Error::NoEquilibrium { body, acceleration, .. } = &refused else { panic!("{refused}") };
     assert!(body == "loose" && (acceleration - 1.0).abs() < 1e-6, "{refused}");
 }
 
@@ -229,7 +229,7 @@ fn closed_form_a_sensor_on_a_stiff_spring_of_a_soft_one() {
                 // other bodies are.
                 d.bodies.push(heavy("loose", 1e-8, 0.5, 0.0, 0.0));
                 let refused = Assembly::new(at_rest(d)).unwrap_err();
-                let Error::NoEquilibrium { body, acceleration } = &refused else { panic!("{refused}") };
+                let Error::NoEquilibrium { body, acceleration, .. } = &refused else { panic!("{refused}") };
                 assert!(body == "loose" && (acceleration - 5.0).abs() < 1e-6, "{refused}");
             }
         }

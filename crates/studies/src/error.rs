@@ -20,6 +20,14 @@ pub enum Error {
         /// The given study, and the valid choices.
         problem: String,
     },
+    /// The motion has no section, and needs a period or an element as section.
+    #[error("{problem}; give a period (--period){}", if *has_elements { OR_ELEMENT } else { OR_NEW_SECTION })]
+    NoSection {
+        /// Why the motion has no section.
+        problem: String,
+        /// Whether the machine has a stop or friction.
+        has_elements: bool,
+    },
     /// No parameter has this name.
     #[error("no parameter is named `{name}`; {advice}")]
     UnknownName {
@@ -110,6 +118,13 @@ pub enum Error {
     #[error(transparent)]
     Store(Box<dyn std::error::Error + Send + Sync>),
 }
+
+/// The second remedy for a motion without a section.
+const OR_ELEMENT: &str = " or a stop or friction as section (--section)";
+
+/// Advice for a machine without stops and friction.
+pub const OR_NEW_SECTION: &str = ", or add a stop without effect as section: \
+    `stop.section = { between = [\"ground\", \"BODY\"], gap = 0, stiffness = 1e-9 }`";
 
 /// Result with the studies' error.
 pub type Result<T> = std::result::Result<T, Error>;

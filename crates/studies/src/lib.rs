@@ -80,7 +80,7 @@ pub use columns::{NamedEvent, columns, named, values};
 pub use contacts::{ContactRecorder, StopContact};
 pub use diagram::{Diagram, DiagramPoint};
 pub use eigenvalues::eigenvalues;
-pub use error::{Error, Result};
+pub use error::{Error, OR_NEW_SECTION, Result};
 pub use exponent::{ExponentSign, LargestExponent, ZERO_EXPONENT};
 pub use extremes::{Extreme, Extremes};
 pub use followed::Followed;

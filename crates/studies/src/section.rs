@@ -129,14 +129,21 @@ pub(super) fn last_period(d: &Description) -> Option<f64> {
     Some(repeat.map_or(count / slowest, |period| count * period))
 }
 
+/// Whether a machine has an element whose events can be a section.
+fn has_elements(d: &Description) -> bool {
+    !d.stops.is_empty() || !d.frictions.is_empty()
+}
+
 impl Section {
     /// The section of a machine.
     ///
     /// # Errors
-    /// [`Error::Described`] if the rule does not give a section; the message lists the possible
-    /// sections.
+    /// [`Error::NoSection`] if the machine has no section; [`Error::Described`] if the rule does not
+    /// give one. The message lists the possible sections.
     pub fn of(d: &Description, rule: &SectionRule) -> Result<Self> {
         let refused = |problem: String| Err(Error::Described { problem });
+        let has_elements = has_elements(d);
+        let none = |problem: String| Err(Error::NoSection { problem, has_elements });
         match rule {
             SectionRule::Period(period) if period.is_finite() && *period > 0.0 => Ok(Self::Period(*period)),
             SectionRule::Period(period) => {
@@ -152,11 +159,10 @@ impl Section {
                             d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
                         let known: Vec<&str> = known.map(String::as_str).collect();
                         let problem = format!("section {name}: no stop or friction has this name");
-                        refused(if known.is_empty() {
-                            format!("{problem}; the machine has neither, so give a period (--period)")
-                        } else {
-                            format!("{problem}; {}", advice(plain, known.iter().copied()))
-                        })
+                        if known.is_empty() {
+                            return none(format!("{problem}, and the machine has neither"));
+                        }
+                        refused(format!("{problem}; {}", advice(plain, known.iter().copied())))
                     },
                     Ok,
                 )
@@ -168,10 +174,7 @@ impl Section {
                         .signals()
                         .find(|s| !s.signal.sweeps.is_empty())
                         .map_or_else(String::new, |s| s.name);
-                    refused(format!(
-                        "{name} is a sweep, so the loads have no common period; give a period \
-                         (--period) or a stop or friction as section (--section)"
-                    ))
+                    none(format!("{name} is a sweep, so the loads have no common period"))
                 }
                 None if frequencies(d).next().is_some() => {
                     let repeats = d.signals().any(|s| s.signal.repeat.is_some());
@@ -180,19 +183,11 @@ impl Section {
                     } else {
                         "the harmonics' frequencies"
                     };
-                    refused(format!(
-                        "{what} have no common period up to 1000 periods of the slowest; give a \
-                         period (--period) or a stop or friction as section (--section)"
-                    ))
+                    none(format!("{what} have no common period up to 1000 periods of the slowest"))
                 }
                 None if !d.stops.is_empty() => Ok(Self::Stop(0)),
                 None if !d.frictions.is_empty() => Ok(Self::Friction(0)),
-                None => refused(
-                    "the machine has no harmonics, stops or friction; give a period (--period), or add a stop \
-                     without effect as section: `stop.section = { between = [\"ground\", \"BODY\"], gap = 0, \
-                     stiffness = 1e-9 }`"
-                        .into(),
-                ),
+                None => none("the machine has no harmonics, stops or friction".into()),
             },
         }
     }
@@ -217,14 +212,13 @@ impl Section {
     }
 
     fn missed(&self, motion: &Motion) -> Error {
-        let words = self.in_words(&motion.assembly().description);
-        Error::Described {
-            problem: format!(
-                "{words}: none in the last {WITHIN} s, until t = {:.1} s; the motion may have come to rest: \
-                 give a period (--period) or another --section",
-                motion.time()
-            ),
-        }
+        let d = &motion.assembly().description;
+        let problem = format!(
+            "{}: none in the last {WITHIN} s, until t = {:.1} s; the motion may have come to rest",
+            self.in_words(d),
+            motion.time()
+        );
+        Error::NoSection { problem, has_elements: has_elements(d) }
     }
 
     /// End of the current period; `None` for a section of events.
@@ -257,7 +251,7 @@ impl Section {
     /// Advances to the next return and reports every event on the way.
     ///
     /// # Errors
-    /// As [`Motion::advance_to`]; [`Error::Described`] if an element has no event for 100 s.
+    /// As [`Motion::advance_to`]; [`Error::NoSection`] if an element has no event for 100 s.
     pub fn advance(&self, motion: &mut Motion, tell: &mut dyn FnMut(&Event)) -> Result<()> {
         if let Some(end) = self.end(motion.time()) {
             return Ok(motion.advance_observed(end, tell)?);

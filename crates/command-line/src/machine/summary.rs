@@ -238,6 +238,10 @@ fn equilibrium(assembly: &Assembly) -> String {
             let places = bodies.map(|(b, s)| format!("{} = {} {}", b.name, short(s), units(b.dimension)[0]));
             format!("equilibrium under the loads at time 0: {}", places.collect::<Vec<_>>().join(", "))
         }
+        Err(vibro_machine::Error::NoEquilibrium { body, acceleration, unit }) => format!(
+            "equilibrium under the loads at time 0: none; body.{body} keeps the acceleration {} {unit}",
+            short(acceleration)
+        ),
         Err(error) => format!("equilibrium under the loads at time 0: none ({error})"),
     }
 }

@@ -24,7 +24,8 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
             let (e, size) = elongation(&link.arms, &starts, which);
             if e.abs() > WRITTEN * size {
                 let text = format!(
-                    "the starts of its bodies give {what} = {e:?} {unit}{after}; a link requires {what} = 0"
+                    "the starts of its bodies give {what} = {e:?} {unit}{after}; a link requires {what} = 0: change the \
+                     start of one of them"
                 );
                 problems.push(Problem::new(format!("link.{}", link.name), None, text));
                 break;
@@ -52,9 +53,11 @@ fn formulas(machine: &Description, starts: &[[f64; 2]], problems: &mut Vec<Probl
         };
         let [e, rate] = [0, 1].map(|which| elongation(arms, starts, which).0);
         let Some((operation, argument)) = compiled.undefined(e, rate) else { continue };
+        let unit = unit(arms.dimension);
         let text = format!(
-            "{}; it is {argument:?} at the start, where e = {e:?} and rate = {rate:?}",
-            operation.requirement()
+            "at the start, where e = {e:?} {unit} and rate = {rate:?} {unit}/s, the formula contains {}: change \
+             the formula or the start values",
+            operation.undefined(argument)
         );
         problems.push(Problem::new(format!("{}.force", element.dotted()), None, text));
     }

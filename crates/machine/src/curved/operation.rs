@@ -69,14 +69,26 @@ impl Operation {
         }
     }
 
-    /// Requirement on the first argument, in words.
-    pub(crate) fn requirement(&self) -> String {
+    /// The first argument of an operation with a domain, in words.
+    pub(crate) fn argument(&self) -> String {
         match self {
-            Self::Power(p) if p.fract() == 0.0 => "requires a divisor other than 0".into(),
-            Self::Power(p) => format!("requires a positive base of the power {p:?}"),
-            Self::Logarithm => "requires a positive argument of ln".into(),
+            Self::Power(p) if p.fract() == 0.0 => "the divisor".into(),
+            Self::Power(0.5) => "the argument of sqrt".into(),
+            Self::Power(p) => format!("the base of the power {p:?}"),
+            Self::Logarithm => "the argument of ln".into(),
             _ => String::new(),
         }
+    }
+
+    /// The operation of an argument outside its domain, and the requirement, in words.
+    pub(crate) fn undefined(&self, a: f64) -> String {
+        let (found, least) = match self {
+            Self::Power(p) if p.fract() == 0.0 => (format!("a division by {a:?}"), "must not be 0"),
+            Self::Power(0.5) => (format!("sqrt({a:?})"), "must be greater than 0"),
+            Self::Power(p) => (format!("({a:?})^{p:?}"), "must be greater than 0"),
+            _ => (format!("ln({a:?})"), "must be greater than 0"),
+        };
+        format!("{found}; {} {least}", self.argument())
     }
 
     /// Value at the arguments.

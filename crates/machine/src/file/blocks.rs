@@ -54,6 +54,12 @@ impl Known<'_> {
         all.chain(names_of(self.outputs)).collect()
     }
 
+    /// Whether a name is of a block whose outputs were refused.
+    fn is_refused(&self, name: &str) -> bool {
+        let block = name.split('.').next();
+        self.outputs.iter().any(|own| Some(own.0.as_str()) == block && own.1.is_empty())
+    }
+
     fn find(&self, name: &str) -> Result<BlockInput, &'static str> {
         if let Some(place) = self.machine.sources.iter().position(|own| own.name == name) {
             return Ok(BlockInput::Source(place));
@@ -167,6 +173,8 @@ fn inputs(reading: &mut Reading, table: &FileTable, known: &Known) -> Option<Vec
         let Some(name) = reading.string(item, allowed) else { continue };
         match known.find(&name) {
             Ok(input) => all.push((input, name)),
+            // The outputs of a refused block are unknown.
+            Err(_) if known.is_refused(&name) => {}
             Err(text) if text.starts_with("is ") => reading.refuse(item, format!("{text}; {READ}")),
             Err(text) => {
                 let names = known.all();
@@ -391,7 +399,7 @@ pub(super) fn follow(
         None => {
             // The outputs of a refused block are unknown.
             let block = name.split('.').next().unwrap_or("");
-            let is_known = machine.blocks.iter().any(|own| own.name == block);
+            let is_known = machine.blocks.iter().any(|own| own.name == block && !own.outputs.is_empty());
             if !is_known && !reading.problems.is_empty() && reading.has_read(&format!("block.{block}")) {
                 return None;
             }

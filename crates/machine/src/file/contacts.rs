@@ -189,6 +189,15 @@ fn direction(reading: &mut Reading, table: &FileTable, entry: &Entry, names: &Na
         if directions.is_empty() {
             let bodies = names.all().filter_map(|name| Some(name.rsplit_once('.')?.0));
             let said = match names.find(&node) {
+                Some(_) if node.matches('.').count() > 1 => {
+                    let (of, _) = node.rsplit_once('.').unwrap_or_default();
+                    let text = format!(
+                        "is a direction of the node `{of}`; expected the node, \"{of}\": `normal` and \
+                         `tangent` give the directions"
+                    );
+                    reading.refuse(item, text);
+                    return None;
+                }
                 Some(_) => {
                     let text = "it has no directions; use `normal = [A, B]`, or give the node directions, such as \
                                 nodes.tip = { x = [...], y = [...] }";
@@ -197,7 +206,7 @@ fn direction(reading: &mut Reading, table: &FileTable, entry: &Entry, names: &Na
                 }
                 None => NO_BODY,
             };
-            reading.refuse_name(item, &node, said, bodies.chain(["ground"]));
+            reading.refuse_body(item, &node, said, bodies.chain(["ground"]));
             return None;
         }
         let Some(own) = names.find(&format!("{before}{direction}")) else {

@@ -305,7 +305,7 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
     let name = reading.string(entry, "expected the name of a body")?;
     let found = names.find(&name);
     if found.is_none() {
-        reading.refuse_name(entry, &name, NO_BODY, names.all());
+        reading.refuse_body(entry, &name, NO_BODY, names.all());
     }
     found
 }
@@ -376,7 +376,7 @@ fn end(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<End> {
     let name = reading.string(entry, "expected \"ground\" or the name of a body")?;
     let found = names.find(&name);
     if found.is_none() {
-        reading.refuse_name(entry, &name, NO_BODY, names.all().chain(["ground"]));
+        reading.refuse_body(entry, &name, NO_BODY, names.all().chain(["ground"]));
     }
     found.map(Some)
 }
@@ -413,7 +413,7 @@ pub(super) fn levers(reading: &mut Reading, entry: &Entry, names: &Names) -> Opt
     let mut sound = true;
     for entry in of_nodes(reading, &table, names) {
         let Some((body, dimension)) = names.find(&entry.key) else {
-            reading.refuse_name(&entry, &entry.key, NO_BODY, names.all());
+            reading.refuse_body(&entry, &entry.key, NO_BODY, names.all());
             sound = false;
             continue;
         };

@@ -191,7 +191,7 @@ fn of_file(reading: &mut Reading, entry: &Entry, count: usize) -> Option<Row> {
     let is_row = found.nrows().min(found.ncols()) == 1 && found.len() == count && found.amax() > 0.0;
     if !is_row {
         let text = format!(
-            "has {} rows and {} columns, but there are {count} coordinates; {ROW}",
+            "is a {} × {} matrix (rows × columns), but there are {count} coordinates; {ROW}",
             found.nrows(),
             found.ncols()
         );

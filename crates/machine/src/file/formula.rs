@@ -104,6 +104,16 @@ pub(super) fn across(
     if !is_across(table) {
         return Some(None);
     }
+    let pairs = [
+        ("offset", "free_length", "the length of the unloaded spring"),
+        ("free_length", "offset", "the distance of the fixed end from the line of the motion"),
+    ];
+    for (key, other, meaning) in pairs {
+        if !table.has(other) {
+            reading.excluded(table, key, &format!("requires `{other}`, {meaning}"));
+            return None;
+        }
+    }
     let offset = reading.required_number(table, "offset", kinds::OFFSET, Dimension::Translation);
     let free_length =
         reading.required_number(table, "free_length", kinds::FREE_LENGTH, Dimension::Translation);

@@ -83,6 +83,9 @@ fn market(text: &str) -> Result<DMatrix<f64>, String> {
     let ["%%matrixmarket", "matrix", layout, field, symmetry] = words[..] else {
         return Err("1: expected a heading such as %%MatrixMarket matrix coordinate real symmetric".into());
     };
+    if !["coordinate", "array"].contains(&layout) {
+        return Err(format!("1: {layout}: expected coordinate or array"));
+    }
     if !["real", "integer"].contains(&field) {
         return Err(format!("1: {field}: expected real or integer entries"));
     }
@@ -108,7 +111,12 @@ fn market(text: &str) -> Result<DMatrix<f64>, String> {
             of_entries(lines, DMatrix::zeros(rows, columns), count, across)
         }
         ("array", Some(&[rows, columns])) => of_columns(lines, DMatrix::zeros(rows, columns), across),
-        _ => Err(format!("{number}: expected the sizes of a {layout} matrix, at most {MOST_COORDINATES}")),
+        _ => {
+            let sizes = if layout == "array" { "ROWS COLUMNS" } else { "ROWS COLUMNS ENTRIES" };
+            Err(format!(
+                "{number}: expected the sizes of the matrix, {sizes}, with at most {MOST_COORDINATES} rows and columns"
+            ))
+        }
     }
 }
 
@@ -155,7 +163,10 @@ fn of_entries<'l>(
     }
     match found == count {
         true => Ok(a),
-        false => Err(format!(" it has {found} entries; expected {count}, as given with its sizes")),
+        false => Err(format!(
+            " it has {}; expected {count}, the number in its line of sizes",
+            if found == 1 { "1 entry".into() } else { format!("{found} entries") }
+        )),
     }
 }
 
@@ -172,13 +183,13 @@ fn of_columns<'l>(
     };
     for j in 0..a.ncols() {
         for i in first(j)..a.nrows() {
-            let (number, line) = lines.next().ok_or(" it has too few numbers for the sizes given")?;
+            let (number, line) = lines.next().ok_or(" it has fewer numbers than its line of sizes gives")?;
             let x = value(line).ok_or_else(|| format!("{number}: {line}: expected a finite number"))?;
             put(&mut a, (i, j), x, across);
         }
     }
     match lines.next() {
         None => Ok(a),
-        Some((number, _)) => Err(format!("{number}: it has too many numbers for the sizes given")),
+        Some((number, _)) => Err(format!("{number}: the file has more numbers than its line of sizes gives")),
     }
 }

@@ -28,6 +28,14 @@ pub(super) fn read(
     if !is_given(table) {
         return Some(None);
     }
+    for (key, other) in [("exponent", "coefficient"), ("coefficient", "exponent")] {
+        if !table.has(other) {
+            let text =
+                format!("requires `{other}`: the force is coefficient * |x|^exponent, with the sign of x");
+            reading.excluded(table, key, &text);
+            return None;
+        }
+    }
     let exponent = reading.required_number(table, "exponent", kinds::EXPONENT, dimension);
     let kind = kinds::coefficient_of_power(exponent.unwrap_or(f64::NAN), of_rate);
     let coefficient = reading.required(table, "coefficient", &kind.allowed(dimension))?;

@@ -85,6 +85,9 @@ struct Written {
     span: Range<usize>,
 }
 
+/// Sections of bodies.
+const BODIES: [&str; 3] = ["body", "modal", "matrix"];
+
 /// The name or value whose completion is requested, see [`Allowed`]. No machine's text has it.
 pub(super) const ASKED: &str = "\u{f8ff}";
 
@@ -113,6 +116,8 @@ pub(super) struct Reading<'a> {
     pub follow: Vec<(String, Expression)>,
     pub records: Records<'a>,
     pub problems: Vec<Problem>,
+    /// Whether a body's name or section was refused; then unknown names of bodies are not reported.
+    lacks_bodies: bool,
     /// Dotted names of the keys that were probably meant by misspelt ones.
     meant: HashSet<String>,
     pub allowed: Allowed,
@@ -129,6 +134,7 @@ impl<'a> Reading<'a> {
             follow: Vec::new(),
             records,
             problems: Vec::new(),
+            lacks_bodies: false,
             meant: HashSet::new(),
             allowed: Allowed::default(),
         }
@@ -167,6 +173,19 @@ impl<'a> Reading<'a> {
         self.refuse(entry, text);
     }
 
+    /// Adds a problem for a name that no body has, unless the name of a body was refused.
+    pub fn refuse_body<'n>(
+        &mut self,
+        entry: &Entry,
+        name: &str,
+        said: &str,
+        valid: impl Iterator<Item = &'n str> + Clone,
+    ) {
+        if !self.lacks_bodies || name == ASKED {
+            self.refuse_name(entry, name, said, valid);
+        }
+    }
+
     /// Refuses a key that another key excludes, if it is present.
     pub fn excluded(&mut self, table: &FileTable, key: &str, text: &str) {
         if let Some(entry) = self.optional(table, key) {
@@ -182,6 +201,7 @@ impl<'a> Reading<'a> {
                 let name: &str = key.get_ref();
                 let is_ground = section == "body" && name == "ground";
                 if let Some(text) = problem_of_name(name).or(is_ground.then_some(GROUND)) {
+                    self.lacks_bodies |= BODIES.contains(&section) && !is_ground;
                     let line = Some(self.lines.of_byte(key.span().start));
                     let name = format!("{section}.{name}");
                     self.problems.push(Problem { line, name, value: None, text: text.into() });
@@ -314,7 +334,9 @@ impl<'a> Reading<'a> {
                 let free = keys.iter().copied().filter(is_free).filter(fits);
                 let text = if is_section { "no such kind of section" } else { "no such key" };
                 if self.problems.len() < SHOWN {
-                    self.meant.extend(nearest(&entry.key, free.clone()).map(|own| table.dotted(own)));
+                    let near = nearest(&entry.key, free.clone());
+                    self.lacks_bodies |= is_section && near.is_some_and(|own| BODIES.contains(&own));
+                    self.meant.extend(near.map(|own| table.dotted(own)));
                 }
                 self.refuse_name(&entry, &entry.key, text, free);
             }

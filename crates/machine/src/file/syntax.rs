@@ -120,6 +120,27 @@ fn problem(text: &str, span: &Range<usize>, said: &str, parameters: Option<&DeVa
                 None => here(format!("unexpected `{}` after the value", cut(rest, QUOTED))),
             }
         }
+        _ if said.starts_with("missing escaped value") => {
+            here("write `\\\\` for a backslash, or the text in single quotation marks".into())
+        }
+        _ if said.starts_with("invalid unquoted key") => {
+            let letter = quoted(text, span);
+            of(
+                at,
+                String::new(),
+                None,
+                format!("`{letter}` is not allowed in a name; expected letters (A-Z, a-z), digits and _"),
+            )
+        }
+        _ if said.starts_with("invalid key-value pair") => {
+            let line = cut(line.trim(), QUOTED);
+            of(
+                at,
+                String::new(),
+                None,
+                format!("`{line}`: expected a heading such as [body.NAME], or a key, `=` and a value"),
+            )
+        }
         _ => {
             let value = quoted(text, span);
             let said = if value.is_empty() { said.into() } else { format!("{said}: {value}") };

@@ -250,7 +250,7 @@ impl Compiler<'_> {
         }
         if let Some(own) = base.constant(self.values.len()) {
             if exponent < 0.0 && own.value == 0.0 {
-                return Err("divides by zero".into());
+                return Err("divides by zero; change the expression or a parameter in its divisor".into());
             }
             let (value, slope) = (own.value.powf(exponent), exponent * own.value.powf(exponent - 1.0));
             return finite(own.mapped(value, slope));

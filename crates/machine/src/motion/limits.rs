@@ -154,11 +154,10 @@ impl Motion {
 
     /// Error of a motion that reaches the edge of the domain of an operation.
     fn leaves_domain(&self, own: &Curved) -> Error {
-        let argument = own.argument.at(self.hybrid.z.as_slice());
         let cause = format!(
-            "the motion leaves the domain of the force of {}, which {}; it is {argument:e} here",
-            self.name_of_curved(own),
-            own.operation.requirement()
+            "{} in the force of {} reaches 0, where the formula is not defined",
+            own.operation.argument(),
+            self.name_of_curved(own)
         );
         Error::Stuck { time: self.time(), cause }
     }

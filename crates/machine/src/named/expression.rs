@@ -208,7 +208,11 @@ impl Term {
                     Operator::Plus => (x + y, dx + dy),
                     Operator::Minus => (x - y, dx - dy),
                     Operator::Times => (x * y, dx * y + x * dy),
-                    Operator::Over if y == 0.0 => return Err("divides by zero".into()),
+                    Operator::Over if y == 0.0 => {
+                        return Err(
+                            "divides by zero; change the expression or a parameter in its divisor".into()
+                        );
+                    }
                     Operator::Over => (x / y, (dx - x / y * dy) / y),
                 }
             }

@@ -155,7 +155,11 @@ fn a_changed_parameter_is_a_file_with_that_value() {
     }
     let before = machine.clone();
     for (name, value, said) in [
-        ("ratio", 0.0, "ratio = 0.0: then stop.hard.restitution = 1 / ratio: divides by zero"),
+        (
+            "ratio",
+            0.0,
+            "ratio = 0.0: then stop.hard.restitution = 1 / ratio: divides by zero; change the expression or a parameter in its divisor",
+        ),
         ("ratio", f64::NAN, "ratio = NaN: must be a finite number"),
         (
             "ratio",
@@ -185,13 +189,13 @@ fn refusals_name_the_expression_and_its_line() {
         ("a = 1.0", "\"= b\"", "6: stop.s.gap = \"= b\": no parameter is called `b`; expected one of a".to_owned()),
         ("backlash = 1", "\"= backlsh\"", "6: stop.s.gap = \"= backlsh\": no parameter is called `backlsh`; did you mean `backlash`?".into()),
         ("a = 1.0", "\"a\"", "6: stop.s.gap = \"a\": an expression begins with `=`; write \"= a\"".into()),
-        ("a = 0.0", "\"= 1 / a\"", "6: stop.s.gap = \"= 1 / a\": divides by zero".into()),
+        ("a = 0.0", "\"= 1 / a\"", "6: stop.s.gap = \"= 1 / a\": divides by zero; change the expression or a parameter in its divisor".into()),
         ("a = 1e200", "\"= a * a\"", "6: stop.s.gap = \"= a * a\": is not finite".into()),
         ("a = 1.0", "\"= (a\"", "6: stop.s.gap = \"= (a\": a `)` is missing at the end of the expression".into()),
         ("a = 1.0", "\"= 2 mm\"", "6: stop.s.gap = \"= 2 mm\": expected an operator before `mm`: + - * /; numbers in an expression are in SI, without a unit".into()),
         ("a = 1.0", "\"= a *\"", "6: stop.s.gap = \"= a *\": expected a number, `pi`, a parameter, `-` or `(` at the end of the expression".into()),
         ("a = \"= b\"\nb = \"= a + 1\"", "1.0", "9: a = \"= b\": depends on itself: its expression leads back to `a`; break this loop".into()),
-        ("a = \"= 1 / b\"\nb = 0", "1.0", "9: a = \"= 1 / b\": divides by zero".into()),
+        ("a = \"= 1 / b\"\nb = 0", "1.0", "9: a = \"= 1 / b\": divides by zero; change the expression or a parameter in its divisor".into()),
         ("a = \"b\"\nb = 0", "1.0", "9: a = \"b\": an expression begins with `=`; write \"= b\"".into()),
         ("a = \"2 g\"", "1.0", "9: a = \"2 g\": `g` is ambiguous (gram or 9.80665 m/s2): use kg for a mass, or m/s2 for an acceleration".into()),
         ("a = \"2 ells\"", "1.0", "9: a = \"2 ells\": `ells` is not a known unit; expected a unit such as mm, N or rad/s".into()),

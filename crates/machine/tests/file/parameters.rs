@@ -78,7 +78,7 @@ fn golden_refusals_leave_the_machine_as_it_was() {
         (
             "friction.guide.force",
             0.6,
-            "friction.guide.static = 0.5: must be at least friction.guide.force = 0.6",
+            "friction.guide.static = 0.5: must be at least 0.6 N, the sliding friction friction.guide.force",
         ),
         ("link.gear.arms.drum", 0.0, "link.gear.arms.drum = 0.0: must not be 0"),
         (

@@ -54,6 +54,9 @@ const CASES: &[(&str, &str, &str)] = &[
     // Unknown names.
     ("gap = \"5 mm\"", "gpa = \"5 mm\"", "m.toml:22: stop.upper.gpa = \"5 mm\": no such key; did you mean `gap`?"),
     ("[spring.mount]", "[sprign.mount]", "m.toml:15: sprign: no such kind of section; did you mean `spring`?"),
+    // A refused name of a body has no follow-on messages.
+    ("[body.belt]", "[boddy.belt]", "m.toml:13: boddy: no such kind of section; did you mean `body`?"),
+    ("[body.belt]", "[body.2belt]", "m.toml:13: body.2belt: expected a name of letters (A-Z, a-z), digits and _, beginning with a letter, at most 100 characters long"),
     ("damping = \"60 N s/m\"", "colour = \"red\"", "m.toml:18: spring.mount.colour = \"red\": no such key; expected one of between, arms, stiffness, damping, preload, points, quadratic, cubic, quartic, quintic, coefficient, exponent, force, offset, free_length, slip, series_damping, slider"),
     ("between = [\"ground\", \"box\"]", "between = [\"ground\", \"boks\"]", "m.toml:16: spring.mount.between[1] = \"boks\": no body has this name; did you mean `box`?"),
     ("between = [\"ground\", \"box\"]", "between = [\"grond\", \"box\"]", "m.toml:16: spring.mount.between[0] = \"grond\": no body has this name; did you mean `ground`?"),
@@ -86,7 +89,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("motion = { rate = \"0.5 m/s\" }", "motion = { rate = \"0.5 m/s\" }\ndimension = \"radial\"", "m.toml:15: body.belt.dimension = \"radial\": expected \"translation\" or \"rotation\""),
     ("gravity = -1.0", "gravity = -1.5", "m.toml:7: body.block.gravity = -1.5: expected a number from -1 to 1: the cosine of the angle between s and gravity, such as -1 if s points upwards; the acceleration is `gravity` at the top of the file"),
     ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s\"", "m.toml:2: gravity = \"9.81 m/s\": cannot be in `m/s`; expected one of m/s2, mm/s2, cm/s2, g"),
-    ("gravity = \"9.81 m/s2\"", "gravity = -9.81", "m.toml:2: gravity = -9.81: must not be negative"),
+    ("gravity = \"9.81 m/s2\"", "gravity = -9.81", "m.toml:2: gravity = -9.81: must not be negative: it is the size of the acceleration; `gravity` of each body, from -1 to 1, gives its direction"),
     ("gravity = \"9.81 m/s2\"", "", "m.toml:7: body.block.gravity = -1.0: requires `gravity` at the top level of the file, such as `gravity = \"9.81 m/s2\"`"),
     ("[body.belt]", "[body.ground]\nmass = 1.0\n[body.belt]", "m.toml:13: body.ground: `ground` is the fixed frame; use another name"),
     ("[body.belt]", "[body.\"two words\"]\nmass = 1.0\n[body.belt]", "m.toml:13: body.two words: expected a name of letters (A-Z, a-z), digits and _, beginning with a letter, at most 100 characters long"),
@@ -145,7 +148,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("static = \"0.5 N\"", "stribeck_exponent = 1", "m.toml:33: friction.guide.stribeck_exponent = 1: requires `stribeck`, the speed at which the level falls from `static` to `force`"),
     ("static = \"0.5 N\"", "viscous = \"-1 N s/m\"", "m.toml:33: friction.guide.viscous = \"-1 N s/m\": must not be negative"),
     ("force = \"0.4 N\"\nstatic = \"0.5 N\"", "follows = \"buffer\"\ncoefficient = 0.3\nviscous = 1.0\nstribeck = 0.1", "m.toml:34: friction.guide.viscous = 1.0: cannot be combined with `follows`: use a damper between the same ends\nm.toml:35: friction.guide.stribeck = 0.1: cannot be combined with `follows`: use `force` and `static`"),
-    ("force = \"0.4 N\"", "force = \"0.6 N\"", "m.toml:33: friction.guide.static = \"0.5 N\": must be at least friction.guide.force = 0.6"),
+    ("force = \"0.4 N\"", "force = \"0.6 N\"", "m.toml:33: friction.guide.static = \"0.5 N\": must be at least 0.6 N, the sliding friction friction.guide.force"),
     ("static = \"0.5 N\"", "static = \"0.5 m\"", "m.toml:33: friction.guide.static = \"0.5 m\": cannot be in `m`; expected one of N, mN, kN, MN, lbf"),
     ("static = \"0.5 N\"", "static = []", "m.toml:33: friction.guide.static = []: expected a number >= 0 in N, or with a unit: N, mN, kN, MN, lbf, or a signal such as { amplitude = 1.0, frequency = \"10 Hz\" }"),
     // Signals.
@@ -183,8 +186,8 @@ const CASES: &[(&str, &str, &str)] = &[
     ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { belt = 1.0 }", "m.toml:11: body.drum: nothing acts on this body; connect an element to it\nm.toml:42: link.gear: connects only bodies with prescribed motion; requires a body with mass or inertia"),
     ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.again]\narms = { wheel = 2.0, drum = -6.0 }", "m.toml:44: link.again: the links before it already determine its e; remove this link, which is redundant or contradicts them"),
     ("arms = { wheel = 1.0, drum = -3.0 }", "arms = { wheel = 1.0, drum = -3.0 }\n[link.other]\narms = { wheel = 1.0, drum = -2.0 }\n[link.third]\nbetween = [\"wheel\", \"drum\"]", "m.toml:46: link.third: the links before it already determine its e; remove this link, which is redundant or contradicts them"),
-    ("inertia = 1", "inertia = 1\nstart = { s = 0.3 }", "m.toml:43: link.gear: the starts of its bodies give e = -0.8999999999999999 rad; a link requires e = 0"),
-    ("inertia = 1", "inertia = 1\nstart = { v = 0.3 }", "m.toml:43: link.gear: the starts of its bodies give e' = -0.8999999999999999 rad/s; a link requires e' = 0"),
+    ("inertia = 1", "inertia = 1\nstart = { s = 0.3 }", "m.toml:43: link.gear: the starts of its bodies give e = -0.8999999999999999 rad; a link requires e = 0: change the start of one of them"),
+    ("inertia = 1", "inertia = 1\nstart = { v = 0.3 }", "m.toml:43: link.gear: the starts of its bodies give e' = -0.8999999999999999 rad/s; a link requires e' = 0: change the start of one of them"),
     ("start = { s = \"2 mm\", v = 0.0 }", "start = { s = \"6 mm\", v = 0.0 }", "m.toml:22: stop.upper.gap = \"5 mm\": e = 0.006 m at the start is beyond the gap; a rigid stop requires e <= gap: increase the gap, or change the start"),
     ("start = { s = \"2 mm\", v = 0.0 }", "start = \"rest\"", "m.toml:8: body.block.start = \"rest\": expected a table such as { s = 0.0, v = 0.0 }"),
     ("gravity = \"9.81 m/s2\"", "gravity = \"9.81 m/s2\"\nstart = \"rest\"", "m.toml:9: body.block.start.s = \"2 mm\": cannot be combined with `start = \"rest\"`, the start of the machine: remove one of them"),

@@ -55,7 +55,7 @@ fn given(sigma: &[f64], measured: &Measured) -> Result<Vec<f64>> {
     let wanted = measured.columns.len() + usize::from(!measured.contacts.is_empty());
     if sigma.len() != wanted || sigma.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
         let problem = format!(
-            "sigma {}: expected {wanted} positive number{}, one for each column, then one for the times of \
+            "--sigma {}: expected {wanted} positive number{}, one for each column, then one for the times of \
              contacts, if there are any",
             sigma.iter().map(f64::to_string).collect::<Vec<_>>().join(","),
             if wanted == 1 { "" } else { "s" }

@@ -11,6 +11,11 @@ fn place(names: &[Heading], name: &str) -> Result<usize> {
     names.iter().position(|own| own.name == name).ok_or_else(|| {
         let known: Vec<&str> = names.iter().map(|own| own.name).collect();
         let known = known.join(", ");
+        if known.is_empty() {
+            return wrong(format!(
+                "is empty; expected a first line that names the columns, such as {name},box.s"
+            ));
+        }
         wrong(format!("no column is called `{name}` (found {known}); the first line must name the columns"))
     })
 }

@@ -111,18 +111,30 @@ fn of_reduce(arg: Arg) -> Arg {
     if arg.get_id() == "out" { arg.value_name("OUT").hide_default_value(true) } else { arg }
 }
 
+/// Display order of the first shared option.
+const LAST: usize = 900;
+
 /// A command with its shared options. An option that the command does not use is hidden. An option
 /// for the paper's machine only is under the heading of that machine, such as `--threads` of
 /// `run`: with a FILE, `run` simulates one motion, on one thread.
 fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
     let (name, of_file) = (command.get_name().to_owned(), has_file(&command));
+    // Shared options follow the command's own options.
+    let shared = shared.iter().enumerate().map(|(i, arg)| arg.clone().display_order(LAST + i));
+    let shared: Vec<Arg> = shared.collect();
     let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
         id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
         "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
         "out" | "replace" | "threads" if name == "reduce" => Some(of_reduce(arg.clone())),
+        "out" if name == "draw" || name == "fmu" => {
+            let help = match name.as_str() {
+                "draw" => "Folder for the sketch, NAME.svg and NAME.png with the name of the machine",
+                _ => "Folder for the FMU",
+            };
+            Some(arg.clone().help(help).long_help(help))
+        }
         "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
-        "set" => Some(arg.clone()),
-        _ => None,
+        _ => Some(arg.clone()),
     });
     own.fold(command, clap::Command::arg)
 }
@@ -131,6 +143,9 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
 pub fn file(matches: &ArgMatches) -> Option<&Path> {
     matches.subcommand()?.1.try_get_one::<PathBuf>(FILE).ok()?.map(PathBuf::as_path)
 }
+
+/// Largest number of commands that the refusal of an option names.
+const OTHERS: usize = 3;
 
 /// Refuses a FILE after `vibro paper`, a shared option that the command does not use, options of
 /// the paper's machine if a FILE is given, and options of a machine file if no FILE is given.
@@ -163,12 +178,33 @@ pub fn check_options(matches: &ArgMatches, grouped: bool) -> Result<()> {
     let refused = if file.is_some() { WITHOUT_FILE } else { WITH_FILE };
     let mut under = command.get_arguments().filter(move |a| a.get_help_heading() == Some(refused));
     let Some(given) = under.find(is_given) else { return Ok(()) };
+    let others = with_file(&all, given);
     let whose = match file {
+        Some(_) if !others.is_empty() => {
+            let shown = &others[..others.len().min(OTHERS)];
+            let more = match others.len() - shown.len() {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            format!("not an option of `vibro {name}` for a machine file, but of {}{more}", shown.join(", "))
+        }
         Some(file) => format!("an option of the paper's machine, but {} is a machine file", file.display()),
         None => format!("an option of a machine's file: `vibro {name} FILE {} …`", option(given)),
     };
     let problem = format!("is {whose}; `vibro {words} --help` lists the options");
     Err(Error::Refused { what: option(given), problem })
+}
+
+/// The commands that take an option for a machine file.
+fn with_file(all: &clap::Command, option: &Arg) -> Vec<String> {
+    let takes = |command: &&clap::Command| {
+        let is_own =
+            |arg: &Arg| arg.get_long() == option.get_long() && arg.get_help_heading() != Some(WITHOUT_FILE);
+        has_file(command)
+            && !unused(command.get_name()).contains(&option.get_id().as_str())
+            && command.get_arguments().any(is_own)
+    };
+    all.get_subcommands().filter(takes).map(|command| format!("`vibro {}`", command.get_name())).collect()
 }
 
 /// Reads numbers below zero as values, so that an option can refuse them with a reason.
@@ -229,8 +265,8 @@ pub enum Command {
     /// Simulate a motion exactly from event to event: tables of states, events and contacts, a
     /// picture, an energy balance
     Run(RunArguments),
-    /// Evaluate many designs: amplitudes, forces, impacts, losses and more, over a grid, a list or
-    /// a Sobol sequence
+    /// Make a table of many designs with their amplitudes, forces, impacts and losses: all
+    /// combinations of parameters, or points of a Sobol sequence
     ///
     /// The table has a row for each design, in SI, as CSV and Parquet. A design can be evaluated
     /// for several motions, for example over a band of drive frequencies (--over), and from
@@ -302,8 +338,9 @@ pub enum Command {
     /// Without --tree, one branch is followed, from the settled motion or from the orbit of a
     /// given word (--word). `special-points.csv` lists the special points of the branches: LP
     /// fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch (grazing), CH
-    /// chatter, EP end of the range, MX not followed further. `vibro locus` follows the first six
-    /// over two parameters. With --tree, `orbits-search.csv` lists the parameter values of the
+    /// chatter, EP end of the range, MX not followed further. For a FILE also ST one more sticking
+    /// phase or slip, CC another order of two events, SA a limit of a block's output.
+    /// `vibro locus` follows all kinds but EP and MX over two parameters. With --tree, `orbits-search.csv` lists the parameter values of the
     /// search and the number of starts at each.
     Orbits(Box<Orbits>),
     /// Compute one periodic orbit: impacts, multipliers, history, portrait, start values

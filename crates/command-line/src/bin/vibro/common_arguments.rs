@@ -28,7 +28,7 @@ pub const FILE: &str = "file";
 pub const NUMBERS: &str = "\
 NUMBERS
   A number without a unit is read in the unit that the file or an earlier --set uses for that parameter, and the program
-  reports this unit. If there is none, the number is in SI. Times without a unit (--until, --period) are in s. Tables are in SI.
+  reports this unit. If there is none, the number is in SI. Times without a unit are in s. Tables are in SI.
   Parameters have the names of the file: docs/machine-file.md.";
 
 /// Help of `--start`, for either machine, after the words that name the motion.

@@ -34,7 +34,7 @@ pub struct DesignArguments {
     /// Output to maximize; the worst motion of a design counts
     #[arg(long, visible_alias = "maximise", value_name = "OUTPUT")]
     pub maximize: Option<String>,
-    /// Parameters to vary, each with its range. May be repeated
+    /// Parameters to vary, each with its range, e.g. stop.steel.gap=1mm:20mm. May be repeated
     #[arg(long, required = true, value_name = "NAME=LOW:HIGH,…", allow_hyphen_values = true)]
     pub vary: Vec<String>,
     /// Parameter, e.g. the drive frequency; a design is measured at all its values, and the worst
@@ -45,7 +45,7 @@ pub struct DesignArguments {
     #[arg(long, value_name = "N", default_value_t = 11, value_parser = whole::<u32>(2..=1_000))]
     pub resolution: u32,
     /// Limit of an output that every motion of a design must keep: OUTPUT<=VALUE or OUTPUT>=VALUE,
-    /// in SI or with a unit. May be repeated
+    /// in SI or with a unit, e.g. 'impact.speed.steel<=0.5 m/s'. May be repeated
     #[arg(long, value_name = "OUTPUT<=VALUE", allow_hyphen_values = true)]
     pub subject_to: Vec<String>,
     /// Relative tolerance of the varied parameters, e.g. 5%: a design is measured at the corners

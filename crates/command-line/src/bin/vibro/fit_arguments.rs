@@ -13,8 +13,8 @@ pub struct FitArguments {
     /// Machine file (TOML); its parameters, with --set, are the initial values of the fit
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// Record: a table whose first line names `time` and columns, for example box.s, in SI.
-    /// Several records are fitted together; each gets a folder with the name of its table
+    /// Record: a table whose first line names `time` and columns, in SI or with units, e.g. time
+    /// [ms],box.s [mm]. Several records are fitted together; each gets a folder with the name of its table
     #[arg(long, value_name = "TABLE,…", value_delimiter = ',', required_unless_present = "events")]
     pub data: Vec<PathBuf>,
     /// Times of impacts and first touches of stops: a table with the columns `element` and `time`;
@@ -25,8 +25,8 @@ pub struct FitArguments {
     /// start.box.s), record.shift, record.offset.COLUMN
     #[arg(long, required_unless_present = "own", value_name = "NAME,…")]
     pub free: Vec<String>,
-    /// Fitted parameters that each of several records has for itself, for example
-    /// body.box.start.v. Always so for record.shift and record.offset.COLUMN
+    /// Parameters to fit with a separate value for each of several records, for example
+    /// body.box.start.v; record.shift and record.offset.COLUMN always have separate values
     #[arg(long, value_name = "NAME,…")]
     pub own: Vec<String>,
     /// Set a parameter for one of several records, by the name of its table without extension,
@@ -80,10 +80,10 @@ fn segments(text: &str) -> Result<Segments, String> {
 pub enum LossArgument {
     /// Square of each residual
     Linear,
-    /// Large residuals count by their size; smooth transition
+    /// Square of small residuals, absolute value of large ones, with a smooth transition
     #[value(name = "soft_l1")]
     SoftL1,
-    /// Large residuals count by their size
+    /// Square of small residuals, absolute value of large ones
     Huber,
 }
 

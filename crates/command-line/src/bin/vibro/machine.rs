@@ -4,6 +4,7 @@ use crate::arguments::Command;
 use crate::common_arguments::{Common, names};
 use crate::destination::{self, Destination};
 use crate::interruption::{self, Second};
+use crate::machine_orbits::without_period;
 use crate::machine_studies::start_of;
 use crate::output;
 use crate::packing;
@@ -23,6 +24,8 @@ use vibro_studies::Machine;
 
 /// Stem of the manifest of a motion.
 const RESULT: &str = "run";
+/// Begin of the account's line for a motion that an error ended.
+const ENDED: &str = "ended early: ";
 
 /// Carries out a command for the machine of a file. Returns `false` if it was interrupted;
 /// everything computed until then is written.
@@ -31,6 +34,27 @@ const RESULT: &str = "run";
 /// An error if the file, its parameters or its motion is not valid; [`Error::File`] if a file
 /// cannot be read or written.
 pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
+    carry_out(file, command, common).map_err(|error| at_start(file, error))
+}
+
+/// The error of a machine without an equilibrium, with the file's line of `start`.
+fn at_start(file: &Path, error: Error) -> Error {
+    use vibro_machine::Error::{GivesWay, NoEquilibrium};
+    match error {
+        Error::Assembly(own @ (NoEquilibrium { .. } | GivesWay { .. }))
+        | Error::Analysis(vibro_studies::Error::Assembly(own @ (NoEquilibrium { .. } | GivesWay { .. }))) => {
+            let text = std::fs::read_to_string(file).unwrap_or_default();
+            // The key is above the first heading.
+            let mut keys = text.lines().take_while(|line| !line.trim_start().starts_with('['));
+            let line = keys.position(|line| line.trim_start().starts_with("start"));
+            let line = line.map_or(String::new(), |line| format!(":{}", line + 1));
+            Error::Refused { what: format!("{}{line}", file.display()), problem: own.to_string() }
+        }
+        other => other,
+    }
+}
+
+fn carry_out(file: &Path, command: &Command, common: &Common) -> Result<bool> {
     match command {
         Command::Draw { .. } => sketch(file, common)?,
         Command::Fmu(a) => packing::pack(&read(file, common)?.description, a, common)?,
@@ -40,12 +64,12 @@ pub fn run(file: &Path, command: &Command, common: &Common) -> Result<bool> {
         Command::Sweep(a) => machine_studies::sweep(file, common, a)?,
         Command::Basin(a) => machine_basin::basin(file, common, a)?,
         Command::Section(a) => machine_studies::section(file, common, a)?,
-        Command::Response(a) => return machine_orbits::response(file, common, a),
-        Command::Orbit(a) => machine_orbits::orbit(file, common, a)?,
+        Command::Response(a) => return machine_orbits::response(file, common, a).map_err(without_period),
+        Command::Orbit(a) => machine_orbits::orbit(file, common, a).map_err(without_period)?,
         Command::Design(a) => return machine_design::run(file, common, a),
         Command::Fit(a) => return machine_fit::run(common, a),
-        Command::Orbits(a) => return machine_orbits::orbits(file, common, a),
-        Command::Locus(a) => machine_orbits::loci(file, common, a)?,
+        Command::Orbits(a) => return machine_orbits::orbits(file, common, a).map_err(without_period),
+        Command::Locus(a) => machine_orbits::loci(file, common, a).map_err(without_period)?,
         // `vibro check`: no other command takes a file.
         _ => output::say(&vibro::machine::summary(read(file, common)?.description)?)?,
     }
@@ -138,13 +162,16 @@ fn follow(
     let account = write((&record, derivatives.as_ref()), &out, &manifest, (a.knots, &columns.names))?;
     drop(held);
     let stem = out.join("motion");
+    // The error that ended the motion is printed after the account.
+    let shown: Vec<&str> = account.lines().filter(|line| !line.starts_with(ENDED)).collect();
     output::say(&format!(
-        "simulated {} up to {} s: {}, {}; drawn in {}.svg and .png\n{account}",
+        "simulated {} up to {} s: {}, {}; drawn in {}.svg and .png\n{}",
         record.assembly.description.name,
         record.motion.time(),
         out.join("states.csv").display(),
         out.join("events.csv").display(),
-        stem.display()
+        stem.display(),
+        shown.join("\n")
     ))?;
     match record.ended {
         Some(Ended::Error(error)) => Err(error.into()),
@@ -173,7 +200,7 @@ fn write(
         lines.extend_from_slice(derivatives.lost());
     }
     match &record.ended {
-        Some(Ended::Error(error)) => lines.push(format!("ended early: {error}")),
+        Some(Ended::Error(error)) => lines.push(format!("{ENDED}{error}")),
         Some(Ended::Stopped) => lines.push(format!("interrupted at t = {} s", record.motion.time())),
         None => {}
     }

@@ -4,39 +4,39 @@ use crate::common_arguments::{Common, names};
 use crate::design_arguments::DesignArguments;
 use crate::destination::{self, Destination};
 use crate::interruption::{self, Second};
-use crate::machine_studies::{invocation, machine, read_axis, starts_of};
+use crate::machine_studies::{ANY, invocation, machine, read_axes, starts_of};
 use crate::output;
 use crate::progress::{Progress, TIME};
 use crate::ranges::in_option;
 use crate::sweep::in_words;
-use crate::sweep_arguments::AxisArgument;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use vibro::Result;
 use vibro::studies;
 use vibro_design::{Control, DesignRequest, Goal, Limit, design};
-use vibro_studies::Machine;
+use vibro_studies::{Machine, Measure};
+
+/// Form of the interval of a parameter.
+const INTERVAL: &str = "NAME=LOW:HIGH without a count, e.g. stop.steel.gap=1mm:8mm";
 
 /// The goal of `--minimize` or `--maximize`.
-fn goal(a: &DesignArguments) -> Result<Goal> {
+fn goal(a: &DesignArguments, machine: &Machine) -> Result<Goal> {
     let (option, text, maximize) = match (&a.minimize, &a.maximize) {
         (_, Some(text)) => ("--maximize", text.as_str(), true),
         (text, None) => ("--minimize", text.as_deref().unwrap_or_default(), false),
     };
-    Ok(Goal { measure: text.parse().map_err(in_option(option))?, maximize })
+    let measure: Measure = text.parse().map_err(in_option(option))?;
+    measure.check(&machine.description).map_err(in_option(option))?;
+    Ok(Goal { measure, maximize })
 }
 
 /// The request, checked.
 fn request(a: &DesignArguments, common: &Common) -> Result<(DesignRequest, Vec<(&'static str, String)>)> {
     let mut machine: Machine = machine(&a.file, &a.section, common)?;
-    let mut axes = |all: &[String]| -> Result<Vec<AxisArgument<String>>> {
-        all.iter().map(|text| read_axis(&mut machine, text)).collect()
-    };
     let typed = names(&a.vary);
-    let (vary, over) = (axes(&typed)?, axes(&a.over)?);
-    let intervals = vary.iter().zip(&typed).map(|(axis, typed)| {
-        axis.interval(typed, "NAME=LOW:HIGH without a count, e.g. stop.steel.gap=1mm:8mm")
-    });
+    let vary = read_axes(&mut machine, &typed, INTERVAL)?;
+    let over = read_axes(&mut machine, &a.over, ANY)?;
+    let intervals = vary.iter().zip(&typed).map(|(axis, typed)| axis.interval(typed, INTERVAL));
     let intervals = intervals.collect::<Result<_>>()?;
     let limit = |text: &String| Limit::read(text, &machine).map_err(in_option("--subject-to"));
     let limits: Vec<Limit> = a.subject_to.iter().map(limit).collect::<Result<_>>()?;
@@ -49,7 +49,7 @@ fn request(a: &DesignArguments, common: &Common) -> Result<(DesignRequest, Vec<(
         periods: a.periods,
         evaluations: a.evaluations,
         again: a.again,
-        ..DesignRequest::new(machine.clone(), goal(a)?, intervals)
+        ..DesignRequest::new(machine.clone(), goal(a, &machine)?, intervals)
     };
     if !a.start.is_empty() {
         request.starts = starts_of(&machine, &a.start)?;

@@ -53,10 +53,12 @@ fn range_of(machine: &Machine, text: &str) -> Result<(f64, f64)> {
     if ends.0 < ends.1 { Ok(ends) } else { Err(reversed(text)) }
 }
 
+/// Form of the range of a parameter.
+const FORM: &str = "NAME=LOW:HIGH without a count, e.g. stop.steel.gap=3mm:5mm";
+
 /// Error for a range of another form.
 fn form(text: &str) -> Error {
-    let problem = "expected NAME=LOW:HIGH without a count, e.g. stop.steel.gap=3mm:5mm".into();
-    Error::Refused { what: format!("--within {text}"), problem }
+    Error::Refused { what: format!("--within {text}"), problem: format!("expected {FORM}") }
 }
 
 /// Error for a range whose end is not above its begin.
@@ -70,13 +72,12 @@ fn range_of_parameter(machine: &mut Machine, name: &str, text: &str) -> Result<(
     let (_, range) = text.split_once('=').filter(|own| own.1.contains(':')).ok_or_else(|| form(text))?;
     let ends: Vec<f64> =
         range.split(':').filter_map(|end| Some(machine.quantity(name, end).ok()?.value)).collect();
-    // The error of an axis would mention its number of values.
     if let [low, high] = ends[..]
         && low >= high
     {
         return Err(reversed(text));
     }
-    let axis = read_axis(machine, text)?;
+    let axis = read_axis(machine, text, FORM)?;
     Ok(axis.range().filter(|range| range.count.is_none()).ok_or_else(|| form(text))?.ends)
 }
 

@@ -5,7 +5,7 @@ use crate::common_arguments::{Common, SectionArguments, time};
 use crate::destination::{self, Destination};
 use crate::interruption::{self, Second};
 use crate::loci::{Curves, chosen, followed};
-use crate::machine_studies::{default_quantity, invocation, machine, read_axis, start_of};
+use crate::machine_studies::{RANGE, default_quantity, invocation, machine, read_axis, start_of};
 use crate::orbits_arguments::{Loci, OneOrbit, Orbits, ResponseOfFile, Settling};
 use crate::output;
 use crate::progress::Progress;
@@ -41,6 +41,23 @@ fn written(studies: &[Study], machine: &Machine, destination: &Destination, comm
     let out = destination.write(studies)?;
     drop(held);
     output::print(studies, machine, &out, common)
+}
+
+/// The error of a study of orbits, whose commands have no option for the period of a section.
+pub fn without_period(error: Error) -> Error {
+    match error {
+        Error::Analysis(vibro_studies::Error::NoSection { problem, has_elements }) => {
+            let problem = match has_elements {
+                true => format!("{problem}; give a stop or friction as section (--section)"),
+                false => {
+                    let required = "orbits require harmonics with a common period, a stop or a friction";
+                    format!("{problem}; {required}{}", vibro_studies::OR_NEW_SECTION)
+                }
+            };
+            vibro_studies::Error::Described { problem }.into()
+        }
+        other => other,
+    }
 }
 
 /// The period of `--period`: `2T`, or a time.
@@ -116,11 +133,12 @@ fn family(machine: &mut Machine, vary: &[String]) -> Result<Family> {
 
 /// The family over a range of a parameter.
 fn family_over(machine: &mut Machine, vary: &str) -> Result<Family> {
-    let axis = read_axis(machine, vary)?;
-    let form = || {
-        Error::form(vary, "NAME=FROM:TO without a count: the steps along a branch are chosen by the program")
-    };
-    let range = axis.range().filter(|range| range.count.is_none()).ok_or_else(form)?;
+    let axis = read_axis(machine, vary, RANGE)?;
+    let range = axis.range().ok_or_else(|| Error::form(vary, RANGE))?;
+    if range.count.is_some() {
+        let form = "NAME=FROM:TO without a count: the steps along a branch are chosen by the program";
+        return Err(Error::form(vary, form));
+    }
     Ok(Family::new(machine, &range.name, range.ends)?)
 }
 

@@ -29,6 +29,13 @@ const MOST_OF_PLANE: usize = 3_000;
 /// Valid numbers of periods over which an exponent is computed.
 const EXPONENT_PERIODS: std::ops::RangeInclusive<u32> = 8..=1_000_000;
 
+/// Form of a range or list of a parameter.
+pub const ANY: &str = "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.steel.gap=1mm:8mm:200";
+/// Form of a range that may have a count.
+const COUNTED: &str = "NAME=FROM:TO or NAME=FROM:TO:COUNT, e.g. stop.steel.gap=1mm:8mm:200";
+/// Form of a range without a count.
+pub const RANGE: &str = "NAME=FROM:TO, e.g. stop.steel.gap=1mm:8mm";
+
 /// Reads the machine, with the changes of `--set`.
 pub fn machine(file: &Path, section: &SectionArguments, common: &Common) -> Result<Machine> {
     let mut machine = vibro::machine::read(file, &common.set, &mut |words| crate::note(&words))?;
@@ -54,12 +61,10 @@ pub fn starts_of(machine: &Machine, given: &[String]) -> Result<Vec<Start>> {
     given.iter().map(|given| read_start(machine, given)).collect()
 }
 
-/// Parses a range or list of a parameter. Either all its numbers have units or none has. Numbers
+/// Parses a range or list of a parameter; `expected` is its form in words. Either all its numbers have units or none has. Numbers
 /// without units are in the parameter's written unit.
-pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<String>> {
-    let form = || {
-        Error::form(text, "NAME=FROM:TO, NAME=FROM:TO:COUNT or NAME=V,V,…, e.g. stop.steel.gap=1mm:8mm:200")
-    };
+pub fn read_axis(machine: &mut Machine, text: &str, expected: &'static str) -> Result<AxisArgument<String>> {
+    let form = || Error::form(text, expected);
     let named = text.split_once('=').filter(|(name, _)| !name.trim().is_empty());
     let (name, numbers) = named.ok_or_else(form)?;
     let (name, is_range) = (name.trim(), numbers.contains(':'));
@@ -94,11 +99,20 @@ pub fn read_axis(machine: &mut Machine, text: &str) -> Result<AxisArgument<Strin
     Ok(AxisArgument::Range(range))
 }
 
+/// Parses ranges or lists of parameters, as [`read_axis`].
+pub fn read_axes(
+    machine: &mut Machine,
+    texts: &[String],
+    expected: &'static str,
+) -> Result<Vec<AxisArgument<String>>> {
+    texts.iter().map(|text| read_axis(machine, text, expected)).collect()
+}
+
 /// The axis of a range.
 fn axis(machine: &mut Machine, text: &str, resolution: u16, most: usize) -> Result<ParameterAxis<String>> {
-    let axis = read_axis(machine, text)?;
+    let axis = read_axis(machine, text, COUNTED)?;
     let range = axis.range();
-    let range = range.ok_or_else(|| Error::form(text, "a range, NAME=FROM:TO or NAME=FROM:TO:COUNT"))?;
+    let range = range.ok_or_else(|| Error::form(text, COUNTED))?;
     range.axis(resolution.into(), 2..=most)
 }
 
@@ -309,12 +323,11 @@ pub fn sweep(file: &Path, common: &Common, a: &Sweep) -> Result<()> {
     if a.list {
         return output::say(list(&machine).trim_end());
     }
-    let mut read =
-        |all: &[String]| all.iter().map(|text| read_axis(&mut machine, text)).collect::<Result<Vec<_>>>();
-    let (vary, over) = (read(&a.vary)?, read(&a.over)?);
+    let (vary, over) = (read_axes(&mut machine, &a.vary, ANY)?, read_axes(&mut machine, &a.over, ANY)?);
     let usual = || Ok(Measure::usual(&machine.description));
     let measures: Vec<Measure> = if a.output.is_empty() { usual() } else { texts("--output", &a.output) }?;
-    measures.iter().try_for_each(|measure| measure.check(&machine.description))?;
+    let check = |measure: &Measure| measure.check(&machine.description);
+    measures.iter().try_for_each(check).map_err(in_option("--output"))?;
     let mut request = request::<Machine>(a, &vary, &over, measures)?;
     if !a.start.is_empty() {
         request.starts = starts_of(&machine, &a.start)?;

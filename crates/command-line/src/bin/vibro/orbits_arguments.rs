@@ -57,8 +57,8 @@ pub struct OneOrbit {
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
     /// Events of the orbit in order [default: the orbit of the settled motion]. With FILE kinds
-    /// and elements, "impact steel, press buffer"; kinds of events other than impact, chatter and
-    /// press that are not mentioned are left out. Without FILE impacts as U (upper stop) and L
+    /// and elements, "impact steel, press buffer"; kinds that the word does not mention are left
+    /// out, except impact, chatter and press. Without FILE impacts as U (upper stop) and L
     /// (lower stop); a word that ends in "-" is half of a symmetric orbit: U- is the motion with
     /// two symmetric impacts a period
     #[arg(long, value_name = "WORD", allow_hyphen_values = true)]
@@ -106,7 +106,8 @@ pub struct Orbits {
     /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Parameter and its range [default without FILE: f10=0.5:5]
+    /// Parameter and its range, with FILE e.g. stop.steel.gap=1mm:8mm [default without FILE:
+    /// f10=0.5:5]
     #[arg(long, visible_alias = "range", value_name = "NAME=FROM:TO", allow_hyphen_values = true)]
     pub vary: Vec<String>,
     /// The parsed range of the paper's machine.
@@ -125,7 +126,7 @@ pub struct Orbits {
     #[arg(long, value_name = "N", default_value = "91", default_value_if("file", IsPresent, "24"))]
     #[arg(hide_default_value = true, value_parser = whole::<u32>(1..=10_000))]
     pub seeds: u32,
-    /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
+    /// Longest step along a branch, with phases in rad and the parameter in fifths of its range
     #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a number from 1e-5 to 0.2"))]
     pub step: f64,
     /// Options for a machine file.
@@ -164,7 +165,7 @@ pub struct ResponseOfFile {
     /// of rigid stops
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u32>(0..=40))]
     pub depth: u32,
-    /// Longest step along a branch; phases count in rad, the parameter in fifths of its range
+    /// Longest step along a branch, with phases in rad and the parameter in fifths of its range
     #[arg(long, value_name = "X", default_value_t = 0.05, value_parser = real(PathOptions::STEPS, "a number from 1e-5 to 0.2"))]
     pub step: f64,
 }

@@ -98,8 +98,9 @@ fn note_of_old_spelling(name: &str, without: &str) -> String {
 
 /// A command whose help describes a machine's file alone.
 fn of_file(command: Command) -> Command {
+    let table = TABLE.replace("drive.frequency", "load.shaker.frequency");
     let notes: &[&str] = match command.get_name() {
-        "sweep" => &[EXAMPLES, TABLE, NUMBERS],
+        "sweep" => &[EXAMPLES, &table, NUMBERS],
         "design" => &[design_arguments::EXAMPLES, design_arguments::FILES, NUMBERS],
         _ => &[NUMBERS],
     };

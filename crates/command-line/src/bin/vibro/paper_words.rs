@@ -13,19 +13,24 @@ pub enum Of {
 
 /// Parts of help texts that describe both machines, and their replacements for a machine's file
 /// and for the paper's machine. A default is written `[default: A; with FILE B]`.
-const WORDS: [[&str; 3]; 24] = [
+const WORDS: [[&str; 3]; 26] = [
     [
         ", from the settled motion or from the orbit of a given word (--word)",
         ", from the settled motion",
         ", from the settled motion or from the orbit of a given word (--word)",
     ],
     [". Without FILE, the paper's machine", "", ""],
+    [
+        "Parameter and its range, with FILE e.g. stop.steel.gap=1mm:8mm",
+        "Parameter and its range, e.g. stop.steel.gap=1mm:8mm",
+        "Parameter and its range",
+    ],
     [" [default without FILE: f10=0.5:5]", "", " [default: f10=0.5:5]"],
     ["f10=0.5:5 or, with FILE, stop.steel.gap=1mm:8mm:200", "stop.steel.gap=1mm:8mm:200", "f10=0.5:5"],
     [
-        ": per drive period, at most 10000; with FILE in total, after the row of time 0",
-        " in total, after the row of time 0",
-        ": per drive period, at most 10000",
+        "Rows of the table: per drive period, at most 10000; with FILE in total, evenly spaced from the start to --until",
+        "Number of rows of states.csv after the row of the start, evenly spaced up to --until",
+        "Rows of the table: per drive period, at most 10000",
     ],
     ["; with FILE fewer if the motion settles earlier", ", fewer if the motion settles earlier", ""],
     [
@@ -36,9 +41,8 @@ const WORDS: [[&str; 3]; 24] = [
         "",
     ],
     [
-        "Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s, box.v, box.a, steel.e, \
-         steel.rate, steel.f",
-        "Quantity whose local maxima are drawn: box.s, box.v, box.a, steel.e, steel.rate, steel.f",
+        "Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity, e.g. box.s, box.a or steel.f",
+        "Quantity whose local maxima are drawn, e.g. box.s, box.a or steel.f",
         "Coordinate whose local maxima are drawn: x1, x2, x3 or w",
     ],
     [
@@ -110,12 +114,12 @@ const WORDS: [[&str; 3]; 24] = [
          the paper's C and A3]",
     ],
     [
-        ". With FILE kinds and elements, \"impact steel, press buffer\"; kinds of events other \
-         than impact, chatter and press that are not mentioned are left out. Without FILE impacts \
+        ". With FILE kinds and elements, \"impact steel, press buffer\"; kinds that the word does \
+         not mention are left out, except impact, chatter and press. Without FILE impacts \
          as U (upper stop) and L (lower stop); a word that ends in \"-\" is half of a symmetric \
          orbit: U- is the motion with two symmetric impacts a period",
-        ": kinds and elements, \"impact steel, press buffer\"; kinds of events other than impact, chatter and press that are \
-         not mentioned are left out",
+        ": kinds and elements, \"impact steel, press buffer\"; kinds that the word does not mention are left out, except \
+         impact, chatter and press",
         ": impacts as U (upper stop) and L (lower stop); a word that ends in \"-\" is half of a symmetric orbit: U- is the \
          motion with two symmetric impacts a period",
     ],
@@ -131,6 +135,13 @@ const WORDS: [[&str; 3]; 24] = [
         " Without FILE initial values that are not on an axis, e.g. block.s=5mm,v1=1; zero unless given",
         "",
         "",
+    ],
+    [
+        " For a FILE also ST one more sticking phase or slip, CC another order of two events, SA a limit of a block's output. \
+         `vibro locus` follows all kinds but EP and MX over two parameters.",
+        " ST one more sticking phase or slip, CC another order of two events, SA a limit of a block's output. `vibro \
+         locus` follows all kinds but EP and MX over two parameters.",
+        " `vibro locus` follows the first six over two parameters.",
     ],
     ["(--over), and from several starts", "(--over)", "(--over), and from several starts"],
 ];

@@ -30,15 +30,30 @@ fn with_required_file(command: clap::Command) -> clap::Command {
     })
 }
 
-/// The error without a list of commands, which has hidden ones, and without a hidden option as a
-/// tip.
+/// The error of a value without the value a second time, of an unknown option with the commands
+/// that have it; without a list of commands, which has hidden ones, and without a hidden option as
+/// a tip.
 fn without_hidden(mut error: clap::Error, words: &[String]) -> clap::Error {
+    if let Some(shorter) = said_once(&error) {
+        return shorter;
+    }
     if error.kind() == ErrorKind::MissingSubcommand {
         let problem = "a command is required, such as check, run or sweep; `vibro --help` lists all\n";
         return clap::Error::raw(ErrorKind::MissingSubcommand, problem);
     }
+    let all = command();
+    if let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg)
+        && error.kind() == ErrorKind::UnknownArgument
+    {
+        let owners = owners(&all, option.trim_start_matches("--"));
+        let tip = format!("'{option}' is an option of {}", owners.join(", "));
+        // Clap's tip is to pass the option as a value, which no command takes.
+        error.remove(ContextKind::Suggested);
+        if !owners.is_empty() && error.get(ContextKind::SuggestedArg).is_none() {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+        }
+    }
     if let Some(ContextValue::String(tip)) = error.get(ContextKind::SuggestedArg) {
-        let all = command();
         let own = words.iter().find_map(|word| all.find_subcommand(word)).unwrap_or(&all);
         let is_hidden = |arg: &clap::Arg| arg.is_hide_set() && arg.get_long() == Some(&tip[2..]);
         if tip.starts_with("--") && own.get_arguments().any(is_hidden) {
@@ -46,6 +61,28 @@ fn without_hidden(mut error: clap::Error, words: &[String]) -> clap::Error {
         }
     }
     error
+}
+
+/// The error of a value whose parser repeats the value, which clap has named.
+fn said_once(error: &clap::Error) -> Option<clap::Error> {
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text),
+        _ => None,
+    };
+    let (value, option) = (text(ContextKind::InvalidValue)?, text(ContextKind::InvalidArg)?);
+    let said = std::error::Error::source(error)?.to_string();
+    let problem = said.strip_prefix(&format!("`{value}`: "))?;
+    let message = format!("invalid value '{value}' for '{option}': {problem}\n");
+    Some(clap::Error::raw(ErrorKind::ValueValidation, message))
+}
+
+/// The commands that show an option with this name.
+fn owners(all: &clap::Command, name: &str) -> Vec<String> {
+    let has = |command: &&clap::Command| {
+        command.get_arguments().any(|own| own.get_long() == Some(name) && !own.is_hide_set())
+    };
+    let shown = all.get_subcommands().filter(|command| !command.is_hide_set());
+    shown.filter(has).map(|command| format!("'vibro {}'", command.get_name())).collect()
 }
 
 /// Error for an unknown command. It names the spelling of a command in the wrong group.

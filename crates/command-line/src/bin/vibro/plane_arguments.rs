@@ -28,7 +28,7 @@ pub struct Basin {
     #[arg(hide_default_value = true, value_parser = whole::<u16>(2..=5_000))]
     pub resolution: u16,
     /// Periods discarded; with FILE fewer if the motion settles earlier. An undecided motion is
-    /// simulated for up to 8192 more
+    /// simulated for up to 8192 more periods
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = whole(0..=u32::MAX))]
     pub discard: u32,
     /// For many machines.

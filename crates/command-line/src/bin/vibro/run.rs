@@ -24,8 +24,8 @@ pub struct RunArguments {
     /// Machine file (TOML), described in docs/machine-file.md. Without FILE, the paper's machine
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// Rows of the table: per drive period, at most 10000; with FILE in total, after the row of
-    /// time 0 [default: 100; with FILE 1000]
+    /// Rows of the table: per drive period, at most 10000; with FILE in total, evenly spaced from
+    /// the start to --until [default: 100; with FILE 1000]
     #[arg(long, value_name = "N", default_value = "100", default_value_if("file", IsPresent, "1000"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub samples: u32,
@@ -46,8 +46,8 @@ pub struct RunOfFile {
     /// End of the motion, in s or with a unit (2s, 500 ms)
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub until: Option<f64>,
-    /// File with the times of the rows, one number in s per line. With --until, the motion
-    /// continues to that time, in a last row
+    /// File with the times of the rows, one number in s per line. With --until, the table has one
+    /// more row at that time
     #[arg(long, value_name = "FILE", conflicts_with = "samples")]
     pub times: Option<PathBuf>,
     /// Columns of states.csv, in this order: a quantity (box.s), a body or element for all its

@@ -38,9 +38,8 @@ pub struct Bifurcation {
     #[arg(long, value_name = "N", default_value = "800", default_value_if("file", IsPresent, "100"))]
     #[arg(hide_default_value = true, value_parser = whole(1..=u32::MAX))]
     pub keep: u32,
-    /// Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity: box.s,
-    /// box.v, box.a, steel.e, steel.rate, steel.f [default: x2; with FILE the coordinate of the
-    /// first free body]
+    /// Coordinate whose local maxima are drawn: x1, x2, x3 or w; with FILE any quantity, e.g.
+    /// box.s, box.a or steel.f [default: x2; with FILE the coordinate of the first free body]
     #[arg(long, value_name = "NAME", default_value = "x2")]
     #[arg(default_value_if("file", IsPresent, None::<&str>), hide_default_value = true)]
     pub of: Option<String>,
@@ -112,8 +111,8 @@ pub struct Lyapunov {
     /// The diagram.
     #[command(flatten)]
     pub sweep: Bifurcation,
-    /// Compute all exponents for the present parameters, over --periods returns. Every variation
-    /// is carried through flights and events
+    /// Compute all exponents of the machine as given, over --periods periods of the section. Every
+    /// variation is carried through flights and events
     #[arg(long, conflicts_with_all = ["range", "pair"], help_heading = WITH_FILE)]
     pub spectrum: bool,
     /// Threshold, per unit of tau: the computation of a spectrum ends when the standard deviation

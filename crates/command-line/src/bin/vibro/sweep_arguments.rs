@@ -82,9 +82,9 @@ pub struct Sweep {
     /// motions
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = whole::<u32>(1..=1_000_000))]
     pub periods: u32,
-    /// Largest number of periods of motion for measuring again the designs that may have the
-    /// smallest first output: longer, and between the values of --over, until one is the best by
-    /// its error bar; 0 for none [default: 5000000; with FILE 300000]
+    /// Cap on additional periods for the designs that may have the smallest first output. They are
+    /// measured for longer, and between the values of --over, until the error bars show which one
+    /// is the best; 0 adds none [default: 5000000; with FILE 300000]
     #[arg(long, value_name = "N", default_value = "5000000")]
     #[arg(default_value_if("file", IsPresent, "300000"), hide_default_value = true)]
     #[arg(value_parser = whole::<u64>(0..=u64::MAX))]
