@@ -1,4 +1,4 @@
-"""Ways to run a case: fmpy, any command line, a folder of results."""
+"""Ways to run a case: fmpy, wasmtime, any command line, a folder of results."""
 
 import shlex
 import subprocess
@@ -50,6 +50,19 @@ def by_fmpy(way, folder=TARGET):
             raise BadResult(f"fmpy ends with {type(error).__name__}: {error}") from error
         rows = [(Decimal(repr(float(row["time"]))), {n: finite(row[n], n, k) for n in names}) for k, row in enumerate(found)]
         return Result(rows)
+    return run
+
+
+def by_wasmtime(folder=TARGET):
+    """The WebAssembly components of archives from a kit with `--wasm`."""
+    def run(case, names):
+        import component
+
+        inputs = {name: rows for name, (rows, _) in read_inputs(case.folder / "input.csv").items()}
+        try:
+            return Result(component.rows(archive(case, 3, folder), names, case.steps, float(case.step), inputs))
+        except (component.Refused, KeyError, ValueError) as error:
+            raise BadResult(f"the component ends with {type(error).__name__}: {error}") from error
     return run
 
 

@@ -2,6 +2,7 @@
 
     python truth/score.py fmpy                                 # all ways of fmpy, by the archives of build.py
     python truth/score.py fmpy --way "FMI 3.0 ME, CVode"
+    python truth/score.py wasmtime                             # the components of archives made with --wasm
     python truth/score.py --command "HOST --stop {stop} --interval {step} --output {output} {fmu3}"
     python truth/score.py --results FOLDER                     # NAME.csv and, if there is one, NAME.events.csv
 
@@ -72,7 +73,7 @@ def reasons(columns):
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("host", nargs="?", choices=["fmpy"], help="a host that this script drives")
+    parser.add_argument("host", nargs="?", choices=["fmpy", "wasmtime"], help="a host that this script drives")
     parser.add_argument("--command", help="the command line of another host")
     parser.add_argument("--results", metavar="FOLDER", help="a folder with a table for each case")
     parser.add_argument("--way", action="append", choices=sorted(hosts.FMPY), help="only this way of fmpy")
@@ -83,7 +84,9 @@ def main(arguments=None):
     given = parser.parse_args(arguments)
     if sum(map(bool, (given.host, given.command, given.results))) != 1:
         parser.error("expected one of: a host, --command, --results")
-    if given.host:
+    if given.host == "wasmtime":
+        ways = {"wasmtime, FMI 3.0 CS": hosts.by_wasmtime(given.archives)}
+    elif given.host:
         ways = {way: hosts.by_fmpy(way, given.archives) for way in given.way or hosts.FMPY}
     else:
         ways = {given.title: hosts.by_command(given.command, given.archives) if given.command else hosts.by_folder(given.results)}
