@@ -229,14 +229,20 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("check FILE --threads 2", "of the common options it accepts only --set\n"),
         ("--out here check FILE", "--out: `vibro check` does not use this option"),
         ("draw FILE --replace", "of the common options it accepts only --set, --out\n"),
-        ("run FILE --until 2s --threads 2", "--threads: is an option of the paper's machine, but "),
+        (
+            "run FILE --until 2s --threads 2",
+            "--threads: is not an option of `vibro run` for a machine file, but of `vibro sweep`",
+        ),
         ("template --set kappa=0.6", "of the common options it accepts none\n"),
         ("merge here --set kappa=0.6", "--set: `vibro merge` does not use this option"),
         (
             "steady --discard-unfinished",
             "--discard-unfinished: `vibro paper steady` does not use this option",
         ),
-        ("run FILE --until 2s --periods 1", "--periods: is an option of the paper's machine, but "),
+        (
+            "run FILE --until 2s --periods 1",
+            "--periods: is not an option of `vibro run` for a machine file, but of `vibro sweep`",
+        ),
         ("run FILE --discard 1", "`vibro run --help` lists the options"),
         ("run --start v2=1 --start x1=1", "expected one start, with commas between its values"),
         (
@@ -258,7 +264,7 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("assembly run FILE", "`vibro assembly` is not a group of commands: expected `vibro run "),
         ("paper check FILE", "`vibro paper` has no command `check`: expected `vibro check "),
         ("paper merge one two", "expected `vibro merge one two"),
-        ("check FILE --set =5", "`=5`: expected NAME=VALUE"),
+        ("check FILE --set =5", "--set =5: expected NAME=VALUE"),
         ("steady --set =5", "`=5`: expected NAME=VALUE"),
         ("sweep FILE --vary =1:2", "`=1:2`: expected NAME=FROM:TO"),
         ("sweep FILE --vary gravity=1:1:3", "`gravity=1:1:3`: expected NAME=FROM:TO with FROM < TO"),

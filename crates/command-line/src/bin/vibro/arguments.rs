@@ -121,20 +121,19 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
     let (name, of_file) = (command.get_name().to_owned(), has_file(&command));
     // Shared options follow the command's own options.
     let shared = shared.iter().enumerate().map(|(i, arg)| arg.clone().display_order(LAST + i));
-    let shared: Vec<Arg> = shared.collect();
-    let own = shared.iter().filter_map(|arg| match arg.get_id().as_str() {
-        id if unused(&name).contains(&id) => Some(arg.clone().hide(true)),
-        "config" if of_file => Some(arg.clone().help_heading(WITHOUT_FILE)),
-        "out" | "replace" | "threads" if name == "reduce" => Some(of_reduce(arg.clone())),
+    let own = shared.map(|arg| match arg.get_id().as_str() {
+        id if unused(&name).contains(&id) => arg.hide(true),
+        "config" if of_file => arg.help_heading(WITHOUT_FILE),
+        "out" | "replace" | "threads" if name == "reduce" => of_reduce(arg),
         "out" if name == "draw" || name == "fmu" => {
             let help = match name.as_str() {
                 "draw" => "Folder for the sketch, NAME.svg and NAME.png with the name of the machine",
                 _ => "Folder for the FMU",
             };
-            Some(arg.clone().help(help).long_help(help))
+            arg.help(help).long_help(help)
         }
-        "threads" if name == "run" => Some(arg.clone().help_heading(WITHOUT_FILE)),
-        _ => Some(arg.clone()),
+        "threads" if name == "run" => arg.help_heading(WITHOUT_FILE),
+        _ => arg,
     });
     own.fold(command, clap::Command::arg)
 }

@@ -126,7 +126,7 @@ const WORDS: [[&str; 3]; 26] = [
     [
         ": with FILE in common periods of the drive, 2T, or a time, 0.1s; without FILE the number of drive periods, with \
          --word [default without FILE: 1]",
-        " in common periods of the drive, 2T, or a time, 0.1s",
+        ": 2T for two common periods of the drive, or a time such as 0.1s",
         ": the number of drive periods, with --word [default: 1]",
     ],
     [", with FILE also ST, CC, SA", ", ST, CC, SA", ""],
