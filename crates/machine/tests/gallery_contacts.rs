@@ -111,7 +111,7 @@ impl Piece {
     }
 }
 
-/// The state that follows a state in z: 0 open, 1 stuck, 2 and 3 slip. At the limit of friction the
+/// The state that follows in z: 0 open, 1 stuck, 2 and 3 slip. At the limit of friction the
 /// slider's rate decides, since the force there is only right to rounding.
 fn following(all: &[Piece], now: usize, z: &DVector<f64>) -> usize {
     let [n, t, beyond] = [0, 1, 2].map(|i| all[now].row(i, z));
@@ -125,7 +125,7 @@ fn following(all: &[Piece], now: usize, z: &DVector<f64>) -> usize {
     }
 }
 
-/// A step, halved at each change to another state; `now` is the state, `begun` the times of changes.
+/// A step, halved at each change of the state `now`; `begun` has the times of changes.
 fn step(
     all: &[Piece],
     z: &mut DVector<f64>,

@@ -54,7 +54,8 @@ pub struct StopContact {
     /// impacts are separate contacts.
     pub speed: f64,
     /// Energy lost, J, at an impact or in a compliant stop, including the loss of its spring after
-    /// its force is zero, or in the dashpot and the friction of a contact. `None` if the flow was not observed.
+    /// its force is zero, or in the dashpot and the friction of a contact. `None` if the flow was not
+    /// observed.
     pub lost: Option<f64>,
 }
 
