@@ -167,7 +167,7 @@ impl ContactRecorder {
             for (i, branch) in system.branches.iter().enumerate().filter(|own| own.1.stop() == Some(stop)) {
                 let force = system.force_row(Part::Branch(i), &flow.mode, &flow.lambda);
                 let slider = flow.rate_of(branch.inner.as_slice());
-                losses.push((Sparse::of(force.iter().copied()), Sparse::of(slider.into_iter())));
+                losses.push((Sparse::of(force.iter().copied()), Sparse::of(slider)));
             }
             let stop = system.stop_of(stop);
             self.acting.push(Acting { stop, force: Sparse::of(force.iter().copied()), losses });
