@@ -5,7 +5,7 @@ import sys
 
 LENGTH, AREA = 1.0, 4e-4  # m, m2
 MODULUS, DENSITY = 210e9, 7850.0  # Pa, kg/m3
-HEAD = """# A steel bar of 1 m flies against a rigid wall: rigid motion, {count} modes and what they lack; `python3 bar_on_wall.py {count}`.
+HEAD = """# A steel bar of 1 m flies against a rigid wall: rigid motion, {count} modes and their residual flexibility; `python3 bar_on_wall.py {count}`.
 # Held against: the waves in the bar, in crates/command-line/tests/gallery/figures.rs.
 name = "BarOnWall"
 """
@@ -21,7 +21,7 @@ def written(count):
     """Returns the file: modes cos(k pi x/L), the front at x = 0, the back at x = L."""
     mass, speed = DENSITY * AREA * LENGTH, math.sqrt(MODULUS / DENSITY)
     modes = range(1, count + 1)
-    # Of all modes, sum of 2/(mass omega^2) = L^2/(3 mass c^2), with alternating signs -1/2 of it.
+    # The sum of 2/(mass omega^2) over all modes is L^2/(3 mass c^2), with alternating signs -1/2 of it.
     whole = LENGTH**2 / (3 * mass * speed**2)
     kept = [2 / (mass * (k * math.pi * speed / LENGTH) ** 2) for k in modes]
     same = whole - sum(kept)

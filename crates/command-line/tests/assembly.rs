@@ -186,8 +186,8 @@ fn invariant_the_file_of_contacts_has_the_accounts_losses_and_no_end_where_one_l
 /// Relative rounding of a sum of losses.
 const LOSSES: f64 = 1e-12;
 
-/// The losses of contacts with friction, with and without residual flexibility, add up to the engine's
-/// account; the picture shows both forces, and `account.txt` counts the contacts.
+/// The losses of contacts with friction, with and without residual flexibility, add up to the
+/// engine's account; the picture shows both forces, and `account.txt` counts the contacts.
 #[test]
 fn invariant_losses_of_contacts_with_friction_are_those_of_the_account() {
     let residual = std::fs::read_to_string(example("blade_tip.toml")).unwrap();

@@ -124,9 +124,8 @@ fn golden_pictures_of_the_gallery_are_what_its_commands_draw() {
                 said += &compare(&gallery, &name, command, update);
             }
         }
-        for line in
-            page.split("```text\n").skip(1).flat_map(|rest| rest.lines().take_while(|line| *line != "```"))
-        {
+        let shown = page.split("```text\n").skip(1).filter_map(|rest| rest.split("```").next());
+        for line in shown.flat_map(str::lines).filter(|line| !line.starts_with("vibro ")) {
             assert!(said.lines().any(|own| own == line), "{name}: the commands do not say `{line}`:\n{said}");
         }
     }

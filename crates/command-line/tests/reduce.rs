@@ -165,7 +165,7 @@ fn last(folder: &Path, table: &str) -> Vec<f64> {
 #[cfg(feature = "reduce")]
 const ROUNDING: f64 = 1e-12;
 
-/// Every command and file of docs/fe-to-fmu.md, the lines that it shows, and its statements about them.
+/// Every command and file of docs/fe-to-fmu.md, the lines that it shows, and what it says of them.
 #[test]
 #[cfg(feature = "reduce")]
 fn golden_the_tutorial_runs_and_shows_what_it_says() {

@@ -111,7 +111,7 @@ impl Piece {
     }
 }
 
-/// The state that follows a state in z: 0 open, 1 stuck, 2 and 3 slip. At the limit of friction the
+/// The state that follows in z: 0 open, 1 stuck, 2 and 3 slip. At the limit of friction the
 /// slider's rate decides, since the force there is only right to rounding.
 fn following(all: &[Piece], now: usize, z: &DVector<f64>) -> usize {
     let [n, t, beyond] = [0, 1, 2].map(|i| all[now].row(i, z));
@@ -125,7 +125,7 @@ fn following(all: &[Piece], now: usize, z: &DVector<f64>) -> usize {
     }
 }
 
-/// A step, halved at each change to another state; `now` is the state, `begun` the times of changes.
+/// A step, halved at each change of the state `now`; `begun` has the times of changes.
 fn step(
     all: &[Piece],
     z: &mut DVector<f64>,
@@ -148,6 +148,10 @@ fn step(
     (*z, *now) = (next, after);
 }
 
+/// Whether a change from one state to another is of a kind.
+type Change = dyn Fn(usize, usize) -> bool;
+type Kind = fn(&EventKind) -> bool;
+
 /// Touches, slips, sticks and lift-offs of the tip, and its place at the end.
 #[test]
 fn second_method_a_blade_tip_by_exponentials_of_its_states() {
@@ -161,12 +165,12 @@ fn second_method_a_blade_tip_by_exponentials_of_its_states() {
     let events = followed(&mut motion, steps as f64 * h);
     // A contact that closes with a slip is stuck here until the end of the shortest step.
     let later = |k: usize| begun[k].1 < 2 || begun[k - 1].1 != 1 || begun[k].0 - begun[k - 1].0 > NEAR;
-    let own = |is: &dyn Fn(usize, usize) -> bool| {
+    let own = |is: &Change| {
         let changes = (0..begun.len())
             .filter(|&k| later(k) && is(k.checked_sub(1).map_or(0, |k| begun[k].1), begun[k].1));
         changes.map(|k| begun[k].0).collect::<Vec<_>>()
     };
-    let kinds: [(fn(&EventKind) -> bool, &dyn Fn(usize, usize) -> bool); 4] = [
+    let kinds: [(Kind, &Change); 4] = [
         (|kind| matches!(kind, EventKind::Press { .. }), &|before, _| before == 0),
         (|kind| matches!(kind, EventKind::Free { .. }), &|_, after| after == 0),
         (|kind| matches!(kind, EventKind::Yield { .. }), &|_, after| after > 1),

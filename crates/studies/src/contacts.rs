@@ -54,7 +54,8 @@ pub struct StopContact {
     /// impacts are separate contacts.
     pub speed: f64,
     /// Energy lost, J, at an impact or in a compliant stop, including the loss of its spring after
-    /// its force is zero, or in the dashpot and the friction of a contact. `None` if the flow was not observed.
+    /// its force is zero, or in the dashpot and the friction of a contact. `None` if the flow was not
+    /// observed.
     pub lost: Option<f64>,
 }
 
@@ -166,7 +167,7 @@ impl ContactRecorder {
             for (i, branch) in system.branches.iter().enumerate().filter(|own| own.1.stop() == Some(stop)) {
                 let force = system.force_row(Part::Branch(i), &flow.mode, &flow.lambda);
                 let slider = flow.rate_of(branch.inner.as_slice());
-                losses.push((Sparse::of(force.iter().copied()), Sparse::of(slider.into_iter())));
+                losses.push((Sparse::of(force.iter().copied()), Sparse::of(slider)));
             }
             let stop = system.stop_of(stop);
             self.acting.push(Acting { stop, force: Sparse::of(force.iter().copied()), losses });

@@ -298,8 +298,7 @@ fn contacts(record: &MotionRecord) -> Vec<String> {
         let name = element.dotted();
         let own = all.get(&name)?;
         let [_, speed_unit, force] = units(element.dimension(d));
-        let largest =
-            |of: &dyn Fn(&StopContact) -> Option<f64>| own.iter().filter_map(|c| of(c)).reduce(f64::max);
+        let largest = |of: &dyn Fn(&StopContact) -> Option<f64>| own.iter().filter_map(of).reduce(f64::max);
         let speed = largest(&|c| Some(c.speed))?;
         let blow = largest(&|c| c.impulse.filter(|_| c.peak.is_none()));
         let peak = largest(&|c| c.peak);

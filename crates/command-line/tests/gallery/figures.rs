@@ -42,7 +42,7 @@ impl Blade {
     const X: [f64; 2] = [0.3, -0.8];
     const Y: [f64; 2] = [-0.06, 0.2];
 
-    /// Displacements of both modes by forces on them of an angular frequency, with a stiffness along x.
+    /// Displacements of both modes by harmonic forces on them, with a stiffness along x.
     fn modes(w: f64, along: f64, force: Vector2<Complex<f64>>) -> Vector2<Complex<f64>> {
         let (mass, press) = (0.02, Complex::new(6e6, 25.0 * w));
         let normal = -press * w * w * mass / (press * 2.0 - w * w * mass);

@@ -132,7 +132,7 @@ fn closed_form_a_body_on_its_buffer_from_the_start() {
     // Unobserved contacts have no force. The loss of a contact that lasts through them is unknown.
     contacts.leave_out();
     assert_eq!(contacts.all()[0].peak, Some(0.0), "no stop acts so far");
-    contacts.acting.push(Acting { stop: 0, force: Sparse::default(), loss: None });
+    contacts.acting.push(Acting { stop: 0, force: Sparse::default(), losses: Vec::new() });
     contacts.leave_out();
     let [one] = contacts.all()[..] else { panic!() };
     assert_eq!((one.peak, one.impulse, one.lost), (None, None, None));
