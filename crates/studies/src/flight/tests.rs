@@ -245,6 +245,36 @@ fn invariant_stretches_pass_the_edge_of_a_power() {
     }
 }
 
+/// Two bodies, of which one slips with Stribeck's curve until it sticks.
+const TWO: &str = r#"
+name = "R82"
+body.b0 = { mass = 2.423, start = { s = 0.02901, v = -0.4157 } }
+body.b1 = { mass = 2.561, start = { s = -0.01922, v = -0.666 } }
+spring.s0 = { between = ["ground", "b0"], stiffness = 141.2, damping = 0.4566, force = "= 110.5*ln(1+367.3*e^2)*e" }
+spring.s1 = { between = ["ground", "b1"], stiffness = 195.6, damping = 0.3232, preload = 0, quadratic = -284.0, cubic = 181400.0, quartic = -4021.0, quintic = 33130000.0 }
+spring.s2 = { between = ["b0", "b1"], stiffness = 387.3, damping = 0.02287, preload = 0, quadratic = 108.0, cubic = 161400.0, quartic = 2098.0, quintic = 17870000.0 }
+stop.w1 = { between = ["b0", "b1"], gap = 0.0278, restitution = 0.627 }
+friction.f0 = { between = ["ground", "b0"], force = 2.086, static = 3.811, stribeck = 0.1914 }
+load.l = { on = "b0", amplitude = 10.3, frequency = 0.7904, phase = 2.338 }
+"#;
+
+/// Next to the end of a slip, series reach only a small part of the way that is left.
+#[test]
+fn invariant_stretches_of_a_slip_end_with_it() {
+    let mut motion = started(&text(TWO));
+    for k in 0..30 {
+        let (flow, z, begin) = (flow_of(&motion), motion.state().as_slice().to_vec(), motion.time());
+        motion.advance_to_event(3.0, &mut |_| ()).unwrap();
+        for part in [1.0, 1.0 - 1e-9, 0.9] {
+            let mut count = 0;
+            flow.stretches(&z, part * (motion.time() - begin), &mut |_, _| {
+                count += 1;
+                assert!(count < MOST_STRETCHES, "{k} {part}");
+            });
+        }
+    }
+}
+
 /// Stretches across the edge of a power, at which series end, end in the state of the motion.
 #[test]
 fn second_method_stretches_pass_the_edge_of_a_power() {
