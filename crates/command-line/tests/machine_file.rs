@@ -132,6 +132,8 @@ fn golden_refusals_of_options_name_what_the_command_takes() {
     );
     write("empty.toml", "# nothing\n");
     write("empty.csv", "");
+    let floor = "[stop.floor]\nbetween = [\"ground\", \"b\"]\ngap = 1.0\nrestitution = 0.5\n";
+    write("rests.toml", &format!("name = \"Rests\"\ngravity = 9.81\n{body}gravity = 1.0\n{floor}"));
     let none = "the machine has no harmonics, stops or friction";
     for (line, said) in [
         ("check empty.toml", "empty.toml: is empty; expected a machine: `name`, bodies such as [body.box]"),
@@ -139,7 +141,16 @@ fn golden_refusals_of_options_name_what_the_command_takes() {
             "orbits free.toml --vary body.b.mass=0.5:2",
             &format!("{none}; orbits require harmonics with a common period, a stop or a friction"),
         ),
-        ("sweep free.toml --vary body.b.mass=0.5:2", &format!("{none}; give a period (--period)\n")),
+        (
+            "sweep free.toml --vary body.b.mass=0.5:2",
+            &format!("{none}; give a period (--period), or add a stop without effect as section"),
+        ),
+        ("run DAMPER --until 1s --step 1ms", "motions need no step size, solver or tolerance; '--samples N'"),
+        ("simulate DAMPER", "vibro has no command `simulate`: expected `vibro run "),
+        (
+            "orbits rests.toml --vary stop.floor.gap=1m:2m",
+            "the motion has probably come to rest: drive the machine, begin elsewhere (--start)\n",
+        ),
         (
             "check falls.toml",
             "falls.toml:3: start = \"rest\": no equilibrium; body.b keeps the acceleration 9.81 m/s2",

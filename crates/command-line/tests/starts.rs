@@ -91,7 +91,7 @@ fn what_is_no_start_is_refused_by_name_with_what_is_allowed() {
         ("block.s=1m", "stop.steel.gap = 0.004 m: e - gap = "),
         (
             "nowhere.toml",
-            "--start nowhere.toml: expected NAME=VALUE, such as box.s=1mm, or an existing start file",
+            "--start nowhere.toml: no such file; expected a start file, or NAME=VALUE, such as box.s=1mm",
         ),
         ("box.s=1,nowhere.toml", "expected NAME=VALUE,…, a start's file, or FILE,NAME=VALUE,…"),
         ("time=2s", "--until 1.0: must be after 2.0 s, the time of the start"),

@@ -213,12 +213,16 @@ impl Section {
 
     fn missed(&self, motion: &Motion) -> Error {
         let d = &motion.assembly().description;
+        // The section's own element does not help.
+        let others = d.stops.len() + d.frictions.len() > 1;
+        let advice = if others { ", or name another stop or friction (--section)" } else { "" };
         let problem = format!(
-            "{}: none in the last {WITHIN} s, until t = {:.1} s; the motion may have come to rest",
+            "{}: none in the last {WITHIN} s, until t = {:.1} s; the motion has probably come to rest: drive the \
+             machine, begin elsewhere (--start){advice}",
             self.in_words(d),
             motion.time()
         );
-        Error::NoSection { problem, has_elements: has_elements(d) }
+        Error::Described { problem }
     }
 
     /// End of the current period; `None` for a section of events.

@@ -25,7 +25,7 @@ pub fn read_start(machine: &Machine, given: &str, note: &mut dyn FnMut(String)) 
                 return Err(Error::form(given, FORM));
             }
             if !Path::new(part).exists() {
-                let text = "expected NAME=VALUE, such as box.s=1mm, or an existing start file";
+                let text = "no such file; expected a start file, or NAME=VALUE, such as box.s=1mm";
                 return Err(refused(part, text.into()));
             }
             start = Start::read(Path::new(part), description)?;

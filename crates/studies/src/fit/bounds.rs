@@ -46,10 +46,14 @@ impl Bounds {
                 ));
             }
             if !(least..=most).contains(&begin[k]) {
+                let told = |value: f64| request.machine.told(&own.name, value);
                 return refused(format!(
-                    "{}: its initial value {} must lie within its range, {least} to {most} (SI); widen the range, \
-                     or set another value",
-                    own.name, begin[k]
+                    "{}: the initial value {} is outside its range, {} to {}; widen the range (--within), or \
+                     set another value (--set)",
+                    own.name,
+                    told(begin[k]),
+                    told(least),
+                    told(most)
                 ));
             }
             low.push(least);

@@ -22,6 +22,9 @@ pub fn matches() -> ArgMatches {
     command.try_get_matches().unwrap_or_else(|error| explained(without_hidden(error, &words), &words).exit())
 }
 
+/// Options of other simulators, of which no command has a counterpart.
+const STEPS: [&str; 6] = ["step", "dt", "solver", "tolerance", "rtol", "atol"];
+
 /// The commands with FILE as a required argument.
 fn with_required_file(command: clap::Command) -> clap::Command {
     command.mut_subcommands(|command| match has_file(&command) {
@@ -47,6 +50,13 @@ fn without_hidden(mut error: clap::Error, words: &[String]) -> clap::Error {
     {
         let owners = owners(&all, option.trim_start_matches("--"));
         let tip = format!("'{option}' is an option of {}", owners.join(", "));
+        if STEPS.contains(&option.trim_start_matches("--")) {
+            let problem = format!(
+                "unexpected argument '{option}': motions need no step size, solver or tolerance; '--samples N' sets \
+                 the number of rows of 'vibro run'\n"
+            );
+            return clap::Error::raw(ErrorKind::UnknownArgument, problem);
+        }
         // Clap's tip is to pass the option as a value, which no command takes.
         error.remove(ContextKind::Suggested);
         if !owners.is_empty() && error.get(ContextKind::SuggestedArg).is_none() {
@@ -96,6 +106,9 @@ fn explained(error: clap::Error, words: &[String]) -> clap::Error {
     } else if command().find_subcommand(name).is_some() {
         let right = std::iter::once(name.clone()).chain(rest).collect::<Vec<_>>().join(" ");
         format!("`vibro paper` has no command `{name}`: expected `vibro {right}`")
+    } else if name == "simulate" {
+        let right = if rest.is_empty() { "FILE".into() } else { rest.join(" ") };
+        format!("vibro has no command `{name}`: expected `vibro run {right}`")
     } else {
         return error;
     };
