@@ -57,6 +57,11 @@ const COVERED: [(&str, &str); 20] = [
         "PATH=\"$PWD/target/zig/bin:$PATH\" cargo run --bin fmu-build -- --all-platforms",
         "fmu-build/tests/platforms.rs",
     ),
+    ("rustup target add wasm32-wasip2", "the test of the component needs it and says so"),
+    (
+        "cargo run --bin fmu-build -- assembly examples/assembly/damper_with_buffer.toml --wasm",
+        "fmu-build/tests/component.rs packs the same archive, run by .ci/run",
+    ),
     ("rustup target add wasm32-unknown-unknown", "the test of the page needs it and says so"),
     ("cargo run --bin fmu-build -- --explorer", "fmu-build/tests/live_page.rs, run by .ci/run"),
     ("cargo run --release -p web-build", "web/build/tests/page.rs, run by .ci/run"),

@@ -84,8 +84,9 @@ fn list(
     for row in rows {
         let words = |name| row.attribute(name).map(|text| text.split_whitespace().collect::<Vec<_>>());
         let (on, how) = (words("dependencies"), words("dependenciesKind"));
-        // Some importers of FMI 3.0 need both lists.
-        let told = !model.is_fmi3() || on.is_some() && how.is_some();
+        // Some importers of FMI 3.0 need both lists. Without both an unknown depends on every known,
+        // as with residual flexibility.
+        let told = !model.is_fmi3() || on.is_some() == how.is_some();
         let keys: Vec<u32> = on.iter().flatten().map(|word| word.parse().unwrap_or(u32::MAX)).collect();
         let once = keys.iter().collect::<BTreeSet<_>>().len() == keys.len();
         let in_order = model.is_fmi3() || keys.is_sorted();

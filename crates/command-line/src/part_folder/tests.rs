@@ -158,5 +158,8 @@ fn a_folder_that_cannot_be_written_is_no_usage_error() {
     std::fs::remove_dir_all(&store.folder).unwrap();
     let error = Task { store: &store, ..Task::ALL }.complete(1, square).unwrap_err();
     let error = Error::from(error);
-    assert!(error.to_string().starts_with("writing ") && !error.is_usage(), "{error}");
+    assert!(
+        error.to_string().contains("cannot be written: there is no folder") && !error.is_usage(),
+        "{error}"
+    );
 }
