@@ -8,10 +8,10 @@
 //! ```
 //!
 //! A cell is a number with or without a unit. A number without a unit is in the unit of its
-//! heading (`stop.gap [mm]`). If the heading has no unit either, the number is in the unit that the
-//! parameter file or `--set` used; otherwise in SI. The file is a [`Table`]. A number outside its
-//! parameter's range is accepted here; its row in the sweep's table then says why the design could
-//! not be computed.
+//! heading (`stop.gap [mm]`). If the heading has no unit either, the number is in the unit that
+//! the parameter file or `--set` used; otherwise in SI. The file is a [`Table`]. A number outside
+//! its parameter's range is accepted here; its row in the sweep's table then says why the design
+//! could not be computed.
 
 use crate::table::read_text;
 use crate::{Error, Result};
