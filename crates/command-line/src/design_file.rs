@@ -8,10 +8,10 @@
 //! ```
 //!
 //! A cell is a number with or without a unit. A number without a unit is in the unit of its
-//! heading (`stop.gap [mm]`). Without one it is in the unit that the machine's file or `--set`
-//! used for the parameter, otherwise in SI. The file is a [`Table`]. A number outside its
-//! parameter's range is accepted here; in the sweep's table, the row of that design gives the
-//! reason.
+//! heading (`stop.gap [mm]`). If the heading has no unit either, the number is in the unit that
+//! the parameter file or `--set` used; otherwise in SI. The file is a [`Table`]. A number outside
+//! its parameter's range is accepted here; its row in the sweep's table then says why the design
+//! could not be computed.
 
 use crate::table::read_text;
 use crate::{Error, Result};
@@ -27,9 +27,9 @@ const MOST: usize = 100_000;
 /// Reads designs of a machine.
 ///
 /// # Errors
-/// [`Error::File`] if the file cannot be read; [`Error::Config`] with the line if a name is
-/// unknown, a cell is not a finite number, a row and the header have different lengths, or the
-/// file has no design or too many.
+/// [`Error::File`] if the file cannot be read; [`Error::Config`] if a name is unknown, a cell is
+/// not a finite number, a row and the header have different lengths, or the file has no design or
+/// too many; with the line, except for a file with no design or too many.
 pub fn read(path: &Path, set: &ParameterSet) -> Result<Designs<Name>> {
     let text = read_text(path)?;
     parse(&text, set).map_err(|problem| Error::Config { path: path.into(), problem })

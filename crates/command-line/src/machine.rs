@@ -75,7 +75,7 @@ pub fn read(path: &Path, set: &[String], note: &mut dyn FnMut(String)) -> Result
     Ok(machine)
 }
 
-/// Adds the lines at which the file has the same problems to a refusal of changed numbers.
+/// If the file has the same problems itself, adds their line numbers to the refusal.
 fn placed(error: vibro_studies::Error, path: &Path) -> vibro_studies::Error {
     use vibro_studies::Error::Refusal;
     match (error, Machine::read(path)) {
@@ -103,7 +103,7 @@ pub fn note_of_unit(typed: &str, unit: &Unit) -> String {
     format!("{typed} is read in {}, the unit in which that parameter was written", unit.symbol())
 }
 
-/// The ends of `count` equal parts of the time from `begin` to `end`, preceded by `begin`, s.
+/// `count` + 1 evenly spaced times from `begin` to `end`, in s.
 ///
 /// # Errors
 /// [`Error::Refused`] if there are more than ten million instants, or `end` is not after `begin`.
@@ -124,12 +124,12 @@ fn check_count(count: usize) -> Result<()> {
     Err(Error::Refused { what: format!("{count} samples"), problem: format!("expected at most {MOST}") })
 }
 
-/// Instants from a file: one number in s per line, none before `begin`, s, and none smaller than
-/// the one before. Empty lines and lines that begin with `#` are skipped.
+/// Times in s, one per line, not before `begin` and not decreasing. Empty lines and lines that
+/// begin with `#` are skipped.
 ///
 /// # Errors
 /// [`Error::File`] if the file cannot be read; [`Error::Config`] with the line if a line is not
-/// valid.
+/// valid; `Config` also for a file without times; [`Error::Refused`] for too many.
 pub fn times_of(path: &Path, begin: f64) -> Result<Vec<f64>> {
     let text = std::fs::read_to_string(path).map_err(Error::file("reading", path))?;
     let mut times: Vec<f64> = Vec::new();
@@ -224,7 +224,7 @@ pub fn record_with(
     let assembly = Arc::new(Assembly::new(machine)?);
     let mut events = Vec::new();
     let motion = start.motion_observed(assembly.clone(), &mut |event| {
-        // Tables do not list samples.
+        // Sample events of sampled blocks are not listed in tables.
         events.extend(event.is_listed().then(|| event.clone()));
     })?;
     let motion = motion.with_interruption(asked.clone());

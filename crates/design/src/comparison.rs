@@ -13,8 +13,8 @@ use vibro_studies::{Error, Machine, Result};
 
 /// Distance in the unit box beyond which designs count as different basins, and as rivals.
 pub(crate) const APART: f64 = 0.08;
-/// Limit for the excess, relative to the goal, of a peak between values of a band that the search
-/// misses.
+/// Assumed bound on how far a peak between two values of a band, missed by the search, exceeds the
+/// goal; relative to the goal.
 const BETWEEN: f64 = 0.01;
 /// Relative tolerance for equal values: rounding.
 const SAME: f64 = 1e-9;
@@ -180,8 +180,8 @@ fn longer(evaluator: &Evaluator, all: &mut [Contender]) -> Option<usize> {
         }
         let parts = (&evaluator.candidate, &evaluator.sweep);
         let mut found = Evaluation::of(evaluator.request, parts, (row, contender.own.stage));
-        // Only the search looks for peaks between the values of a band, so its worse values are
-        // kept.
+        // For limits, only the search looked between the values of a band; so keep its value where
+        // it is worse.
         for ((found, before), signed) in
             found.limits.iter_mut().zip(&contender.own.limits).zip(&sweep.measures[1..])
         {

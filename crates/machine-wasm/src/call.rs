@@ -53,7 +53,7 @@ impl Drop for Instance {
     }
 }
 
-/// What the host asks of a new instance.
+/// Arguments of the host for a new instance.
 pub struct Asked {
     /// Its name.
     pub name: String,

@@ -2,9 +2,9 @@
 //! layered standard FMI-LS-WASM. One component serves all machines: it reads its machine from the
 //! archive's resources by the host's `read-file`.
 //!
-//! The functions of WIT (`wit/fmi3.wit`) call the C functions of FMI 3.0 in the same memory, so
-//! that rules, statuses and messages are those of the shared libraries. This file is a door like
-//! them: [`call`] has what is unsafe.
+//! The functions of WIT (`wit/fmi3.wit`) call the C functions of FMI 3.0 in the same memory. So
+//! the component and the shared libraries have the same rules, statuses and messages. Like the
+//! libraries, this file is a door; [`call`] wraps the unsafe calls.
 
 mod call;
 mod instance;

@@ -1,5 +1,5 @@
 //! Reading of a start: its time, coordinates and rates of bodies, inner places of springs in
-//! series, states of blocks.
+//! series and of contacts with friction, states of blocks.
 
 use super::no_records;
 use super::reading::{FileTable, Reading};
@@ -100,7 +100,8 @@ fn sliders(
     let allowed = format!("expected tables with names, such as [{section}.NAME]");
     let Some(whole) = reading.table(&whole, &allowed) else { return all };
     for entry in reading.all(&whole) {
-        // A start in one line does not show whether a name is of a spring or of a contact.
+        // `[spring]` also accepts contacts, because a start written as `NAME.slider=VALUE` does
+        // not say which of the two NAME is.
         let is_own = |own: &InSeries| own.section == section || section == "spring";
         let known = in_series(d).filter(is_own);
         let Some(own) = known.clone().find(|own| own.name == entry.key) else {

@@ -59,7 +59,7 @@ impl Sparse {
         self.0[first..].iter().fold(sum, |sum, &(j, x)| sum + x * of(j))
     }
 
-    /// Sum of the terms' absolute values, given a vector of absolute values.
+    /// Sum of |entry| · size over the row; `sizes` holds the absolute values of the vector.
     #[inline(always)]
     pub fn size(&self, sizes: &[f64]) -> f64 {
         self.0.iter().map(|&(j, x)| x.abs() * sizes[j]).sum()

@@ -6,7 +6,7 @@ use vibro::load_file::{LoadArgument, files};
 use vibro::{Error, Result};
 use vibro_studies::paper::{Name, ParameterSet};
 
-/// The loads of a command's `--load`. Only `vibro run` takes loads from files.
+/// The loads of a command's `--load`. Only `vibro paper run` takes loads from files.
 ///
 /// # Errors
 /// An error if a load is from a file.

@@ -51,8 +51,8 @@ fn displacement(a: &Bifurcation) -> Result<Displacement> {
     a.of.as_ref().map_or(Ok(Displacement::X2), |of| of.parse().map_err(in_option("--of")))
 }
 
-/// Values at which spectra are listed: the given values, otherwise the value that was set,
-/// otherwise the defaults of the axis.
+/// Values at which spectra are listed: the given values; otherwise the value that was set, if the
+/// axis contains it; otherwise the defaults of the axis.
 fn listed(set: &ParameterSet, axis: &ParameterAxis, given: &[String]) -> Result<Vec<f64>> {
     if !given.is_empty() {
         let texts: Vec<&str> = given.iter().map(String::as_str).collect();
@@ -146,8 +146,8 @@ fn perform(study: &LongStudy, common: &Common, shard: Option<Shard>) -> Result<(
     perform_as(study, common, &common.invocation, shard)
 }
 
-/// Computes a study or a shard of it, as [`perform`], with an invocation for manifests that the
-/// study has extended.
+/// Like [`perform`], but writes the given invocation, which the study may have extended, to the
+/// manifests.
 pub fn perform_as(
     study: &LongStudy,
     common: &Common,
@@ -197,7 +197,7 @@ fn complete(
     }
 }
 
-/// The folders of parts in a folder, or the folder itself if it is one.
+/// The folders of parts in `given`, or `given` itself if it is a folder of parts.
 fn folders_of_parts(given: &Path) -> Result<Vec<PathBuf>> {
     let is_parts = |p: &Path| p.extension().is_some_and(|e| e == PARTS) && p.is_dir();
     if is_parts(given) {
@@ -292,7 +292,7 @@ pub fn reproduce(set: &ParameterSet, common: &Common, a: &Reproduce) -> Result<(
     destination.write_into(&report.studies, &out)?;
     let page = destination.write_page("report", &report.html, &out)?;
     folders.into_iter().try_for_each(PartFolder::remove)?;
-    // Files of other programs are kept.
+    // `remove_dir` fails if other files are in the folder; they are kept.
     let _ = std::fs::remove_dir(out.join(&home));
     output::say(&format!("{}{}", output::apart(&out, common), report.summary(&page)))
 }

@@ -14,10 +14,10 @@ const COLUMNS: usize = 6;
 const STEP: usize = 10;
 const _: () = assert!(remainder(STEP, GRID_TIMES_RATE) < 3.1e-14);
 /// Terms of the series around a node. Without the drive's phase a coefficient of order k is at
-/// most (3 + k/2) (rT)ᵏ/k! of the variation's size, by the same section. The remainder is below 5
-/// · 0.08⁴/4! (1 + 0.02) < 9e-6, negligible relative to the growth between events.
+/// most (3 + k/2) (rT)ᵏ/k! of the variation's size (docs/numerics.md, section 1). The remainder is
+/// below 5 · 0.08⁴/4! (1 + 0.02) < 9e-6, negligible relative to the growth between events.
 const TERMS: usize = 4;
-/// Number of nodes: flights of up to 5/rate need one product.
+/// Index of the last node (there are NODES + 1): flights of up to 5/rate need one product.
 const NODES: usize = 32;
 
 /// A matrix by columns.
@@ -43,7 +43,7 @@ fn transit(a: &Columns, v: &Augmented) -> Augmented {
 #[derive(Clone, Debug)]
 #[repr(C, align(64))] // so that a column is one cache line
 struct SingleTransition {
-    /// Powers of the generator over their factorials, times the same power of the node distance.
+    /// (generator · node distance)ᵏ / k!, for k = 0, 1, …
     terms: [Columns; TERMS],
     nodes: [Columns; NODES + 1],
     /// Reciprocal of the node distance, 1/s.
