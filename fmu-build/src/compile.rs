@@ -96,7 +96,7 @@ pub enum Product {
 pub use vibro_pack::archive::PROGRAM;
 
 /// The target of components, whose linker makes them.
-const COMPONENT_TARGET: &str = "wasm32-wasip2";
+pub(crate) const COMPONENT_TARGET: &str = "wasm32-wasip2";
 
 /// Linker stub (`.tbd`) of the functions of Apple's CoreFoundation that the crate iana-time-zone
 /// calls.
@@ -184,15 +184,11 @@ impl Compiler {
     /// Compiles the product as a component for WebAssembly and returns its path.
     ///
     /// # Errors
-    /// [`Error::Cargo`] if the standard library of the target is missing, or if cargo fails.
+    /// [`Error::Cargo`] if cargo fails.
     pub(crate) fn component(&self) -> Result<PathBuf> {
         let mut cargo = cargo();
         self.arguments(&mut cargo);
         cargo.args(["--target", COMPONENT_TARGET]);
-        if !crate::platforms::has_standard_library(COMPONENT_TARGET) {
-            let problem = format!("needs a target; run `rustup target add {COMPONENT_TARGET}`");
-            return Err(Error::Cargo { command: line(&cargo), problem });
-        }
         made(&mut cargo, self.product)
     }
 

@@ -1,7 +1,7 @@
 //! The platforms of `--all-platforms`: compiler targets, and advice on what to install if a
 //! platform cannot be built.
 
-use crate::compile::{self, Compiler, PLATFORM_TUPLE, Product};
+use crate::compile::{self, COMPONENT_TARGET, Compiler, PLATFORM_TUPLE, Product};
 use crate::error::{Error, Result};
 use crate::version::Version;
 use std::fmt::{self, Display, Formatter};
@@ -106,6 +106,10 @@ pub fn own(product: Product) -> Result<Binaries> {
 /// # Errors
 /// [`Error::Cargo`] without the compiler's target, [`Error::File`].
 pub fn component() -> Result<Vec<u8>> {
+    if !has_standard_library(COMPONENT_TARGET) {
+        let problem = format!("is missing; run `rustup target add {COMPONENT_TARGET}`");
+        return Err(Error::Cargo { command: format!("the compiler's target {COMPONENT_TARGET}"), problem });
+    }
     read(&Compiler::from(Product::Component).component()?)
 }
 

@@ -258,6 +258,10 @@ friction.f0 = { between = ["ground", "b0"], force = 2.086, static = 3.811, strib
 load.l = { on = "b0", amplitude = 10.3, frequency = 0.7904, phase = 2.338 }
 "#;
 
+/// Largest number of stretches of a slip: next to its end, series reach 3 % of the way that is left.
+/// A rounding is left after 1,200 of them.
+const MOST_OF_A_SLIP: usize = 2000;
+
 /// Next to the end of a slip, series reach only a small part of the way that is left.
 #[test]
 fn invariant_stretches_of_a_slip_end_with_it() {
@@ -269,7 +273,7 @@ fn invariant_stretches_of_a_slip_end_with_it() {
             let mut count = 0;
             flow.stretches(&z, part * (motion.time() - begin), &mut |_, _| {
                 count += 1;
-                assert!(count < MOST_STRETCHES, "{k} {part}");
+                assert!(count < MOST_OF_A_SLIP, "{k} {part}");
             });
         }
     }
