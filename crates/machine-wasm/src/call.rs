@@ -43,7 +43,7 @@ pub struct Instance {
     /// The handle of the C functions.
     pub handle: FmiInstance,
     /// The instance's name, which messages have. Its address is the instance environment.
-    name: Box<String>,
+    name: CString,
 }
 
 impl Drop for Instance {
@@ -72,16 +72,14 @@ impl Instance {
         static ONCE: Once = Once::new();
         ONCE.call_once(begin);
         let [visible, logging] = asked.flags.map(FmiBoolean::from);
-        let name = Box::new(asked.name);
-        let texts = [CString::new(name.as_str()), CString::new(asked.token)];
-        let [Ok(c_name), Ok(token)] = texts else {
+        let (Ok(name), Ok(token)) = (CString::new(asked.name.as_str()), CString::new(asked.token)) else {
             let message = "instance-name or instantiation-token contains a zero character; expected none";
-            callbacks::log_message(&name, Status::Error, "logStatusError", message);
+            callbacks::log_message(&asked.name, Status::Error, "logStatusError", message);
             return None;
         };
-        let environment = ptr::from_ref::<String>(&name).cast_mut().cast::<c_void>();
+        let environment = name.as_ptr().cast_mut().cast::<c_void>();
         let log: Option<FmiLogMessage> = Some(log_message);
-        let texts = [c_name.as_ptr(), token.as_ptr(), RESOURCES.as_ptr()];
+        let texts = [name.as_ptr(), token.as_ptr(), RESOURCES.as_ptr()];
         // SAFETY: C strings that live through the call; name and callbacks outlive the instance.
         let handle = unsafe {
             match steps {
@@ -118,7 +116,7 @@ impl Instance {
     /// Logs a refusal of a function that FMI 3.0 does not have.
     pub fn refuse(&self, function: &str) -> Status {
         let message = format!("{function}: FMI 3.0 has no such function; derivatives of inputs are not used");
-        callbacks::log_message(&self.name, Status::Error, "logStatusError", &message);
+        callbacks::log_message(&self.name.to_string_lossy(), Status::Error, "logStatusError", &message);
         Status::Error
     }
 }
@@ -138,12 +136,10 @@ unsafe extern "C-unwind" fn log_message(
     category: *const c_char,
     message: *const c_char,
 ) {
+    let texts = [environment.cast_const().cast(), category, message];
     // SAFETY: the doors give the instance's environment, and C strings.
-    let (name, [category, message]) = unsafe {
-        let name = &*environment.cast_const().cast::<String>();
-        (name, [category, message].map(|text| CStr::from_ptr(text).to_string_lossy()))
-    };
-    callbacks::log_message(name, status_of(status), &category, &message);
+    let [name, category, message] = unsafe { texts.map(|text| CStr::from_ptr(text).to_string_lossy()) };
+    callbacks::log_message(&name, status_of(status), &category, &message);
 }
 
 /// `fmi3IntermediateUpdateCallback`.
