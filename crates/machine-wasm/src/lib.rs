@@ -4,7 +4,7 @@
 //!
 //! The functions of WIT (`wit/fmi3.wit`) call the C functions of FMI 3.0 in the same memory. So
 //! the component and the shared libraries have the same rules, statuses and messages. Like the
-//! libraries, this file is a door; [`call`] wraps the unsafe calls.
+//! libraries, this file is a door; `call` wraps the unsafe calls.
 
 mod call;
 mod instance;
