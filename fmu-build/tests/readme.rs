@@ -256,6 +256,8 @@ fn every_code_block_works() {
                 ("toml damper.toml", "README.md") => {}
                 // Maps of the code.
                 ("text", "docs/design.md") => {}
+                // The calls of tests/reduce/test_reduce.py, with the reader's own matrices.
+                ("text", "docs/reduce.md") => {}
                 // Run by the documentation tests of vibro-impact (`src/lib.rs`).
                 ("rust", "README.md") => {}
                 (other, _) => panic!("{page} has a block in {other:?}, which no test runs"),
