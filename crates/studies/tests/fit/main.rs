@@ -207,7 +207,7 @@ fn records_and_names_that_are_not_allowed_are_refused() {
         (&|own| own.measured.columns[0].1[2] = f64::NAN, "mass.s: row 3 is NaN"),
         (&|own| own.measured.columns[0].0 = "mas.s".parse().unwrap(), "the machine has no `mas.s`"),
         (&|own| own.free[0].name = "friction.floor.forc".into(), "friction.floor.force"),
-        (&|own| own.free[0].within = Some((2.0, 3.0)), "outside its range, 2 N/m to 3 N/m"),
+        (&|own| own.free[0].within = Some((2.0, 3.0)), "outside its range, 2 N to 3 N"),
         (&|own| own.measured = Measured::default(), "no sample"),
         (&|own| own.starts = 3, "a range of friction.floor.force by --within"),
         (&|own| own.free.clear(), "0 free parameters"),
