@@ -283,6 +283,11 @@ impl Series {
     }
 }
 
+/// Time, relative to that of the mode's rate, up to which a series is used without its proof:
+/// terms from the third order on are below rounding, and the highest ones are too small for a
+/// double, so that the proof would give a part of any such time.
+const TINY: f64 = 1e-11;
+
 impl Ahead {
     /// Expands the states ahead of `z` over the longest time, at most `most`, for which the
     /// remainder of the series is proved to be rounding.
@@ -310,7 +315,11 @@ impl Ahead {
         // The weights of velocities follow the pace of the motion. The remainder is then at most
         // the rounding of the displacements, and at most the rounding of the velocities.
         let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
-        let part = table.proved_part(series, (&groups, &signals), (scale, faster), longest);
+        let is_tiny = longest * scale >= most && most * rate_at(table.rate, &table.curves, z) <= TINY;
+        let part = match is_tiny {
+            true => longest,
+            false => table.proved_part(series, (&groups, &signals), (scale, faster), longest),
+        };
         let part = part_to_edge(&table.curves, &series.curves, part, self.backwards);
         let mut power = 1.0;
         for k in 1..=LAST_CURVE_ORDER {

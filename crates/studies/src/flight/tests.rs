@@ -258,11 +258,12 @@ friction.f0 = { between = ["ground", "b0"], force = 2.086, static = 3.811, strib
 load.l = { on = "b0", amplitude = 10.3, frequency = 0.7904, phase = 2.338 }
 "#;
 
-/// Largest number of stretches of a slip: next to its end, series reach 3 % of the way that is left.
-/// A rounding is left after 1,200 of them.
+/// Largest number of stretches of a slip; without an end at a rounding there are some 20,000, until
+/// the time that is left underflows.
 const MOST_OF_A_SLIP: usize = 2000;
 
-/// Next to the end of a slip, series reach only a small part of the way that is left.
+/// A way of a rounding is left at the end of a slip: the highest terms of its series are too small
+/// for a double.
 #[test]
 fn invariant_stretches_of_a_slip_end_with_it() {
     let mut motion = started(&text(TWO));
@@ -277,6 +278,15 @@ fn invariant_stretches_of_a_slip_end_with_it() {
             });
         }
     }
+}
+
+/// Output times next to the end of a slip are reached in as few steps as others.
+#[test]
+fn invariant_output_times_next_to_the_end_of_a_slip_are_reached() {
+    const END: f64 = 0.6862;
+    let mut motion = started(&text(TWO));
+    (1..=500).for_each(|k| motion.advance_to(END * f64::from(k) / 500.0).unwrap());
+    assert_eq!(motion.time(), END);
 }
 
 /// Stretches across the edge of a power, at which series end, end in the state of the motion.
