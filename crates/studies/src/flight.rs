@@ -298,8 +298,7 @@ fn curved_stretches(
 ) -> Vec<f64> {
     let (mut state, mut ahead, mut left) = (z.to_vec(), Ahead::towards(span < 0.0), span.abs());
     let mut series = Series { size: z.len(), terms: Vec::new() };
-    // Next to an edge, series may reach only a part of any way that is left, however short.
-    while left > f64::EPSILON * span.abs() {
+    while left > 0.0 {
         ahead.find(table, &state, left / CURVED_PART, |_| (0, 0.0));
         if ahead.span == 0.0 {
             break;
