@@ -122,10 +122,12 @@ fn distances(best: &Point, line: &Point, count: i32) -> impl Iterator<Item = f64
 /// Where restarts begin.
 #[derive(Clone, Copy)]
 enum From {
-    /// In the valleys of the cost on lines through the point, scanned with this many points to
-    /// each side before the distances grow. More points than [`SCAN`] has are for lines of single
-    /// parameters.
-    Valleys(i32),
+    /// In the valleys of the cost on lines through the point, along combinations and along each
+    /// parameter.
+    Valleys,
+    /// In the valleys on the lines along each parameter, scanned with this many points to each side
+    /// before the distances grow.
+    FineValleys(i32),
     /// At a distance in standard errors along combinations, or along pairs of them.
     Away(f64, bool),
 }
@@ -140,7 +142,7 @@ pub(super) fn restarted(
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Found> {
     let has_valleys = model.has_stops() && best.reach.is_whole();
-    let valleys = has_valleys.then_some(From::Valleys(SCAN.0));
+    let valleys = has_valleys.then_some(From::Valleys);
     let aways = AWAY[usize::from(has_valleys)].iter().map(|away| From::Away(*away, false));
     // Residuals above noise indicate that a better point exists.
     let is_better = has_valleys && model.misses(&best.point, &best.reach)?;
@@ -152,7 +154,7 @@ pub(super) fn restarted(
         if let Some(better) = restarts.better(&minima) {
             return Ok(Found::Better(better));
         }
-        if matches!(from, From::Valleys(_)) {
+        if matches!(from, From::Valleys) {
             for own in restarts.lowest(&minima) {
                 let again = Restarts::at(model, bounds, own, factors, go_on)?.from(from);
                 if let Some(better) = restarts.better(&again) {
@@ -163,9 +165,10 @@ pub(super) fn restarted(
         }
         others.extend(restarts.others(&minima));
     }
-    if has_valleys {
-        let count = (model.simulations() / (2 * factors.len() as u32)).min(FINE) as i32;
-        let minima = restarts.from(From::Valleys(count));
+    let count = (model.simulations() / (2 * factors.len() as u32)).min(FINE) as i32;
+    // Fewer points were scanned above.
+    if has_valleys && count > SCAN.0 {
+        let minima = restarts.from(From::FineValleys(count));
         if let Some(better) = restarts.better(&minima) {
             return Ok(Found::Better(better));
         }
@@ -210,13 +213,13 @@ impl<'a> Restarts<'a> {
     fn from(&self, from: From) -> Vec<Solved> {
         let Self { model, bounds, best, at, .. } = self;
         let (away, is_paired) = match from {
-            From::Valleys(_) => (1.0, false),
+            From::Valleys | From::FineValleys(_) => (1.0, false),
             From::Away(away, is_paired) => (away, is_paired),
         };
         let Some(along) = along(*model, best, at, (away, is_paired)) else { return Vec::new() };
         let starts = match from {
-            From::Valleys(count) if count > SCAN.0 => self.valleys(Vec::new(), count),
-            From::Valleys(_) => self.valleys(along, SCAN.0),
+            From::Valleys => self.valleys(along, SCAN.0),
+            From::FineValleys(count) => self.valleys(Vec::new(), count),
             From::Away(..) => {
                 let both = |change| [1.0, -1.0].map(|sign| bounds.moved(&best.point, &mut (change * sign)));
                 nudged(*model, bounds, &best.point, at)
