@@ -293,7 +293,8 @@ impl Ahead {
     /// remainder of the series is proved to be rounding.
     #[inline(always)]
     pub(super) fn find_curved(&mut self, table: &FlowTable, z: &[f64], most: f64) {
-        let mut scale = most.min(CURVE_REACH / rate_at(table.rate, &table.curves, z));
+        let rate = rate_at(table.rate, &table.curves, z);
+        let mut scale = most.min(CURVE_REACH / rate);
         let series = &mut self.series;
         let mut to_edge = f64::INFINITY;
         if edges::any(&table.curves) {
@@ -315,7 +316,7 @@ impl Ahead {
         // The weights of velocities follow the pace of the motion. The remainder is then at most
         // the rounding of the displacements, and at most the rounding of the velocities.
         let faster = (pace::pace(&groups, scale) / table.rate).max(1.0);
-        let is_tiny = longest * scale >= most && most * rate_at(table.rate, &table.curves, z) <= TINY;
+        let is_tiny = longest * scale >= most && most * rate <= TINY;
         let part = match is_tiny {
             true => longest,
             false => table.proved_part(series, (&groups, &signals), (scale, faster), longest),

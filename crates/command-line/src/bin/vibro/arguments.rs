@@ -339,8 +339,9 @@ pub enum Command {
     /// fold, BP branch point, PD period doubling, NS Neimark-Sacker, GR touch (grazing), CH
     /// chatter, EP end of the range, MX not followed further. For a FILE also ST one more sticking
     /// phase or slip, CC another order of two events, SA a limit of a block's output.
-    /// `vibro locus` follows all kinds but EP and MX over two parameters. With --tree, `orbits-search.csv` lists the parameter values of the
-    /// search and the number of starts at each.
+    /// `vibro locus` follows all kinds but EP and MX over two parameters. With --tree,
+    /// `orbits-search.csv` lists the parameter values of the search and the number of starts at
+    /// each.
     Orbits(Box<Orbits>),
     /// Compute one periodic orbit: impacts, multipliers, history, portrait, start values
     Orbit(OneOrbit),

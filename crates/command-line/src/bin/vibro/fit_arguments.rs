@@ -14,7 +14,8 @@ pub struct FitArguments {
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// Record: a table whose first line names `time` and columns, in SI or with units, e.g. time
-    /// [ms],box.s [mm]. Several records are fitted together; each gets a folder with the name of its table
+    /// [ms],box.s [mm]. Several records are fitted together; each gets a folder with the name of its
+    /// table
     #[arg(long, value_name = "TABLE,…", value_delimiter = ',', required_unless_present = "events")]
     pub data: Vec<PathBuf>,
     /// Times of impacts and first touches of stops: a table with the columns `element` and `time`;

@@ -61,8 +61,8 @@ pub fn starts_of(machine: &Machine, given: &[String]) -> Result<Vec<Start>> {
     given.iter().map(|given| read_start(machine, given)).collect()
 }
 
-/// Parses a range or list of a parameter; `expected` is its form in words. Either all its numbers have units or none has. Numbers
-/// without units are in the parameter's written unit.
+/// Parses a range or list of a parameter; `expected` describes its form. Either all its numbers
+/// have units or none has. Numbers without units are in the parameter's written unit.
 pub fn read_axis(machine: &mut Machine, text: &str, expected: &'static str) -> Result<AxisArgument<String>> {
     let form = || Error::form(text, expected);
     let named = text.split_once('=').filter(|(name, _)| !name.trim().is_empty());

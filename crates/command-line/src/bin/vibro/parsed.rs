@@ -48,15 +48,16 @@ fn without_hidden(mut error: clap::Error, words: &[String]) -> clap::Error {
     if let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg)
         && error.kind() == ErrorKind::UnknownArgument
     {
-        let owners = owners(&all, option.trim_start_matches("--"));
-        let tip = format!("'{option}' is an option of {}", owners.join(", "));
-        if STEPS.contains(&option.trim_start_matches("--")) {
+        let name = option.trim_start_matches("--");
+        if STEPS.contains(&name) {
             let problem = format!(
                 "unexpected argument '{option}': motions need no step size, solver or tolerance; '--samples N' sets \
                  the number of rows of 'vibro run'\n"
             );
             return clap::Error::raw(ErrorKind::UnknownArgument, problem);
         }
+        let owners = owners(&all, name);
+        let tip = format!("'{option}' is an option of {}", owners.join(", "));
         // Clap's tip is to pass the option as a value, which no command takes.
         error.remove(ContextKind::Suggested);
         if !owners.is_empty() && error.get(ContextKind::SuggestedArg).is_none() {
