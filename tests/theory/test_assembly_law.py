@@ -1178,3 +1178,26 @@ def test_law_71_one_state_of_a_contact_is_consistent_below_the_bound() -> None:
                 most = max(most, abs(found - 1))
             several += not is_unique and most > 0
     assert several > 20, several
+
+
+def test_law_72_forces_of_coupled_contacts_vary() -> None:
+    r = random.Random(72)
+    mp.dps = 60
+    for _ in range(20):
+        root = rows(r, 3, 3)
+        flexibility, x, shift = root * root.T, vector(r, 3), vector(r, 3)
+        softness, friction = [mpf(r.randint(1, 9)) / 10 for _ in range(3)], mpf(r.randint(1, 9)) / 100
+
+        def matrix_at(q: mpf, g: matrix = flexibility, c: List[mpf] = softness, mu: mpf = friction) -> matrix:
+            # Force 2 slips along the normal force 0: only the forces 0 and 1 are active.
+            slip = mu * (1 + q)
+            whole = matrix([[g[i, j] + (slip * g[i, 2] if j == 0 else 0) for j in range(2)] for i in range(2)])
+            return whole + mp.diag([c[0] * (1 + 2 * q), c[1]])
+
+        def force(q: mpf, of: List[mpf] = list(x), by: List[mpf] = list(shift)) -> matrix:
+            return mp.lu_solve(matrix_at(q), matrix([of[i] + q * by[i] for i in range(2)]))
+
+        change = matrix([[2 * softness[0] + friction * flexibility[0, 2], 0], [friction * flexibility[1, 2], 0]])
+        exact = mp.lu_solve(matrix_at(mpf(0)), matrix(list(shift)[:2]) - change * force(mpf(0)))
+        step = mpf(10) ** -20
+        assert mp.norm((force(step) - force(-step)) / (2 * step) - exact) < mpf(10) ** -25 * (1 + mp.norm(exact))

@@ -27,6 +27,7 @@ mod lost;
 mod machine;
 mod mode;
 mod passed;
+mod residual;
 mod rest;
 mod resting;
 mod rows;

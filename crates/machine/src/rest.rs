@@ -101,23 +101,14 @@ struct RestState {
 ///
 /// # Errors
 /// [`Error::NoEquilibrium`], with the body of the largest acceleration; [`Error::GivesWay`];
-/// [`Error::OutOfRange`] for a contact with friction, whose force depends on how the loads grow.
+/// [`Error::OutOfRange`] for a contact whose friction changes its own limit without end.
 pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Error> {
-    let rubs = |own: &Contact| Some((own.name.clone(), own.tangent.as_ref()?.friction));
-    if let Some((name, value)) = d.contacts.iter().find_map(rubs) {
-        let allowed = "a contact without friction: its force at rest depends on how the loads have grown";
-        return Err(Error::OutOfRange {
-            name: format!("contact.{name}.friction"),
-            value,
-            allowed: allowed.into(),
-        });
-    }
     let (n, mut z) = (system.coordinates, system.at_rest(None));
     system.put_out_at_rest(d, &mut z);
     system.fill_curved(z.as_mut_slice());
     let curves = Curves::new(system, &z);
     let lined = Lined::all(d, system, &z);
-    let held = |friction, levels: &[[f64; 2]]| {
+    let held = |friction, levels: &Levels| {
         let mut holding = Holding::new(system, &z, friction, levels);
         lined.iter().for_each(|own| holding.put_lines(system, own));
         holding
@@ -135,6 +126,7 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     let zero = DVector::zeros(n);
     let ways = if worst.is_some() { &[][..] } else { &FrictionLevel::ALL[..] };
     for &friction in ways {
+        let mut turns = 0;
         for _ in 0..REPEATS {
             let holding = held(friction, &levels);
             let found = match curves.is_empty() {
@@ -146,16 +138,20 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
                     let mut there = z.clone();
                     there.rows_mut(0, n).copy_from(&q);
                     let found = self::levels(d, system, &there);
-                    if are_near(&found, &levels) {
+                    if found.are_near(&levels) {
                         return Ok(q);
                     }
                     levels = found;
+                    turns += 1;
                 }
                 Err(left) => {
                     worst = Some(left);
                     break;
                 }
             }
+        }
+        if turns == REPEATS {
+            rubbing(d)?;
         }
     }
     let left = system.inertia.solve(&worst.unwrap_or_else(|| DVector::zeros(n)));
@@ -176,9 +172,32 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
     })
 }
 
-/// Sliding and static level of each friction in an augmented state. A level that follows a stop
-/// uses the spring force of the stop.
-fn levels(d: &Description, system: &System, z: &StateRow) -> Vec<[f64; 2]> {
+/// Refuses the friction of a contact: its limit follows the normal force, which the friction itself
+/// changes, and the two do not settle.
+fn rubbing(d: &Description) -> Result<(), Error> {
+    let rubs = |own: &Contact| Some((own.name.clone(), own.tangent.as_ref()?.friction));
+    let Some((name, value)) = d.contacts.iter().find_map(rubs) else { return Ok(()) };
+    let allowed = "a smaller coefficient, or a start of each body instead of `start = \"rest\"`: friction and normal \
+                   force at rest do not settle";
+    Err(Error::OutOfRange { name: format!("contact.{name}.friction"), value, allowed: allowed.into() })
+}
+
+/// Largest forces of friction in an augmented state.
+struct Levels {
+    /// Sliding and static level of each friction.
+    frictions: Vec<[f64; 2]>,
+    /// Limit of the slider of each spring in series and each contact; 0 for a dashpot.
+    sliders: Vec<f64>,
+}
+
+/// The levels in an augmented state. A level that follows a stop uses the spring force of the stop.
+fn levels(d: &Description, system: &System, z: &StateRow) -> Levels {
+    let sliders = system.branches.iter().map(|own| match own.law {
+        BranchLaw::Dashpot(_) => 0.0,
+        BranchLaw::Slider(slip) => slip,
+        BranchLaw::Contact { .. } => own.level.as_ref().map_or(0.0, |level| level.dot(z).max(0.0)),
+    });
+    let sliders = sliders.collect();
     let of = |(rows, own): (&FrictionRows, &Friction)| match &own.follows {
         None => [rows.levels[0].level.dot(z), rows.levels[0].static_level.dot(z)],
         Some(follows) => {
@@ -187,13 +206,18 @@ fn levels(d: &Description, system: &System, z: &StateRow) -> Vec<[f64; 2]> {
             [follows.coefficient * normal, largest * normal]
         }
     };
-    system.frictions.iter().zip(&d.frictions).map(of).collect()
+    Levels { frictions: system.frictions.iter().zip(&d.frictions).map(of).collect(), sliders }
 }
 
-/// Whether two sets of friction levels agree up to rounding.
-fn are_near(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
-    let pairs = a.as_flattened().iter().zip(b.as_flattened());
-    pairs.into_iter().all(|(a, b)| (a - b).abs() <= BALANCED * a.abs())
+impl Levels {
+    fn all(&self) -> impl Iterator<Item = &f64> {
+        self.frictions.as_flattened().iter().chain(&self.sliders)
+    }
+
+    /// Whether two sets of levels agree up to rounding.
+    fn are_near(&self, others: &Self) -> bool {
+        self.all().zip(others.all()).all(|(a, b)| (a - b).abs() <= BALANCED * a.abs())
+    }
 }
 
 impl System {
@@ -265,7 +289,7 @@ impl SpringRows {
 
 impl Holding {
     /// The forces on a machine whose augmented state is `z` at q = 0.
-    fn new(system: &System, z: &StateRow, friction: FrictionLevel, levels: &[[f64; 2]]) -> Self {
+    fn new(system: &System, z: &StateRow, friction: FrictionLevel, levels: &Levels) -> Self {
         let mut force = system.forces.times(z);
         let mut sizes = system.forces.sizes(z);
         let mut contacts = Vec::new();
@@ -283,13 +307,12 @@ impl Holding {
             contacts.push(RestContact { w, excess, force: (0.0, f64::INFINITY), compliance });
         }
         let known = signal_sizes(system, z);
-        for branch in &system.branches {
-            let BranchLaw::Slider(slip) = branch.law else { continue };
+        for (branch, &slip) in system.branches.iter().zip(&levels.sliders).filter(|own| own.0.is_slider()) {
             let (w, excess) = (direction(&branch.elongation.w), branch.elongation.e.dot(z));
             let compliance = 1.0 / branch.stiffness;
             contacts.push(RestContact { w, excess, force: (-slip, slip), compliance });
         }
-        for (rows, &[slides, holds]) in system.frictions.iter().zip(levels) {
+        for (rows, &[slides, holds]) in system.frictions.iter().zip(&levels.frictions) {
             let rate = rows.elongation.rate.dot(z);
             let level = if friction == FrictionLevel::Static { holds } else { slides };
             let level = level.max(0.0);

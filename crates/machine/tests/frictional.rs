@@ -359,6 +359,91 @@ fn second_method_series_of_actual_states_and_the_general_law_are_the_tables_and_
     }
 }
 
+/// [`OBLIQUE`] at rest under constant loads.
+fn pressed(weight: f64, pull: f64) -> String {
+    let start = OBLIQUE.find("    load.").unwrap();
+    let machine = OBLIQUE[..start].replace(", start = { v = 1.0 }", "").replace(", start = { v = -0.5 }", "");
+    let machine = machine.replace("name = ", "start = \"rest\"\n    name = ");
+    format!(
+        "{machine}load.fn = {{ on = \"n\", constant = {weight:?} }}\nload.ft = {{ on = \"t\", constant = {pull:?} }}\n"
+    )
+}
+
+/// Relative error of a difference of states at rest over 1e-6.
+const AT_REST: f64 = 1e-6;
+
+/// At rest no body accelerates; a contact is open, or its slider has stayed at 0 within its limit, or
+/// has slipped from 0 until the force is at the limit, which the friction itself changes. Derivatives
+/// by all numbers are differences.
+#[test]
+fn invariant_contacts_at_rest_hold_or_have_slipped_from_zero() {
+    let mut met = [0; 3];
+    for (weight, pull) in
+        [(-3.0, -20.0), (0.3, -4.0), (2.0, -0.5), (2.0, 0.5), (2.0, 3.0), (9.0, -4.0), (9.0, 25.0)]
+    {
+        let assembly = assembled(&pressed(weight, pull));
+        let d = &assembly.description;
+        let mut m = motion(d.clone());
+        for i in 0..3 {
+            let [_, v, a] = m.body(i);
+            assert!(v == 0.0 && a.abs() < 100.0 * ROUNDING, "{weight} {pull} {i} {v} {a}");
+        }
+        for (k, friction) in [(4, 0.35), (5, 0.6)] {
+            let [n, t, e, w] =
+                [What::F, What::TangentF, What::TangentE, What::Slider].map(|what| of(&m, k, what));
+            let place = if n == 0.0 { 0 } else { 1 + usize::from(w != 0.0) };
+            met[place] += 1;
+            match place {
+                0 => assert!(t == 0.0 && (w - e).abs() < ROUNDING),
+                1 => assert!(t.abs() <= friction * n),
+                _ => assert!(
+                    (t.abs() - friction * n).abs() < 100.0 * ROUNDING
+                        && t * e > 0.0
+                        && w / e < 1.0
+                        && w * e > 0.0
+                ),
+            }
+        }
+        let states = m.states();
+        m.advance_to(5.0).unwrap();
+        assert!(states.iter().zip(m.states()).all(|(a, b)| (a - b).abs() < ROUNDING), "{weight} {pull}");
+        let names = d.parameters();
+        let columns: Vec<&str> = names.iter().map(|own| own.name.as_str()).collect();
+        let mut by = Differentiated::new(assembly.clone(), &columns).unwrap();
+        by.advance_to(0.5).unwrap();
+        for (p, own) in names.iter().enumerate() {
+            let h = 1e-6 * own.value.abs().max(1e-2);
+            let side =
+                |sign: f64| Some(motion(d.with([(own.name.as_str(), own.value + sign * h)]).ok()?).states());
+            let (Some(above), Some(below)) = (side(1.0), side(-1.0)) else { continue };
+            let Some(found) = by.state_derivative(p) else {
+                // A number that is zero has no size that tells rounding from a change.
+                assert_eq!(own.value, 0.0, "{weight} {pull} {}: {:?}", own.name, by.lost(p));
+                continue;
+            };
+            for (found, (above, below)) in found.iter().zip(above.iter().zip(&below)) {
+                let exact = (above - below) / (2.0 * h);
+                assert!(
+                    (found - exact).abs() < AT_REST * (1.0 + exact.abs()),
+                    "{weight} {pull} by {}: {found} {exact}",
+                    own.name
+                );
+            }
+        }
+    }
+    assert!(met.iter().all(|count| *count > 1), "{met:?}");
+    // Friction that opens its own contact: without the contact there is no friction, and so on.
+    let jammed = "name = \"Jam\"\nstart = \"rest\"\nbody.n = { mass = 1.0 }\nspring.n = { between = [\"ground\", \"n\"], stiffness = 1.0 }\n\
+        body.t = { mass = 1.0 }\nspring.t = { between = [\"ground\", \"t\"], stiffness = 1.0 }\n\
+        contact.c = { normal = [\"ground\", \"n\"], tangent = { arms = { t = 1.0, n = 4.0 } }, gap = 0.0, stiffness = 9.0, tangential_stiffness = 900.0, friction = 2.0 }\n\
+        load.fn = { on = \"n\", constant = 0.1 }\nload.ft = { on = \"t\", constant = 5.0 }\n";
+    let refused = vibro_machine::Assembly::new(machine(jammed))
+        .err()
+        .map(|error| error.to_string())
+        .unwrap_or_default();
+    assert!(refused.starts_with("contact.c.friction = 2"), "{refused}");
+}
+
 /// A saved state, and a start from the present state, continue the motion.
 #[test]
 fn second_method_a_motion_continues_from_its_states() {

@@ -2,8 +2,10 @@
 
 use crate::common::*;
 use std::f64::consts::{PI, SQRT_2};
+use std::sync::Arc;
+use vibro_machine::derivative::{By, Extremes, Gradient};
 use vibro_machine::motion::{Event, EventKind, Reached};
-use vibro_machine::{Differentiated, Motion, What};
+use vibro_machine::{Assembly, Differentiated, Motion, Quantity, What};
 
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
@@ -416,17 +418,118 @@ fn closed_form_a_start_beyond_the_limit_of_friction() {
     }
 }
 
-/// Derivatives are refused by words, as they would lack the residual flexibility.
+/// Relative rounding of derivatives over some twenty events.
+const BY: f64 = 1e-9;
+
+/// Derivatives by gaps, stiffnesses, friction, preloads and loads in 40 digits, through every event of
+/// coupled contacts; the gradient has the same.
 #[test]
-fn golden_derivatives_are_refused() {
-    let refused =
-        Differentiated::new(assembled(SHARED), &["contact.a.friction"]).err().expect("a refusal").to_string();
-    assert!(
-        refused.starts_with(
-            "modal.m.residual: derivatives of motions with residual flexibility are not supported"
-        ),
-        "{refused}"
-    );
+fn second_method_derivatives_in_40_digits() {
+    let mut count = 0;
+    for row in include_str!("data/residual_by.txt").lines() {
+        let fields: Vec<&str> = row.split(';').collect();
+        let assembly = assembled(&fields[0].replace('|', "\n"));
+        let (end, name, exact) = (numbers(fields[1])[0], fields[2], numbers(fields[3]));
+        let mut by = Differentiated::new(assembly.clone(), &[name]).unwrap();
+        by.advance_to(end).unwrap();
+        let size = exact.iter().fold(1e-3, |most: f64, x| most.max(x.abs()));
+        let modal = &assembly.description.modals[0];
+        let modes = modal.frequencies.len();
+        let mut sum = Gradient::new(assembly.clone(), by.columns()).unwrap();
+        sum.advance_to(end).unwrap();
+        let mut total = 0.0;
+        for (k, x) in exact.iter().enumerate() {
+            let quantity = Quantity::of_body(modal.first + k % modes, [What::S, What::V][k / modes]);
+            let found = by.derivative(quantity, 0).unwrap();
+            assert!((found - x).abs() < BY * size, "{found} {x} by {name} in {row}");
+            let weight = 1.0 - 0.3 * k as f64;
+            sum.add(quantity, weight);
+            total += weight * x;
+        }
+        let found = sum.gradient().unwrap().remove(0).unwrap();
+        assert!((found - total).abs() < 10.0 * BY * size, "{found} {total} by {name} in {row}");
+        count += 1;
+    }
+    assert!(count > 10, "{count}");
+}
+
+/// Derivatives of all columns, of all event times and of largest values by all numbers, with another
+/// layout of the signals (frequencies) and of a motion under way, are differences of motions.
+#[test]
+fn second_method_derivatives_are_differences() {
+    let assembly = assembled(SHARED);
+    let (names, quantities) = (assembly.description.parameters(), assembly.description.named_quantities());
+    let columns: Vec<&str> = names.iter().map(|own| own.name.as_str()).collect();
+    let end = 1.5;
+    let mut by = Differentiated::new(assembly.clone(), &columns).unwrap();
+    let mut times = Vec::new();
+    let largest = || quantities.iter().map(|own| Extremes::new(own.quantity)).collect::<Vec<_>>();
+    let mut extremes = largest();
+    by.advance_with_extremes(end, &mut extremes, &mut |event, by| times.push((event.time, by.to_vec())))
+        .unwrap();
+    let (mut is_refused, mut at_two_times) = (0, 0);
+    for (p, own) in names.iter().enumerate() {
+        let h = 1e-6 * own.value.abs().max(1e-2);
+        let side = |sign: f64| {
+            let changed = assembly.description.with([(own.name.as_str(), own.value + sign * h)]).ok()?;
+            let changed = Arc::new(Assembly::new(changed).unwrap());
+            let (mut m, mut events, mut extremes) =
+                (Differentiated::new(changed, &[""; 0]).unwrap(), Vec::new(), largest());
+            m.advance_with_extremes(end, &mut extremes, &mut |event, _| events.push(event.time)).unwrap();
+            let values = quantities.iter().map(|own| m.motion().value(own.quantity));
+            let highest = extremes.iter().map(|own| own.highest().unwrap().value);
+            Some(values.chain(highest).chain(events).collect::<Vec<f64>>())
+        };
+        // A dashpot on residual flexibility, for example, is refused.
+        let (Some(above), Some(below)) = (side(1.0), side(-1.0)) else {
+            is_refused += 1;
+            continue;
+        };
+        let values = quantities.iter().map(|own| by.derivative(own.quantity, p));
+        let highest = extremes.iter().map(|own| own.highest().unwrap().by[p].clone().ok());
+        let found = values.chain(highest).chain(times.iter().map(|own| own.1[p]));
+        for (k, (found, (above, below))) in found.zip(above.iter().zip(&below)).enumerate() {
+            let exact = (above - below) / (2.0 * h);
+            // A largest value at two times, such as 0 of a stop, has none.
+            if found.is_none() && (quantities.len()..2 * quantities.len()).contains(&k) {
+                at_two_times += 1;
+                continue;
+            }
+            let is_near = found.is_some_and(|x| (x - exact).abs() < DIFFERENCE * (1.0 + exact.abs()));
+            assert!(is_near, "{k} by {}: {found:?} {exact}", own.name);
+        }
+    }
+    assert!(is_refused == 1 && times.len() > 20, "{is_refused} {}", times.len());
+    assert!(10 * at_two_times < quantities.len() * names.len(), "{at_two_times}");
+}
+
+/// The derivatives of a motion under way, by numbers and by its state, are those from its state.
+#[test]
+fn second_method_derivatives_from_now_on_are_those_from_the_state() {
+    let mut m = moving(SHARED);
+    m.advance_to(0.6).unwrap();
+    let names = ["contact.a.friction", "contact.b.gap", "spring.ab.stiffness", "load.g.frequency"];
+    let mut one = Differentiated::from_state(m.assembly().clone(), 0.6, &m.states(), &names).unwrap();
+    let mut other = Differentiated::from_motion(m.clone(), &names).unwrap();
+    [&mut one, &mut other].into_iter().for_each(|own| own.advance_to(1.5).unwrap());
+    for quantity in m.assembly().description.quantities() {
+        for (p, name) in names.iter().enumerate() {
+            let [a, b] = [&one, &other].map(|own| own.derivative(quantity, p).unwrap());
+            assert!((a - b).abs() < BY * (1.0 + a.abs()), "{quantity:?} by {name}: {a} {b}");
+        }
+    }
+    // By the state: the variations of the motion.
+    let columns: Vec<By> = (0..2 * m.system().coordinates).map(By::Start).collect();
+    let mut by = Differentiated::from_state(m.assembly().clone(), 0.6, &m.states(), &columns).unwrap();
+    by.advance_to(1.5).unwrap();
+    let mut own = Motion::from_state(m.assembly().clone(), 0.6, &m.states()).unwrap();
+    let mut variations = own.unit_variations();
+    while own.advance_with(1.5, &mut variations).unwrap() == Reached::Event {}
+    for (k, variation) in variations.iter().take(columns.len()).enumerate() {
+        for (a, b) in variation.iter().take(columns.len()).zip(by.state_derivative(k).unwrap()) {
+            assert!((a - b).abs() < BY * (1.0 + a.abs()), "by {k}: {a} {b}");
+        }
+    }
 }
 
 /// All principal minors are positive up to the largest friction that the refusal names.

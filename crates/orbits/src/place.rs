@@ -35,16 +35,6 @@ fn rounded_input(d: &Description) -> Option<String> {
     ))
 }
 
-/// Reason why orbits of a machine with residual flexibility are refused.
-fn residual(d: &Description) -> Option<String> {
-    let modal = d.modals.iter().find(|modal| modal.residual.is_some())?;
-    Some(format!(
-        "modal.{} has residual flexibility; orbits of such a machine are not supported: reduce the body with \
-         `--method rubin` or `craig-bampton`, or simulate motions (run, bifurcation)",
-        modal.name
-    ))
-}
-
 /// Fills in the signals of an augmented state at a time.
 pub(super) fn with_signals(system: &System, time: f64, z: &mut [f64]) {
     let inputs = system.signals.no_inputs();
@@ -70,7 +60,7 @@ impl Place {
                  small integers"
                     .into()
             }
-            None => rounded_input(d).or_else(|| residual(d)).unwrap_or_default(),
+            None => rounded_input(d).unwrap_or_default(),
         };
         if !problem.is_empty() {
             return Err(Error::Described { problem });

@@ -47,9 +47,10 @@ fn check_friction(machine: &Description, contact: &Contact, problems: &mut Vec<P
         let text = "has the same direction as `normal`; expected another direction of the bodies";
         problems.push(Problem::new(format!("{of}.tangent"), None, text));
     }
-    if machine.starts_at_rest {
-        let text = "cannot be combined with `start = \"rest\"`: the force of friction at rest depends on how the \
-                    loads have grown; give the start of each body";
+    let is_flexible = |arms: &Arms| arms.terms.iter().any(|term| machine.has_residual(term.0));
+    if machine.starts_at_rest && (is_flexible(&contact.normal) || is_flexible(&tangent.arms)) {
+        let text = "cannot be combined with `start = \"rest\"` on residual flexibility; give the start of each \
+                    body, or take the nodes out of `residual`";
         problems.push(Problem::new(format!("{of}.friction"), Some(format!("{:?}", tangent.friction)), text));
     }
 }

@@ -5,6 +5,7 @@ use super::columns::padded;
 use super::machine::Machine;
 use super::mode::VariedMode;
 use super::passed::Passed;
+use super::residual::residual_row;
 use super::series::orders;
 use super::weights::{InMode, Weights};
 use crate::flow::RADIUS;
@@ -190,7 +191,7 @@ impl<'a> Adjoint<'a> {
                 if own.is_slider() && mode.mode.sliders[branch] == SliderState::Held {
                     return;
                 }
-                self.state.axpy(factor, &own.elongation.rate, 1.0);
+                self.state.axpy(factor, own.rate_of_whole(), 1.0);
                 by.rate.axpy(factor, z, 1.0);
                 mode.a.row(own.place).iter().for_each(|&(j, x)| self.state[j] -= factor * x);
                 let in_mode = &mut self.in_mode(mode).a;
@@ -284,6 +285,9 @@ impl<'a> Adjoint<'a> {
 
 /// Returns the row of a quantity in a mode: its derivative with respect to the state.
 pub(super) fn row_of(machine: &Machine, mode: &Arc<VariedMode>, quantity: Quantity) -> StateRow {
+    if let Some(row) = residual_row(&machine.system, mode, quantity) {
+        return row;
+    }
     let mut alone = Adjoint::new(machine);
     alone.add(mode, &StateRow::zeros(machine.system.signals.size), quantity, 1.0);
     alone.state

@@ -37,7 +37,7 @@ impl Tangent {
                 self.forces.ger(-1.0, &own.w, &rows.force, 1.0);
                 self.forces.ger(-1.0, &e.w, &force, 1.0);
             }
-            self.branches.push(BranchTangent { elongation: own, force, rate, level, sliding });
+            self.branches.push(BranchTangent { elongation: own, force, rate, level, sliding, slaved: None });
         }
     }
 
@@ -60,7 +60,9 @@ impl Tangent {
             let level = moved * &*stop_rows.force + friction * &stop_by.force;
             let elongation = self.elongation(system, own.arms, by.arms);
             let (force, rate) = ((by.stiffness / own.stiffness) * &*rows.force, elongation.rate.clone());
-            self.branches.push(BranchTangent { elongation, force, rate, level, sliding });
+            let made = BranchTangent { elongation, force, rate, level, sliding, slaved: None };
+            let made = self.residual_branch(system, self.branches.len(), made);
+            self.branches.push(made);
         }
     }
 
@@ -82,6 +84,7 @@ impl Tangent {
                 Moves::No => None,
                 Moves::WithRate => Some((place, own.rate.clone())),
                 Moves::WithLevel(direction) => Some((place, direction * &own.sliding)),
+                Moves::Slaved => own.slaved.as_ref().map(|[_, rate]| (place, rate.clone())),
             }
         });
         branches.chain(self.rates_of_blocks(system, mode)).collect()
@@ -95,6 +98,8 @@ enum Moves {
     WithRate,
     /// Varies with the level of a contact's slider, which slips in this direction.
     WithLevel(f64),
+    /// On residual flexibility, the other forces determine the stretch.
+    Slaved,
 }
 
 fn rate_of(system: &System, mode: &Mode, i: usize) -> Moves {
@@ -102,6 +107,7 @@ fn rate_of(system: &System, mode: &Mode, i: usize) -> Moves {
     match mode.sliders[i] {
         _ if !branch.is_slider() => Moves::WithRate,
         SliderState::Held => Moves::WithRate,
+        _ if branch.slaved.is_some() => Moves::Slaved,
         state if branch.sliding.is_some() && state != SliderState::Off => Moves::WithLevel(state.direction()),
         _ => Moves::No,
     }
@@ -119,6 +125,11 @@ impl Machine {
     ) {
         let slips = |i: usize| Some(at.mode.mode.sliders[i].direction()).filter(|d| *d != 0.0);
         for (i, branch) in self.system.branches.iter().enumerate() {
+            let slaved = branch.slaved.as_ref().zip(self.tangents[p].branches[i].slaved.as_ref());
+            if let Some(([stretch, _], [by, _])) = slaved {
+                delta[branch.place] = stretch.dot(delta) + by.dot(at.z);
+                continue;
+            }
             if at.mode.mode.sliders[i] == SliderState::Off {
                 delta[branch.place] = 0.0;
                 continue;
@@ -137,7 +148,7 @@ impl Machine {
     /// states.
     pub(super) fn take_given(&self, p: usize, z: &DVector<f64>, delta: &mut DVector<f64>) {
         for (branch, by) in self.system.branches.iter().zip(&self.tangents[p].branches) {
-            let e = branch.elongation.e.dot(delta) + by.elongation.e.dot(z);
+            let e = branch.whole.dot(delta) + by.elongation.e.dot(z);
             delta[branch.place] = e - delta[branch.place];
         }
     }
@@ -152,7 +163,7 @@ impl Machine {
         delta: &mut DVector<f64>,
     ) {
         for (branch, by) in self.system.branches.iter().zip(&self.tangents[p].branches) {
-            delta[branch.place] += branch.elongation.e.dot(jump) + by.elongation.e.dot(moved);
+            delta[branch.place] += branch.whole.dot(jump) + by.elongation.e.dot(moved);
         }
     }
 
@@ -198,6 +209,8 @@ impl Weights {
                 Moves::No => {}
                 Moves::WithRate => own.rate += row(),
                 Moves::WithLevel(direction) => own.sliding += direction * row(),
+                // Machines with residual flexibility are differentiated by columns.
+                Moves::Slaved => {}
             }
         }
     }

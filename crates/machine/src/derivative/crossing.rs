@@ -13,7 +13,10 @@ use nalgebra::DVector;
 
 /// An event that a motion has passed.
 pub(super) struct Crossing<'a> {
+    /// The machine with the rows of the mode before the event.
     pub machine: &'a Machine,
+    /// The machine with the rows of the mode after the event.
+    pub next: &'a Machine,
     /// The instant before the law is applied.
     pub before: Instant<'a, 'a>,
     /// The instant after the law is applied.
@@ -155,7 +158,7 @@ impl Crossing<'_> {
         }
         for &p in alive.iter().filter(|_| !self.machine.system.curved.is_empty()) {
             let mut delta = deltas.column(p);
-            self.machine.vary_curved(p, self.after.z, &mut delta);
+            self.next.vary_curved(p, self.after.z, &mut delta);
             deltas.put(p, &delta);
         }
         for p in alive {
@@ -179,7 +182,7 @@ impl Crossing<'_> {
         if let Some(lost) = lost {
             return Err(lost);
         }
-        let (machine, after) = (self.machine, &self.after);
+        let (machine, after) = (self.next, &self.after);
         if let Some(contact) = self.closed_by_jump() {
             return Err(Lost { time: after.time, element: machine.name_of(contact), cause: Cause::Jump });
         }

@@ -223,6 +223,7 @@ impl Differentiated {
         observer: &mut VariedObserver,
     ) -> Self {
         let motion = motion.noting_touches();
+        let machine = machine.at_mode(motion.mode()).unwrap_or(machine);
         let mode = modes.of(&machine, &motion, true);
         let z = machine.widened(motion.state());
         let mut begun = z.clone().into_owned();
@@ -406,6 +407,9 @@ impl Differentiated {
         let later = later.iter().map(|later| later.as_ref().map(|later| later.event)).collect();
         let next = crossing.met(later);
         met.extend(next);
+        if let Some(next) = passed.next {
+            *machine = next;
+        }
         Ok(())
     }
 }

@@ -233,6 +233,7 @@ impl Extremes {
         (later, lost): (&[Option<Later>], &[Option<Lost>]),
     ) {
         for (k, deltas) in [before, after].into_iter().enumerate() {
+            let machine = passed.next.as_deref().filter(|_| k == 1).unwrap_or(machine);
             let own = self.in_mode(machine, &passed.modes[k]);
             let (quantity, z, rate) = (self.quantity, &passed.states[k], own.row.dot(&passed.rates[k]));
             let by = |p: usize| match (&later[p], &lost[p]) {

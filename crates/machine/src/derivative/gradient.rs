@@ -123,6 +123,7 @@ impl Gradient {
         let mode = modes.of(&machine, &motion, false);
         // Curved forces and blocks, for example, are differentiated by columns.
         let is_doubtful = !machine.system.curved.is_empty()
+            || machine.system.residual.is_some()
             || !motion.mode().is_independent()
             || throughout(&mode, &motion).next().is_some()
             || !machine.system.blocks.is_empty();

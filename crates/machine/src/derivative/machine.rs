@@ -10,15 +10,15 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};
 use crate::law::ZERO;
-use crate::mode::{Contact, Watch};
+use crate::mode::{Contact, Mode, Watch};
 use crate::motion::Motion;
-use crate::refusal::{Problem, Refusal};
 use crate::signals::Layout;
-use crate::system::{Elongation, System};
+use crate::system::{Acting, Elongation, System};
 use nalgebra::DVector;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A varied value counts as zero up to this fraction of the sum of its terms' sizes. It is far
 /// above rounding, and far below the effect of a parameter that matters.
@@ -28,6 +28,10 @@ pub(super) const TOUCH: f64 = 1e-12;
 /// Next to an event, a value counts as zero up to this multiple of the usual zero tolerance.
 pub(super) const BESIDE: f64 = 4.0;
 
+/// An event function counts as unmoved by a number if a change by the whole number moves it by less
+/// than this fraction of the sum of its terms' sizes: rounding.
+const UNMOVED: f64 = 1e-12;
+
 /// The matrices of a machine, with a coordinate for everything that may vary.
 #[derive(Clone, Debug)]
 pub(super) enum Matrices {
@@ -35,6 +39,8 @@ pub(super) enum Matrices {
     Known(Arc<Assembly>),
     /// Matrices of another layout, and each coordinate's index in the assembly's augmented state.
     Own(Box<System>, Vec<Option<usize>>),
+    /// The assembly's matrices in another configuration of residual flexibility.
+    Configured(Box<System>),
 }
 
 impl Deref for Matrices {
@@ -43,7 +49,7 @@ impl Deref for Matrices {
     fn deref(&self) -> &System {
         match self {
             Self::Known(assembly) => &assembly.system,
-            Self::Own(system, _) => system,
+            Self::Own(system, _) | Self::Configured(system) => system,
         }
     }
 }
@@ -57,7 +63,13 @@ pub(super) struct Machine {
     pub columns: Vec<By>,
     /// Derivatives of the matrices, by column.
     pub tangents: Vec<Tangent>,
+    /// This machine in other configurations of residual flexibility, made when a motion enters
+    /// them.
+    configured: Arc<Mutex<HashMap<Vec<Acting>, Arc<Self>>>>,
 }
+
+/// A motion's derivatives keep up to this number of configurations.
+const KEPT: usize = 64;
 
 /// Whether a row's value counts as zero; `sizes` has the sizes of the state.
 fn is_zero(row: &Functional, z: &DVector<f64>, sizes: &DVector<f64>) -> bool {
@@ -84,14 +96,6 @@ pub(super) struct Varied<'a> {
 
 impl Machine {
     pub fn new(assembly: Arc<Assembly>, columns: Vec<By>) -> Result<Self, Error> {
-        if let Some(name) =
-            assembly.description.modals.iter().find_map(|own| own.residual.as_ref().map(|_| &own.name))
-        {
-            let text = "derivatives of motions with residual flexibility are not supported; reduce the body with \
-                        `--method rubin` or `craig-bampton`";
-            let problem = Problem::new(format!("modal.{name}.residual"), None, text);
-            return Err(Error::Refused(Refusal::one(problem)));
-        }
         let columns = By::known(columns, &assembly)?;
         let d = &assembly.description;
         let follow = columns.iter().flat_map(|by| d.named.numbers_of(by.parameter()));
@@ -108,7 +112,37 @@ impl Machine {
             if is_own { Matrices::Known(assembly.clone()) } else { Matrices::Own(Box::new(system), places) }
         };
         let tangents = columns.iter().map(|by| Tangent::new(&system, d, by.parameter())).collect();
-        Ok(Self { assembly, system, columns, tangents })
+        Ok(Self { assembly, system, columns, tangents, configured: Arc::default() })
+    }
+
+    /// The machine with the rows of a mode; `None` if it already has these rows. Only residual
+    /// flexibility makes rows depend on the mode.
+    pub fn at_mode(&self, mode: &Mode) -> Option<Arc<Self>> {
+        let acting = self.system.acting_in(mode)?;
+        let mut known = self.configured.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = known.get(&acting) {
+            return Some(known.clone());
+        }
+        let system = Box::new(self.system.configured(acting.clone())?);
+        let system = match &self.system {
+            Matrices::Own(_, places) => Matrices::Own(system, places.clone()),
+            _ => Matrices::Configured(system),
+        };
+        let d = &self.assembly.description;
+        let moved = self.columns.iter().zip(&self.tangents).map(|(by, own)| {
+            let mut tangent = Tangent::new(&system, d, by.parameter());
+            // The signals of a motion under way go on.
+            tangent.signals = own.signals.clone();
+            tangent
+        });
+        let (tangents, configured) = (moved.collect(), self.configured.clone());
+        let (assembly, columns) = (self.assembly.clone(), self.columns.clone());
+        let made = Arc::new(Self { assembly, system, columns, tangents, configured });
+        if known.len() >= KEPT {
+            known.clear();
+        }
+        known.insert(acting, made.clone());
+        Some(made)
     }
 
     /// Returns the machine whose parameters vary after `time`. The integrals of prescribed motions
@@ -135,7 +169,7 @@ impl Machine {
     /// Converts a vector from the assembly's augmented state to the coordinates of `system`.
     pub fn widened<'a>(&self, z: &'a DVector<f64>) -> Cow<'a, DVector<f64>> {
         match &self.system {
-            Matrices::Known(_) => Cow::Borrowed(z),
+            Matrices::Known(_) | Matrices::Configured(_) => Cow::Borrowed(z),
             Matrices::Own(_, places) => {
                 let all = places.iter().map(|place| place.map_or(0.0, |j| z[j]));
                 let mut all = DVector::from_iterator(places.len(), all);
@@ -148,7 +182,7 @@ impl Machine {
     /// Returns the present mode of a motion; if `varied`, with its derivatives by all columns.
     pub fn mode_of(&self, motion: &Motion, varied: bool) -> VariedMode {
         let parts = match &self.system {
-            Matrices::Known(_) => Parts::from(motion.flow_of_mode()),
+            Matrices::Known(_) | Matrices::Configured(_) => Parts::from(motion.flow_of_mode()),
             Matrices::Own(system, _) => Parts::from(system.linear(motion.mode())),
         };
         let tangents = if varied { &self.tangents[..] } else { &[] };
@@ -361,12 +395,23 @@ impl Machine {
         for (watch, row) in still {
             let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
             let point = self.point(column, at);
-            if point.of(row, &by).abs() > STILL * point.size(row, &by) {
+            let moved = point.of(row, &by).abs();
+            let is_rounding = moved * self.value_of(column.p) <= UNMOVED * row.size(at.sizes.as_slice());
+            if moved > STILL * point.size(row, &by) && !is_rounding {
                 let element = self.assembly.name_of(*watch);
                 return Err(Lost { time: at.time, element, cause: Cause::Limit });
             }
         }
         Ok(())
+    }
+
+    /// The size of a column's number; infinite for a start and for a number that is zero.
+    fn value_of(&self, p: usize) -> f64 {
+        let value = match &self.columns[p] {
+            By::Parameter(name) => self.assembly.description.get(name).map_or(0.0, f64::abs),
+            By::Start(_) | By::Time => 0.0,
+        };
+        if value == 0.0 { f64::INFINITY } else { value }
     }
 
     /// Whether the force of an unmoved contact jumps where this event function passes zero.

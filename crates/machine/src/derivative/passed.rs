@@ -29,7 +29,8 @@ impl Modes {
             return known.clone();
         }
         self.make_room(KEPT);
-        let made = Arc::new(machine.mode_of(motion, varied));
+        let own = machine.at_mode(motion.mode());
+        let made = Arc::new(own.as_deref().unwrap_or(machine).mode_of(motion, varied));
         self.known.insert(motion.mode().clone(), made.clone());
         made
     }
@@ -59,6 +60,8 @@ pub(super) struct Passed {
     pub due: Option<usize>,
     pub impulses: Vec<Impulse>,
     pub events: Vec<Event>,
+    /// The machine with the rows of the mode after the law, if they are others.
+    pub next: Option<Arc<Machine>>,
 }
 
 impl Passed {
@@ -96,6 +99,7 @@ impl Passed {
         let begun = due.is_none().then(|| jumped(&machine.system, &z, &after));
         let impulses = Impulse::all(&machine.system, &events, begun.as_ref().unwrap_or(&z));
         Self {
+            next: machine.at_mode(motion.mode()),
             time: motion.time(),
             rates: [mode.rates(&z), next.rates(&after)],
             sizes: machine.widened(&motion.sizes().0).into_owned(),
@@ -121,10 +125,12 @@ impl Passed {
     /// The crossing of a machine's derivatives, after `earlier` events of the same instant.
     pub fn crossing<'a>(&'a self, machine: &'a Machine, earlier: &'a [Met]) -> Crossing<'a> {
         let [before, after] = [0, 1].map(|k| self.instant(k));
+        let next = self.next.as_deref().unwrap_or(machine);
         let mut crossing = Crossing {
             machine,
+            next,
             together: machine.approaching(&before),
-            still: machine.still(&after, false),
+            still: next.still(&after, false),
             before,
             after,
             due: self.due.map(|k| (self.modes[0].watched[k].0, &self.modes[0].watched[k].1)),

@@ -3,8 +3,8 @@
 
 use super::lost::{Cause, Lost};
 use super::machine::{Instant, Machine, STILL, Varied};
-use crate::mode::Contact;
-use crate::system::{BranchLaw, BranchRows, System};
+use crate::mode::{Contact, SliderState};
+use crate::system::{BranchLaw, System};
 use nalgebra::{DMatrix, DVector};
 
 /// Singular values below this fraction of the largest entry count as zero: no force in this
@@ -58,7 +58,8 @@ pub(super) fn equilibrium(
     // Use the inertia's metric: there, directions without force are orthogonal to all others.
     let half = root.solve_lower_triangular(&stiffness).unwrap_or_else(|| DMatrix::zeros(n, n));
     let whole = root.solve_lower_triangular(&half.transpose()).unwrap_or_else(|| DMatrix::zeros(n, n));
-    matrix.view_mut((0, 0), (n, n)).copy_from(&whole);
+    // Friction that follows a normal force makes the stiffness unsymmetric.
+    matrix.view_mut((0, 0), (n, n)).copy_from(&whole.transpose());
     let scale = whole.amax().max(f64::MIN_POSITIVE);
     let mut known = DVector::zeros(size);
     known.rows_mut(0, n).copy_from(&root.solve_lower_triangular(&right).unwrap_or_else(|| DVector::zeros(n)));
@@ -117,7 +118,7 @@ fn put_borne(
     let (system, tangent) = (&machine.system, &machine.tangents[p]);
     for (i, (branch, by)) in system.branches.iter().zip(&tangent.branches).enumerate() {
         let w = &branch.elongation.w;
-        let borne = match level_at_rest(machine, branch, at) {
+        let borne = match level_at_rest(machine, i, at) {
             // The inner place is 0, so the stretch is e.
             Rest::Elastic => {
                 forces.ger(-branch.stiffness, w, &branch.elongation.e, 1.0);
@@ -127,7 +128,14 @@ fn put_borne(
                 forces.ger(1.0, w, &branch.force, 1.0);
                 0.0
             }
-            Rest::AtLevel(direction) => direction * by.level.dot(at.z),
+            Rest::AtLevel(direction) => {
+                // The limit of a contact follows the normal force.
+                if let (true, Some(level)) = (branch.stop().is_some(), &branch.level) {
+                    forces.ger(-direction, w, level, 1.0);
+                }
+                direction * by.level.dot(at.z)
+            }
+            Rest::Open => 0.0,
         };
         let in_mode = tangent.branch_force(i, at.mode.mode.sliders[i]);
         right.axpy(in_mode.dot(at.z) - borne, w, 1.0);
@@ -135,16 +143,19 @@ fn put_borne(
 }
 
 /// State of a branch at rest: a branch with a dashpot has relaxed; a slider has not moved from
-/// zero, or is at its level.
+/// zero, or is at its level; a contact is open.
 enum Rest {
     Relaxed,
+    Open,
     Elastic,
     AtLevel(f64),
 }
 
-fn level_at_rest(machine: &Machine, branch: &BranchRows, at: &Instant) -> Rest {
+fn level_at_rest(machine: &Machine, i: usize, at: &Instant) -> Rest {
+    let branch = &machine.system.branches[i];
     match branch.law {
         BranchLaw::Dashpot(_) => Rest::Relaxed,
+        _ if at.mode.mode.sliders[i] == SliderState::Off => Rest::Open,
         _ if machine.assembly.inner[branch.place - 2 * machine.system.coordinates] == 0.0 => Rest::Elastic,
         _ => Rest::AtLevel(branch.force.dot(at.z).signum()),
     }
@@ -152,13 +163,14 @@ fn level_at_rest(machine: &Machine, branch: &BranchRows, at: &Instant) -> Rest {
 
 /// Makes the inner places of relaxed springs and of sliders at their level follow the elongations.
 fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
-    for (branch, by) in machine.system.branches.iter().zip(&machine.tangents[p].branches) {
-        let direction = match level_at_rest(machine, branch, at) {
+    for (i, (branch, by)) in machine.system.branches.iter().zip(&machine.tangents[p].branches).enumerate() {
+        let direction = match level_at_rest(machine, i, at) {
             Rest::Elastic => continue,
-            Rest::Relaxed => 0.0,
+            Rest::Relaxed | Rest::Open => 0.0,
             Rest::AtLevel(direction) => direction,
         };
-        let stretch = (direction * by.level.dot(at.z) - by.force.dot(at.z)) / branch.stiffness;
+        let rows = branch.stop().and(branch.level.as_ref()).map_or(0.0, |level| level.dot(delta));
+        let stretch = (direction * (rows + by.level.dot(at.z)) - by.force.dot(at.z)) / branch.stiffness;
         let e = &branch.elongation.e;
         delta[branch.place] = e.dot(delta) + by.elongation.e.dot(at.z) - stretch;
     }

@@ -99,6 +99,9 @@ pub(super) struct BranchTangent {
     /// The derivative of the row of the stretch's rate while the slider of a contact slips
     /// upwards.
     pub sliding: StateRow,
+    /// On residual flexibility: the derivatives of the rows of the stretch and of its rate while
+    /// the slider does not hold.
+    pub slaved: Option<[StateRow; 2]>,
 }
 
 /// Place of a state, derivative of the row of its rate, and the limits' factors in that row.

@@ -9,6 +9,7 @@ use crate::functional::Functional;
 use crate::law::ZERO;
 use crate::mode::{Contact, StopState, Watch};
 use crate::motion::{Event, EventKind, Impulse};
+use crate::system::Part;
 use nalgebra::DVector;
 
 /// Relative tolerance for the rounding of a stretch kept by the start.
@@ -138,6 +139,9 @@ impl Start<'_> {
     fn is_moved(&self, i: usize) -> Option<f64> {
         let (machine, z) = (self.machine, self.begun);
         let branch = &machine.system.branches[i];
+        if machine.system.is_residual(Part::Branch(i)) {
+            return None;
+        }
         let given = machine.assembly.inner[branch.place - 2 * machine.system.coordinates];
         let stretch = branch.elongation.e.at(z.as_slice()) - given;
         // After the start the place of a branch has its stretch.

@@ -2,6 +2,7 @@
 
 use super::bodies::bodies;
 use super::curved::CurveTangent;
+use super::residual::ResidualTangent;
 use super::rows::{
     BlockTangents, BodyTangent, BranchTangent, ElongationTangent, FrictionTangent, LevelTangent, StopTangent,
 };
@@ -17,7 +18,7 @@ use crate::signals::{Course, SignalTangent};
 use crate::slots::slots;
 use crate::stepped;
 use crate::system::{
-    ContactRows, Elongation, FrictionRows, SpringRows, StopMaker, System, excess, made_stops,
+    ContactRows, Elongation, FrictionRows, Part, SpringRows, StopMaker, System, excess, made_stops,
 };
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
@@ -53,6 +54,8 @@ pub(super) struct Tangent {
     /// Derivative of the start value of each state of first order.
     pub inner: Vec<f64>,
     pub blocks: BlockTangents,
+    /// Derivatives of the forces on residual flexibility.
+    pub residual: Option<ResidualTangent>,
 }
 
 /// A description whose numbers are the derivatives of `d`'s numbers by the parameter `name`.
@@ -139,11 +142,13 @@ impl Tangent {
             starts: system.bodies_of.iter().map(start).collect(),
             inner: Vec::new(),
             blocks: BlockTangents::default(),
+            residual: None,
             signals,
         };
         tangent.put_inertia(system, d, &along);
         tangent.varies_mass = tangent.mass.amax() > 0.0;
         tangent.take_loads(d);
+        tangent.residual = ResidualTangent::of(&tangent, system, d, &along);
         tangent.put_springs(system, d, &along);
         tangent.put_gyroscopic(system);
         tangent.put_branches(system, d, &along);
@@ -237,6 +242,9 @@ impl Tangent {
             let e = &rows.elongation;
             let mut force = dk * &*e.e + rows.stiffness * &own.e + dc * &*e.rate + rows.damping * &own.rate;
             force[system.signals.one] += preload;
+            if let Some(by) = self.residual_force(system, Part::Spring(self.springs.len())) {
+                force = by.clone();
+            }
             if let Some(by) = self.put_formula((rows, &own), formulas.get(self.springs.len())) {
                 force += &*by;
             }
@@ -337,6 +345,7 @@ impl Tangent {
                 }
                 _ => by,
             };
+            let by = self.residual_stop(system, self.stops.len(), by);
             self.stops.push(by);
         }
         self.put_limits();

@@ -50,7 +50,7 @@ impl Point<'_> {
                     _ if own.is_slider() && self.mode.mode.sliders[i] == SliderState::Held => 0.0,
                     _ => {
                         let stretch = self.mode.rates_by(self.p, self.z, self.delta)[own.place];
-                        self.of(&own.elongation.rate, &by.rate) - stretch
+                        self.of(own.rate_of_whole(), &by.rate) - stretch
                     }
                 }
             }),
@@ -70,6 +70,9 @@ impl Point<'_> {
     }
 
     fn body(&self, i: usize, what: What) -> f64 {
+        if let Some(value) = self.residual_body(i, what) {
+            return value;
+        }
         let (rows, by) = (&self.system.bodies[i], &self.tangent.bodies[i]);
         match what {
             What::S => self.of(&rows.s, &by.s),
@@ -92,6 +95,9 @@ impl Point<'_> {
             Part::Branch(i) => &self.tangent.branches[i].elongation,
             Part::Load(_) => return 0.0,
         };
+        if let Some(value) = self.residual_elongation(part, what) {
+            return value;
+        }
         let Some(own) = self.system.elongation_of_part(part) else { return 0.0 };
         if matches!(what, What::E | What::TangentE) {
             self.of(&own.e, &by.e)

@@ -87,6 +87,7 @@ impl Weights {
             rate: row.clone(),
             level: row.clone(),
             sliding: row.clone(),
+            slaved: None,
         };
         let body = BodyTangent { s: row.clone(), v: row.clone(), weights: w, drift: row.clone() };
         Self {

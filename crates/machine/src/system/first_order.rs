@@ -88,6 +88,11 @@ impl BranchRows {
         !matches!(self.law, BranchLaw::Dashpot(_))
     }
 
+    /// The rate of `whole`.
+    pub(crate) fn rate_of_whole(&self) -> &Functional {
+        if self.is_slider() { &self.rate } else { &self.elongation.rate }
+    }
+
     /// The stop whose force limits the slider of a contact; `None` for another branch.
     pub fn stop(&self) -> Option<usize> {
         if let BranchLaw::Contact { stop, .. } = self.law { Some(stop) } else { None }

@@ -2,6 +2,7 @@
 40 digits, for `tests/residual.rs`.
 
     python3 crates/machine/tests/data/make_residual.py > crates/machine/tests/data/residual.txt
+    python3 crates/machine/tests/data/make_residual.py by > crates/machine/tests/data/residual_by.txt
 
 Each state of the contacts has a motion by Taylor series in time in mpmath, as in
 `make_frictional.py`. Nothing is taken from the engine: at each order the forces follow from
@@ -9,7 +10,9 @@ Gaussian elimination with the displacements of the nodes, B q + G (F - p), writt
 slider of a contact is a place w. The state after an event is found by trying all states of its
 contact. A row holds the machine as TOML (line breaks as `|`), the end, the events (`NAME word
 time`), the coordinates and rates of the modes and the sliders' places at the end, and the factor by
-which the motion magnifies a change of the start.
+which the motion magnifies a change of the start. With `by`, a row holds the machine, the end, a
+number of the machine, and the derivatives of the coordinates and rates at the end by this number,
+from motions that differ by 1e-15 of it.
 """
 
 import copy
@@ -313,16 +316,46 @@ def magnified(own, end, q, v):
     return max([mpf(1)] + [abs(x - y) * mpf(10) ** 20 for x, y in zip(found[0] + found[1], q + v)])
 
 
+KEYS = {
+    "contact": ["gap", "stiffness", "tangential_stiffness", "friction"],
+    "spring": ["k", "preload"],
+    "load": ["constant", "amplitude", "frequency"],
+}
+
+
+def varied(own, kind, i, key, by):
+    other = copy.deepcopy(own)
+    other[kind][i][key] = exact(own[kind][i][key]) + by
+    return other
+
+
+def derivatives(own, end):
+    """The names of numbers, each with the derivatives at the end."""
+    for kind, keys in KEYS.items():
+        for i, element in enumerate(own[kind]):
+            for key in (key for key in keys if key in element):
+                by = mpf(10) ** -15 * max(abs(exact(element[key])), mpf("1e-3"))
+                ends = [run(varied(own, kind, i, key, sign * by), end) for sign in (1, -1)]
+                sides = [found[0] + found[1] for found in ends]
+                letter, key = {"contact": "c", "spring": "k", "load": "f"}[kind], {"k": "stiffness"}.get(key, key)
+                yield f"{kind}.{letter}{i}.{key}", [(x - y) / (2 * by) for x, y in zip(*sides)]
+
+
 def main():
-    seeds = range(int(sys.argv[1]), int(sys.argv[2])) if len(sys.argv) > 2 else range(26)
-    for seed in seeds:
+    numbers = [int(x) for x in sys.argv[1:] if x != "by"]
+    is_by = "by" in sys.argv
+    for seed in range(*numbers) if numbers else range(100, 108) if is_by else range(26):
         own, end = chosen(seed)
         found = run(own, end)
-        if found is None or len(found[3]) < 3 or len(found[3]) > 80:
+        if found is None or len(found[3]) < 3 or len(found[3]) > (20 if is_by else 80):
             continue
         q, v, w, events = found
         factor = magnified(own, end, q, v)
-        if factor > 1e5:
+        if factor > (1e3 if is_by else 1e5):
+            continue
+        if is_by:
+            for name, by in derivatives(own, end):
+                print(";".join([text(own), repr(end), name, " ".join(nstr(x, 30) for x in by)]), flush=True)
             continue
         said = " ".join(f"c{i} {word} {nstr(t, 40)}" for i, word, t in events)
         print(";".join([text(own), repr(end), said, " ".join(nstr(x, 40) for x in q + v + w), nstr(factor, 6)]), flush=True)

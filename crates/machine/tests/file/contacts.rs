@@ -56,7 +56,6 @@ const CASES: &[(&str, &str, &str)] = &[
     ("between = [\"ground\", \"blade.tip\"]", "between = [\"blade.tip\", \"blade.tip\"]", "b.toml:16: contact.tip.between = [\"blade.tip\", \"blade.tip\"]: both ends are the same; expected two nodes, or ground and a node"),
     ("normal = \"y\"", "normal = 3", "b.toml:17: contact.tip.normal = 3: expected a direction of the nodes in `between`, such as \"y\" or \"-y\"; two names, such as [\"ground\", \"box\"]; or { arms = { A = 1.0, B = -1.0 } }"),
     ("normal = \"y\"", "normal = [\"ground\", \"wheel\"]", "b.toml:17: contact.tip.normal = [\"ground\", \"wheel\"]: is an angle; the normal and the tangent of a contact are lengths: use `arms` with a lever such as \"50 mm\""),
-    ("name = \"Blade\"", "name = \"Blade\"\nstart = \"rest\"", "b.toml:23: contact.tip.friction = 0.3: cannot be combined with `start = \"rest\"`: the force of friction at rest depends on how the loads have grown; give the start of each body"),
 ];
 
 fn blade() -> Description {

@@ -38,6 +38,7 @@ impl Differentiated {
         let machine = Machine::new(assembly, columns)?;
         let begun = machine.widened(motion.state()).into_owned();
         let machine = Arc::new(machine.under_way(motion.time(), &begun));
+        let machine = machine.at_mode(motion.mode()).unwrap_or(machine);
         let mut modes = Modes::default();
         let mode = modes.of(&machine, &motion, true);
         let z = machine.widened(motion.state()).into_owned();

@@ -42,17 +42,21 @@ impl Residual {
     }
 
     /// The forces that the elongations determine.
-    pub(super) fn active(&self, acting: &[Acting]) -> Vec<usize> {
+    pub(crate) fn active(&self, acting: &[Acting]) -> Vec<usize> {
         (0..acting.len()).filter(|&i| acting[i] == Acting::On).collect()
+    }
+
+    /// The inverse of [`matrix`](Self::matrix), whose determinant is positive in a checked machine.
+    pub(crate) fn inverse(&self, acting: &[Acting], active: &[usize]) -> DMatrix<f64> {
+        let inverse = || self.matrix(acting, active).lu().try_inverse();
+        let inverse = if active.is_empty() { None } else { inverse() };
+        inverse.unwrap_or_else(|| DMatrix::zeros(active.len(), active.len()))
     }
 
     /// The rows of all forces, from a row for each force (A68).
     fn forces(&self, acting: &[Acting], of: fn(&Component) -> &Functional) -> Vec<Functional> {
         let active = self.active(acting);
-        // The determinants of a checked machine are positive.
-        let inverse = || self.matrix(acting, &active).lu().try_inverse();
-        let inverse = if active.is_empty() { None } else { inverse() };
-        let inverse = inverse.unwrap_or_else(|| DMatrix::zeros(active.len(), active.len()));
+        let inverse = self.inverse(acting, &active);
         let mut forces = vec![Functional::zeros(self.size); acting.len()];
         for (row, &i) in active.iter().enumerate() {
             let terms = active.iter().enumerate();
