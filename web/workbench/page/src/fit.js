@@ -42,6 +42,7 @@ export function refuse(name, table) {
 /** Takes a record that was dropped. @param {string} name @param {string} table */
 export async function receive(name, table) {
   stop("");
+  /** @type {HTMLDetailsElement} */ (element("fitFold")).open = true;
   Object.assign(fit, { name, table, columns: [], found: null });
   try {
     const { samples, columns, contacts, from, to } = await page.ask("recorded", { table });

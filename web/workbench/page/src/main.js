@@ -22,6 +22,28 @@ const select = (/** @type {string} */ id) => /** @type {HTMLSelectElement} */ (d
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 /** Time limit for reading a machine or computing a piece of motion, ms. */
 const PATIENCE = 4000;
+/** Units of time, s. @type {Record<string, number>} */
+const TIMES = { us: 1e-6, ms: 1e-3, s: 1, min: 60, h: 3600 };
+/** A time with or without a unit, in s; null for another text or a time that is not above 0. @param {string} text */
+function seconds(text) {
+  const [, number, unit] = text.trim().match(/^([\d.,]+(?:e[+-]?\d+)?) *([a-z]*)$/i) ?? [];
+  const found = Number((number ?? "").replace(",", ".")) * (TIMES[unit || "s"] ?? NaN);
+  return found > 0 && Number.isFinite(found) ? found : null;
+}
+/** The machine of the button New. */
+const SMALL = `name = "Machine"
+gravity = "9.81 m/s2"
+
+[body.box]
+mass = "1 kg"
+gravity = -1.0                     # s points up; 1 lets it point down, and without it the box feels no gravity
+start = { s = "50 mm" }
+
+[stop.floor]
+between = ["box", "ground"]
+gap = 0.0
+restitution = 0.8
+`;
 /** Largest text, letters: the limit of an editor in a page. */
 const LARGEST = 2_000_000;
 
@@ -463,6 +485,7 @@ function listen() {
   // If a worker took too long, the motion is lost until the next text.
   completion.listen((head, tail) => helper.ask("completion", { head, tail }, PATIENCE).catch((error) => { alive &&= !/ended|broke off/.test(error.message); throw error; }));
   select("example").addEventListener("change", () => { const name = select("example").value, own = name ? gallery.get(name) : mine; if (own) void adopt(own); });
+  element("new").addEventListener("click", () => void adopt(SMALL));
   element("open").addEventListener("click", () => input("files").click());
   input("files").addEventListener("change", () => { void receive([...(input("files").files ?? [])]); input("files").value = ""; });
   element("copy").addEventListener("click", () => void copyLink());
@@ -472,14 +495,15 @@ function listen() {
   input("pace").addEventListener("input", showPace);
   input("sound").addEventListener("change", () => enable(input("sound").checked));
   input("length").addEventListener("change", () => {
-    const wanted = Number(input("length").value.replace(",", "."));
-    if (!(wanted > 0 && Number.isFinite(wanted))) { input("length").value = String(run.length); return say("Run to: expected a number of seconds > 0.", true); }
+    const said = input("length").value, wanted = seconds(said);
+    if (wanted === null) { input("length").value = String(run.length); return say(`Run to “${said}”: expected a time above 0, in s or with one of the units ${Object.keys(TIMES).join(", ")}.`, true); }
     length = wanted;
     void changed();
   });
   for (const [id, key] of /** @type {const} */ ([["across", "across"], ["along", "along"]])) select(id).addEventListener("change", () => { chosen[key] = select(id).value; dirty = true; });
   fits.listen({ machineFile, change, ask: (kind, what) => helper.ask(kind, what, PATIENCE) }, () => { dirty = true; });
   studies.listen({ machineFile, change, begin: (from) => { start = from; }, play: () => { playing = !calm.matches; showPlaying(); } }, () => { dirty = true; });
+  for (const fold of document.querySelectorAll(".fold")) fold.addEventListener("toggle", () => { dirty = true; });
   for (const button of document.querySelectorAll("[data-take]")) button.addEventListener("click", () => void takeAlong(/** @type {HTMLElement} */ (button).dataset.take ?? ""));
   const line = on.timeline.canvas, scrub = (/** @type {PointerEvent} */ e) => goTo(run.length * (e.offsetX - 8) / Math.max(1, line.clientWidth - 16));
   line.addEventListener("pointerdown", (e) => { line.setPointerCapture(e.pointerId); playing = false; showPlaying(); scrub(e); });

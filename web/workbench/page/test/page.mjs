@@ -11,6 +11,13 @@ const READY = "window.workbench && workbench.pictures > 0";
 const browser = await open(packages, page, READY);
 const axe = readFileSync(join(packages, "node_modules/axe-core/axe.min.js"), "utf8");
 
+const opened = browser.tab;
+/** A page with its studies unfolded. */
+browser.tab = async (...given) => {
+  const found = await opened(...given);
+  await found.tab.evaluate("document.querySelectorAll('.fold').forEach((fold) => { fold.open = true; })");
+  return found;
+};
 const text = (/** @type {any} */ tab) => tab.inputValue("#text");
 /** Longest wait for a motion, ms. The hammer drill's takes 11 s alone, and more beside other tests. */
 const LONGEST = 300_000;
@@ -43,6 +50,32 @@ const tests = {
       assert.ok(found.count > 200 && found.moved && found.finite && found.marks > 100 && found.numbers > 0, `${name}: ${JSON.stringify(found)}`);
       assert.equal(found.problem, "", name);
     }
+    assert.deepEqual(wrong, []);
+    await close();
+  },
+  async "a new machine is small, moves, and leaves the text before it to be undone; studies are folded until asked"() {
+    const { tab, wrong, close } = await opened();
+    for (const id of ["compute", "fitBegin"]) assert.ok(await tab.isHidden(`#${id}`), id);
+    await tab.click("#studyFold > summary");
+    assert.ok(await tab.isVisible("#compute"));
+    const before = await text(tab);
+    await tab.click("#new");
+    await tab.waitForFunction("workbench.run.machine?.name === 'Machine'");
+    await whole(tab);
+    assert.ok(await tab.isHidden("#problems"));
+    assert.ok(await tab.evaluate("workbench.run.events.length > 5"));
+    // A time with a unit is understood; another text is refused with its words.
+    for (const [said, seconds] of [["1500 ms", 1.5], ["0,5", 0.5]]) {
+      await tab.fill("#length", said);
+      await tab.press("#length", "Enter");
+      await tab.waitForFunction(`workbench.run.length === ${seconds}`);
+    }
+    await tab.fill("#length", "3 kg");
+    await tab.press("#length", "Enter");
+    assert.match(await tab.textContent("#status"), /“3 kg”: expected a time above 0, in s or with one of the units us, ms, s, min, h/);
+    await tab.focus("#text");
+    await tab.keyboard.press("Control+z");
+    assert.equal(await text(tab), before);
     assert.deepEqual(wrong, []);
     await close();
   },
