@@ -12,6 +12,7 @@ mod knots;
 mod known;
 mod motions;
 mod paper;
+mod residual;
 mod resonances;
 mod samples;
 mod series;
