@@ -130,8 +130,9 @@ def by_command(template, archives=TARGET, timeout=600):
         except (OSError, ValueError) as error:
             raise BadResult(f"{words[0]} cannot be run: {error}") from None
         if done.returncode:
-            last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
-            raise BadResult(f"{words[0]} ends with status {done.returncode}: {last}")
+            told = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()
+            line = next((line for line in told if line.startswith("error")), told[-1])
+            raise BadResult(f"{words[0]} ends with status {done.returncode}: {line}")
         if "{folder}" in template:
             return Result(read_rows(folder / "states.csv", names), read_events(folder / "events.csv"))
         return Result(read_rows(output, names))

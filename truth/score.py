@@ -67,8 +67,8 @@ def reasons(columns):
     for way, column in columns.items():
         for score in column:
             if score.reasons:
-                why = cases.Case(score.case).about["fails_if"]
-                lines.append(f"- {way}, `{score.case}`: {'; '.join(score.reasons)}. This case fails if {why}.")
+                why = f" This case fails if {cases.Case(score.case).about['fails_if']}." if score.error is not None else ""
+                lines.append(f"- {way}, `{score.case}`: {'; '.join(score.reasons)}.{why}")
     return "\n".join(lines)
 
 

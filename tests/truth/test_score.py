@@ -163,9 +163,10 @@ def test_a_command_is_filled_with_the_case_and_its_faults_are_told(tmp_path, cap
     table = ROOT / "truth/cases/stick_slip/truth.csv"
     words = f"{sys.executable} {script} {{stop}} {{step}} {table} {{output}}"
     assert score.main(["--command", words, "--case", "stick_slip"]) == 0
-    script.write_text("raise SystemExit('no licence')")
+    script.write_text("raise SystemExit('error: no licence\\nsee --help')")
     assert score.main(["--command", words, "--case", "stick_slip"]) == 1
-    assert "ends with status 1: no licence" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "ends with status 1: error: no licence" in told and "This case fails if" not in told
 
 
 #: Commands that cannot be a host, and what is told.
