@@ -32,7 +32,10 @@ class Archive:
     def __init__(self, path: Path) -> None:
         with zipfile.ZipFile(path) as files:
             names = files.namelist()
-            [name] = [name for name in names if name.startswith(FOLDER)]
+            found = [name for name in names if name.startswith(FOLDER)]
+            if not found:
+                raise Refused(f"{path} has no WebAssembly component: make it by `cargo run --bin fmu-build -- --wasm`")
+            [name] = found
             text = files.read("modelDescription.xml").decode()
             self.token = re.search(r'instantiationToken="([^"]+)"', text).group(1)
             variables = re.findall(r'<(?:Float64|Int\d+|Boolean|Enumeration|Clock)\b[^>]*', text)

@@ -1,6 +1,7 @@
 """Ways to run a case: fmpy, wasmtime, any command line, a folder of results."""
 
 import shlex
+import shutil
 import subprocess
 from decimal import Decimal
 from pathlib import Path
@@ -61,7 +62,9 @@ def by_wasmtime(folder=TARGET):
         inputs = {name: rows for name, (rows, _) in read_inputs(case.folder / "input.csv").items()}
         try:
             return Result(component.rows(archive(case, 3, folder), names, case.steps, float(case.step), inputs))
-        except (component.Refused, KeyError, ValueError) as error:
+        except BadResult:
+            raise
+        except Exception as error:  # a trap, too
             raise BadResult(f"the component ends with {type(error).__name__}: {error}") from error
     return run
 
@@ -76,12 +79,18 @@ def finite(value, name, row):
 def filled(template, case, names, output, folder=TARGET):
     """The words of a command. `{input:WORD}` becomes WORD and the file of inputs, or nothing if the case has none."""
     words = []
+    try:
+        parts = shlex.split(template)
+    except ValueError as error:
+        raise BadResult(f"the command cannot be split into words: {error}") from None
+    if not parts:
+        raise BadResult("the command has no word")
     given = case.folder / "input.csv"
     values = {"machine": case.folder / "machine.toml", "step": repr(float(case.step)), "stop": repr(float(case.stop)),
               "steps": case.steps, "output": output, "folder": output.parent / case.name, "names": ",".join(names)}
     if given.exists() and "{input:" not in template:
         raise BadResult("this case has inputs, and the command has no {input:OPTION} for their file")
-    for word in shlex.split(template):
+    for word in parts:
         if word.startswith("{input:"):
             words += [word[7:-1], str(given)] if given.exists() else []
         elif word.startswith("{variables:"):
@@ -90,8 +99,19 @@ def filled(template, case, names, output, folder=TARGET):
             if "{fmu" in word:
                 values |= {"fmu": archive(case, 2, folder) if "{fmu}" in word or "{fmu2}" in word else archive(case, 3, folder)}
                 word = word.replace("{fmu2}", "{fmu}").replace("{fmu3}", "{fmu}")
-            words.append(word.format(**values))
+            words.append(with_values(word, values))
     return words
+
+
+def with_values(word, values):
+    """A word in which names in braces are replaced."""
+    try:
+        return word.format(**values)
+    except (KeyError, IndexError) as error:
+        names = ", ".join(f"{{{name}}}" for name in ["fmu2", "fmu3", *values])
+        raise BadResult(f"the command has {{{error.args[0]}}}; expected one of {names}") from None
+    except ValueError:
+        raise BadResult(f"the command has a brace that is not closed: {word}") from None
 
 
 def by_command(template, archives=TARGET, timeout=600):
@@ -99,12 +119,20 @@ def by_command(template, archives=TARGET, timeout=600):
         output = TARGET / "run" / f"{case.name}.csv"
         output.parent.mkdir(parents=True, exist_ok=True)
         output.unlink(missing_ok=True)
-        words = filled(template, case, names, output, archives)
-        done = subprocess.run(words, capture_output=True, text=True, timeout=timeout)
-        if done.returncode:
-            last = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
-            raise BadResult(f"{words[0]} ends with status {done.returncode}: {last}")
         folder = output.parent / case.name
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        words = filled(template, case, names, output, archives)
+        try:
+            done = subprocess.run(words, capture_output=True, text=True, errors="replace", timeout=timeout)
+        except subprocess.TimeoutExpired:
+            raise BadResult(f"{words[0]} does not end within {timeout} s") from None
+        except (OSError, ValueError) as error:
+            raise BadResult(f"{words[0]} cannot be run: {error}") from None
+        if done.returncode:
+            told = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()
+            line = next((line for line in told if line.startswith("error")), told[-1])
+            raise BadResult(f"{words[0]} ends with status {done.returncode}: {line}")
         if "{folder}" in template:
             return Result(read_rows(folder / "states.csv", names), read_events(folder / "events.csv"))
         return Result(read_rows(output, names))

@@ -28,6 +28,7 @@ class Signal:
     harmonics: list = field(default_factory=list)
     pieces: list = field(default_factory=list)
     before: list = field(default_factory=list)
+    period: Fraction = None  # with which the pieces repeat
 
     def knots(self):
         return [row[0] for rows in self.pieces for row in rows] + [
@@ -136,7 +137,7 @@ def signal(value, where, stop, given=None):
     if "amplitude" in value:
         harmonics.append(value)
     out.harmonics = [tuple(number(h.get(key, 0), where) for key in ("amplitude", "frequency", "phase")) for h in harmonics]
-    period = number(value["repeat"], where) if "repeat" in value else None
+    out.period = period = number(value["repeat"], where) if "repeat" in value else None
     if "steps" in value:
         total, rows = ZERO, []
         for time, height in value["steps"]:

@@ -23,10 +23,11 @@ def formula(signal):
     text = " + ".join(parts)
     for rows, before in zip(signal.pieces, signal.before):
         cells = [f"{shown(before)} before"] if rows and rows[0][0] > 0 else []
-        for begin, value, end, later in rows[:8]:
+        for begin, value, end, later in (row for row in rows if signal.period is None or row[0] < signal.period):
             cells.append(f"{shown(value)} from {shown(begin)} s" + (f" straight to {shown(later)} at {shown(end)} s" if end is not None else ""))
-        more = ", …" if len(rows) > 8 else ""
-        text += (" + " if text else "") + "{" + ", ".join(cells) + more + "}"
+        if signal.period is not None:
+            cells.append(f"again after each {shown(signal.period)} s")
+        text += (" + " if text else "") + "{" + ", ".join(cells) + "}"
     return text
 
 

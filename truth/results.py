@@ -2,9 +2,13 @@
 
 import csv
 import difflib
+import sys
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+
+
+LARGEST = sys.float_info.max_10_exp
 
 
 class BadResult(Exception):
@@ -26,18 +30,35 @@ def number(text, where):
         raise BadResult(f"{where} is {text!r}: expected a number") from None
     if not value.is_finite():
         raise BadResult(f"{where} is {text!r}: expected a finite number")
+    if value and value.adjusted() > LARGEST:
+        raise BadResult(f"{where} is {text!r}: expected a number of the size of a double")
     return value
+
+
+def read_table(path, columns):
+    """Heads, and the rows that are not empty as (count, cells)."""
+    path = Path(path)
+    if not path.is_file():
+        raise BadResult(f"{path}: no such file")
+    try:
+        lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
+    except UnicodeDecodeError as error:
+        raise BadResult(f"{path}: byte {error.start} is {error.object[error.start]:#04x}; expected text in UTF-8") from None
+    if not lines:
+        raise BadResult(f"{path}: is empty; expected a first row with the columns {', '.join(columns)}")
+    heads = [head.strip().strip('"') for head in lines[0]]
+    rows = []
+    for count, cells in enumerate(lines[1:], 2):
+        if cells and (len(cells) < len(heads) or any(cells[len(heads):])):
+            raise BadResult(f"{path}: row {count} has {len(cells)} cells; expected {len(heads)}")
+        if cells:
+            rows.append((count, cells))
+    return heads, rows
 
 
 def read_rows(path, names):
     """Rows of a table with the columns `time` and `names`; other columns are ignored."""
-    path = Path(path)
-    if not path.is_file():
-        raise BadResult(f"{path}: no such file")
-    lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
-    if not lines:
-        raise BadResult(f"{path}: is empty; expected a first row with the columns time, {', '.join(names)}")
-    heads = [head.strip().strip('"') for head in lines[0]]
+    heads, lines = read_table(path, ["time", *names])
     places = {}
     for name in ["time", *names]:
         if name not in heads:
@@ -46,11 +67,7 @@ def read_rows(path, names):
             raise BadResult(f"{path}: row 1 has no column `{name}`; it has {', '.join(heads)}{hint}")
         places[name] = heads.index(name)
     rows = []
-    for count, cells in enumerate(lines[1:], 2):
-        if not cells:
-            continue
-        if len(cells) < len(heads):
-            raise BadResult(f"{path}: row {count} has {len(cells)} cells; expected {len(heads)}")
+    for count, cells in lines:
         at = {name: number(cells[k], f"{path}: row {count}, column `{name}`") for name, k in places.items()}
         time = at.pop("time")
         if rows and time < rows[-1][0]:
@@ -60,14 +77,15 @@ def read_rows(path, names):
 
 
 def read_events(path):
-    """Events of a table with the column `time` and, if present, `kind` and `element`."""
-    lines = list(csv.DictReader(Path(path).read_text(encoding="utf-8-sig").splitlines()))
+    """Events of a table with the column `time` and, if present, `kind` and `element`; states of the start are none."""
+    heads, lines = read_table(path, ["time", "kind", "element"])
+    if "time" not in heads:
+        raise BadResult(f"{path}: row 1 has no column `time`; it has {', '.join(heads)}")
     events = []
-    for count, row in enumerate(lines, 2):
-        if row.get("time") is None:
-            raise BadResult(f"{path}: row 1 has no column `time`; it has {', '.join(row)}")
-        events.append((number(row["time"], f"{path}: row {count}, column `time`"), row.get("kind") or "", row.get("element") or ""))
-    return events
+    for count, cells in lines:
+        row = dict(zip(heads, cells))
+        events.append((number(row["time"], f"{path}: row {count}, column `time`"), row.get("kind", ""), row.get("element", "")))
+    return [event for event in events if event[1] != "start"]
 
 
 def events_of_rows(rows, times):

@@ -16,6 +16,7 @@ case fails.
 """
 
 import argparse
+import importlib
 import sys
 
 import cases
@@ -66,9 +67,17 @@ def reasons(columns):
     for way, column in columns.items():
         for score in column:
             if score.reasons:
-                why = cases.Case(score.case).about["fails_if"]
-                lines.append(f"- {way}, `{score.case}`: {'; '.join(score.reasons)}. This case fails if {why}.")
+                why = f" This case fails if {cases.Case(score.case).about['fails_if']}." if score.error is not None else ""
+                lines.append(f"- {way}, `{score.case}`: {'; '.join(score.reasons)}.{why}")
     return "\n".join(lines)
+
+
+def positive(text):
+    """A finite number above zero."""
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise ValueError
+    return value
 
 
 def main(arguments=None):
@@ -79,11 +88,16 @@ def main(arguments=None):
     parser.add_argument("--way", action="append", choices=sorted(hosts.FMPY), help="only this way of fmpy")
     parser.add_argument("--archives", default=hosts.TARGET, metavar="FOLDER", help="folder of the FMUs (default target/truth)")
     parser.add_argument("--case", action="append", choices=cases.names(), metavar="NAME", help="only this case")
-    parser.add_argument("--limit", type=float, default=LIMIT, help=f"largest error that passes (default {LIMIT:g})")
+    parser.add_argument("--limit", type=positive, default=LIMIT, help=f"largest error that passes (default {LIMIT:g})")
     parser.add_argument("--title", default="result", help="head of the column of --command and --results")
     given = parser.parse_args(arguments)
     if sum(map(bool, (given.host, given.command, given.results))) != 1:
         parser.error("expected one of: a host, --command, --results")
+    if given.host:
+        try:
+            importlib.import_module(given.host)
+        except ImportError:
+            parser.error(f"{given.host} is not installed: run `pip install {given.host}`")
     if given.host == "wasmtime":
         ways = {"wasmtime, FMI 3.0 CS": hosts.by_wasmtime(given.archives)}
     elif given.host:

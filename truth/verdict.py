@@ -102,8 +102,11 @@ def instants(events):
     return out
 
 
-def match_events(truth, events, limit, score):
-    """Matches each required event with the nearest one of the host; of its kind and element if the host writes them."""
+def match_events(truth, events, limit, score, listed):
+    """Matches each required event with the nearest one of the host; of its kind and element if the host writes them.
+
+    Added events are counted if the host has a list of them: rows between the outputs may have other reasons.
+    """
     named = any(kind for _, kind, _ in events)
     wanted = truth.events if named else [(t, "", "", m, r) for t, m, r, _ in instants(truth.events)]
     score.missed, score.late, late = 0, 0.0, ""
@@ -124,16 +127,16 @@ def match_events(truth, events, limit, score):
             late = f"an event at {float(time):.9g} s is off by {float(nearest - time):.2g} s, {float(off):.1e} of its magnification"
     if late:
         score.reasons.append(late)
-    if named:
+    if named or listed:
         score.extra = sum(is_extra(truth, event, limit) for event in events)
     if score.extra:
         score.reasons.append(f"{score.extra} events that do not happen")
 
 
 def is_extra(truth, event, limit):
-    """Whether no event of the same element is near; a second name for an event does not count."""
+    """Whether no event of the same element is near, without a kind of any; a second name for an event does not count."""
     time, kind, element = event
-    near = (abs(t - time) <= limit * m for t, _, e, m, _ in truth.events if e == element)
+    near = (abs(t - time) <= limit * m for t, _, e, m, _ in truth.events if e == element or not kind)
     return kind not in ("knot", "sample") and not any(near)
 
 
@@ -152,7 +155,7 @@ def score_of(truth, result, limit):
         score.reasons.append(where_wrong(truth, result, errors, wrong, limit))
     events = result.events if result.events is not None else events_of_rows(result.rows, truth.times)
     if events is not None and truth.events:
-        match_events(truth, events, limit, score)
+        match_events(truth, events, limit, score, result.events is not None)
     elif events and not truth.events:
         score.extra = len(events)
         score.reasons.append(f"{score.extra} events that do not happen")

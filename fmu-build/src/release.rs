@@ -128,14 +128,17 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The example machines with their kit, and the command line for each platform. Returns the
-    /// kit that makes archives of other machines.
+    /// The example machines with their kit, the truth suite, and the command line for each platform.
+    /// Returns the kit that makes archives of other machines.
     fn machines(&mut self) -> Result<Kit> {
         let (kit, left_out) = kit::of(self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("machines of text files: {part}")));
         archive::write(&machines::examples(&kit)?, &self.folder.join(machines::EXAMPLES))?;
         let what = "example machines as text files, and the library of which `vibro fmu` makes FMUs";
         self.add(machines::EXAMPLES, what, "as the tests pack and run it".into())?;
+        archive::write(&machines::suite()?, &self.folder.join(machines::SUITE))?;
+        let what = "the truth suite for hosts and solvers: cases in 30 digits, and their score";
+        self.add(machines::SUITE, what, "as the tests run it".into())?;
         let (binaries, left_out) = platforms::all_of(Product::CommandLine, self.only)?;
         self.left_out.extend(left_out.iter().map(|part| format!("the command line: {part}")));
         let own = binaries.folders().find(|(tuple, _)| *tuple == PLATFORM_TUPLE);

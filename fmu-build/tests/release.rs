@@ -411,6 +411,23 @@ fn every_example_machine_is_shipped_with_one_library_that_packs_it() {
     }
 }
 
+/// The truth suite of a release has what its score and its build read, and nothing that Python left.
+#[test]
+fn the_truth_suite_is_shipped_whole() {
+    let shipped = machines::suite().unwrap();
+    for name in ["README.md", "LICENSE", "CITATION.cff", "score.py", "build.py", "solvers/run.py"] {
+        assert!(shipped.contains_key(&format!("truth/{name}")), "{name}");
+    }
+    let cases: Vec<_> = shipped.keys().filter_map(|name| name.strip_suffix("/case.toml")).collect();
+    assert!(cases.len() >= 30, "{cases:?}");
+    for case in cases {
+        for file in ["machine.toml", "truth.csv", "events.csv"] {
+            assert!(shipped.contains_key(&format!("{case}/{file}")), "{case}/{file}");
+        }
+    }
+    assert!(shipped.keys().all(|name| !name.contains("__pycache__")));
+}
+
 #[test]
 fn the_command_line_is_shipped_for_each_platform_with_its_licences() {
     let folders =
@@ -480,7 +497,7 @@ fn the_whole_for_this_machine_has_the_same_bytes_in_two_folders_and_builds_from_
     println!("{notes}");
     let own = WHEELS.iter().find(|p| p.is_own()).unwrap().file(VERSION);
     let program = format!("vibro-{VERSION}-{}.zip", compile::PLATFORM_TUPLE);
-    let archives = ["VibroImpact3DOF.fmu", "VibroImpact3DOF-FMI3.fmu", machines::EXAMPLES];
+    let archives = ["VibroImpact3DOF.fmu", "VibroImpact3DOF-FMI3.fmu", machines::EXAMPLES, machines::SUITE];
     for name in archives.into_iter().chain(["documentation.html", &program, &own, &sdist_file(VERSION)]) {
         assert!(notes.contains(&format!("`{name}`")) && dist.join(name).is_file(), "{name}");
     }

@@ -61,8 +61,11 @@ function of_branches(found, curve)
     plot(x(firsts(k):last), y(firsts(k):last), styles{1 + stable(firsts(k))});
     hold('on');
   end
-  marked = find(~cellfun('isempty', curve.('label')) & ~strcmp(curve.('label'), 'EP'));
-  text(x(marked), y(marked), curve.('label')(marked));
+  labels = curve.('label');
+  if iscell(labels)  % without any label the column is NaN
+    marked = find(~cellfun('isempty', labels) & ~strcmp(labels, 'EP'));
+    text(x(marked), y(marked), labels(marked));
+  end
   if ~held
     hold('off');
   end

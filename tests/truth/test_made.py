@@ -61,3 +61,15 @@ def test_a_wrong_table_is_found_by_the_second_program(tmp_path):
 def test_golden_pages_have_the_equations_of_their_machine(name):
     case = cases.Case(name)
     assert (case.folder / cases.PAGE).read_text() == page.page(case, read(case.folder, case.stop))
+
+
+@pytest.mark.parametrize("name", ["held_record", "stiffness_steps"])
+def test_a_page_has_every_piece_of_a_signal(name):
+    case = cases.Case(name)
+    text = (case.folder / cases.PAGE).read_text()
+    assert "…" not in text
+    if name == "stiffness_steps":
+        assert "{0 from 0 s, -60000000 from 0.0002 s, again after each 0.0003 s}" in text
+    else:
+        [base] = [body for body in read(case.folder, case.stop).bodies if body.name == "base"]
+        assert all(f"{page.shown(row[1])} from {page.shown(row[0])} s" in text for row in base.acceleration.pieces[0])

@@ -1,6 +1,7 @@
-"""Runs solvers over the cases and writes tables for score.py: python truth/solvers/run.py scipy|cvode FOLDER [CASE ...]
+"""Runs solvers over the cases and writes tables for score.py: python truth/solvers/run.py scipy|cvode|heyoka FOLDER [CASE ...]
 
 scipy: DOP853 of `solve_ivp` with events. cvode: CVODE of SUNDIALS with roots (pip install scikit-sundae). Both have the tolerance 1e-11.
+heyoka: Taylor series with terminal events, to rounding (pip install heyoka).
 """
 
 import sys
@@ -60,6 +61,12 @@ def by_cvode(model, t, y, stop):
     return found.t[-1], np.array(found.y[-1]), found.t[-1] < stop
 
 
+def by_heyoka(model, t, y, stop):
+    import taylor
+
+    return taylor.by_heyoka(model, t, y, stop)
+
+
 def run(name, advance):
     """Rows of the output times, and events."""
     model, begun = Model(name), time.process_time()
@@ -98,7 +105,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     for name in chosen or cases.names():
         try:
-            write(folder, name, *run(name, {"scipy": by_scipy, "cvode": by_cvode}[solver]))
+            write(folder, name, *run(name, {"scipy": by_scipy, "cvode": by_cvode, "heyoka": by_heyoka}[solver]))
             print(f"{name}: done", flush=True)
         except (Unsupported, RuntimeError, np.linalg.LinAlgError) as error:
             print(f"{name}: {error}", flush=True)

@@ -240,7 +240,9 @@ fn second_method_drawn_lines_have_the_points_of_the_table() {
         "response_curve; drawn_points('example.txt');\n\
          vibro.new('duffing_stop', 'plate.toml');\n\
          figure(); found = vibro.response('plate.toml', 'vary', 'load.coil.frequency=25Hz:60Hz', 'of', 'plate.s');\n\
-         vibro.show(found); drawn_points('shown.txt'); disp(found.said);",
+         vibro.show(found); drawn_points('shown.txt'); disp(found.said);\n\
+         figure(); found.response.('label') = NaN(size(found.response.('branch')));\n\
+         vibro.show(found); drawn_points('unlabelled.txt');",
     );
     let arguments =
         ["response", "plate.toml", "--vary=load.coil.frequency=25Hz:60Hz", "--of=plate.s", "--out=plate"];
@@ -249,7 +251,7 @@ fn second_method_drawn_lines_have_the_points_of_the_table() {
     let table = columns(&home.join("plate"));
     let [x, y] = ["load.coil.frequency", "maximum.plate.s"].map(|name| &table[&format!("response {name}")]);
     let number = |bits: &str| f64::from_bits(u64::from_str_radix(bits, 16).expect("bits"));
-    for (file, scale) in [("example.txt", 1e3), ("shown.txt", 1.0)] {
+    for (file, scale) in [("example.txt", 1e3), ("shown.txt", 1.0), ("unlabelled.txt", 1.0)] {
         let scaled = y.iter().map(|y| bits(scale * number(y)));
         let expected: BTreeSet<String> = x.iter().zip(scaled).map(|(x, y)| format!("{x} {y}")).collect();
         let drawn = fs::read_to_string(home.join(file)).expect("points");

@@ -12,6 +12,8 @@ use std::process::{Command, Stdio};
 
 /// Name of the file with the examples.
 pub const EXAMPLES: &str = "assembly-examples.zip";
+/// Name of the file with the truth suite.
+pub const SUITE: &str = "truth-suite.zip";
 
 /// Introduction of the file with the examples.
 const READ_ME: &str = "Machines of text files, and the library of which their FMUs are made, for all platforms.\n\n\
@@ -37,6 +39,32 @@ pub fn examples(kit: &Kit) -> Result<Content> {
     }
     content.insert("README.txt".into(), READ_ME.into());
     content.insert(KIT_FILE.into(), archive::to_bytes(&kit.entries())?);
+    Ok(content)
+}
+
+/// The truth suite: scripts, and the machine, page and tables of each case; name → content. Its
+/// FMUs, a library of some megabytes each, are made by its `build.py` with the kit of the examples.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn suite() -> Result<Content> {
+    let mut content = Content::new();
+    let mut folders = vec![workspace().join("truth")];
+    while let Some(folder) = folders.pop() {
+        let reading = || Error::file("reading the folder", &folder);
+        let entries: std::io::Result<Vec<_>> = fs::read_dir(&folder).map_err(reading())?.collect();
+        for path in entries.map_err(reading())?.into_iter().map(|entry| entry.path()) {
+            if path.is_dir() {
+                // Python's own files.
+                folders.extend((!path.ends_with("__pycache__")).then_some(path));
+            } else {
+                let name = path.strip_prefix(workspace()).expect("a file of the workspace");
+                let name = name.components().map(|part| part.as_os_str().to_string_lossy());
+                let name = name.collect::<Vec<_>>().join("/");
+                content.insert(name, fs::read(&path).map_err(Error::file("reading", &path))?);
+            }
+        }
+    }
     Ok(content)
 }
 
