@@ -65,12 +65,17 @@ impl Met {
     }
 }
 
-/// The model of a stiffness and a mass matrix, in the units of the files. `dofs` are the names of
-/// the rows from a file of their own.
+/// The model of a stiffness and a mass matrix, and of a damping matrix if there is one, in the
+/// units of the files. `dofs` are the names of the rows from a file of their own.
 ///
 /// # Errors
 /// An error if sizes or names do not fit, or if a matrix is not symmetric.
-pub fn model(stiffness: Matrix, mass: Matrix, dofs: Option<(String, Vec<Dof>)>) -> Result<Model> {
+pub fn model(
+    stiffness: Matrix,
+    mass: Matrix,
+    damping: Option<Matrix>,
+    dofs: Option<(String, Vec<Dof>)>,
+) -> Result<Model> {
     let (mut stiffness, mut mass) = (stiffness, mass);
     let dofs = match (&stiffness.names, &mass.names, dofs) {
         (Names::Dofs(one), Names::Dofs(other), None) => Dofs::new(joined(one, other, &mut mass.entries))?,
@@ -112,7 +117,9 @@ pub fn model(stiffness: Matrix, mass: Matrix, dofs: Option<(String, Vec<Dof>)>) 
         made.map_err(|e| Error::new(&own.file, e.to_string()))
     };
     let (k, m) = (matrix(&stiffness)?, matrix(&mass)?);
-    let mut model = Model::new(k, m, dofs)?;
+    let placed = |own: Matrix| matrix(&on_rows(own, &dofs, &stiffness.file)?);
+    let damping = damping.map(placed).transpose()?;
+    let mut model = Model { damping, ..Model::new(k, m, dofs)? };
     if !held.is_empty() {
         let first = model.name(held[0]);
         model.remarks.push(format!(
@@ -134,6 +141,23 @@ fn joined(one: &[Dof], other: &[Dof], entries: &mut [Entry]) -> Vec<Dof> {
         (e.row, e.column) = (places[e.row], places[e.column]);
     }
     met.into_list()
+}
+
+/// The damping matrix with the rows of the model.
+fn on_rows(mut matrix: Matrix, dofs: &Dofs, file: &str) -> Result<Matrix> {
+    if let Names::Dofs(names) = &matrix.names {
+        let places: HashMap<&Dof, usize> = dofs.list().iter().enumerate().map(|(i, dof)| (dof, i)).collect();
+        let place = |dof: &Dof| {
+            let problem = format!("has the dof {dof}, which {file} does not have");
+            places.get(dof).copied().ok_or_else(|| Error::new(&matrix.file, problem))
+        };
+        let rows = names.iter().map(place).collect::<Result<Vec<usize>>>()?;
+        for e in &mut matrix.entries {
+            (e.row, e.column) = (rows[e.row], rows[e.column]);
+        }
+    }
+    rows_within(&matrix, file, dofs.len())?;
+    Ok(matrix)
 }
 
 fn rows_within(matrix: &Matrix, file: &str, count: usize) -> Result<()> {

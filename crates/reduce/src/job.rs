@@ -1,6 +1,6 @@
 //! A reduction from files to texts: what `vibro reduce` does apart from arguments and writing.
 
-use crate::damping::Damping;
+use crate::damping::{Damping, projected};
 use crate::dofs::Direction;
 use crate::import::files::{self, Sources};
 use crate::interface::{self, Interface};
@@ -70,13 +70,23 @@ impl Job {
             let weight = model.mass.times(&model.translation(direction));
             (reduced.basis.tr_mul(&weight) * sign).as_slice().to_vec()
         });
-        let damping_ratios = self.damping.ratios(&reduced.frequencies())?;
+        let matrix = model.damping.as_ref().map(|own| projected(own, &reduced.basis, &reduced.values));
+        let matrix = matrix.transpose()?;
+        let damping_ratios = match &matrix {
+            Some(matrix) => matrix.ratios.clone(),
+            None => self.damping.ratios(&reduced.frequencies())?,
+        };
         let heading = self.heading(&model, &reduced);
         let section = body::Section { name: &self.name, heading: heading.clone(), damping_ratios, gravity };
         let toml = body::text(&reduced, &interfaces, &section);
-        let said = statement::sizes(&model, &reduced);
-        let report =
+        let mut said = statement::sizes(&model, &reduced);
+        let mut report =
             heading.join("\n") + "\n\n" + &statement::text(&model, &reduced, &interfaces, &self.given);
+        if let Some(matrix) = &matrix {
+            let damped = statement::damping(matrix);
+            report.push_str(&format!("\n{damped}\n"));
+            said.push(damped);
+        }
         let npz = archive(&model, &reduced, &interfaces)?;
         Ok(Made { toml, npz, report, said, reduced })
     }

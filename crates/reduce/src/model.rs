@@ -1,4 +1,4 @@
-//! Stiffness and mass with the names of their dofs, and the checks before the reduction.
+//! Stiffness, mass and damping with the names of their dofs, and the checks before the reduction.
 
 use crate::dofs::{Direction, Dofs};
 use crate::sparse::Symmetric;
@@ -16,6 +16,8 @@ pub struct Model {
     pub stiffness: Symmetric,
     /// Mass.
     pub mass: Symmetric,
+    /// Damping, if a file gives it.
+    pub damping: Option<Symmetric>,
     /// Names of the rows.
     pub dofs: Dofs,
     /// Names of the dofs that were clamped, by the files or by an option.
@@ -41,7 +43,7 @@ impl Model {
         if rows == 0 {
             return Err(Error::new("matrices", "they have no rows; expected one row for each dof"));
         }
-        Ok(Self { stiffness, mass, dofs, clamped: Dofs::default(), remarks: Vec::new() })
+        Ok(Self { stiffness, mass, damping: None, dofs, clamped: Dofs::default(), remarks: Vec::new() })
     }
 
     /// The model in SI; its numbers are in `units`.
@@ -49,6 +51,9 @@ impl Model {
         let list = self.dofs.list();
         self.stiffness.scale(|i, j| units.stiffness(list[i].direction, list[j].direction));
         self.mass.scale(|i, j| units.mass(list[i].direction, list[j].direction));
+        if let Some(damping) = &mut self.damping {
+            damping.scale(|i, j| units.damping(list[i].direction, list[j].direction));
+        }
         self
     }
 
@@ -71,6 +76,7 @@ impl Model {
         Ok(Self {
             stiffness: self.stiffness.kept(&kept),
             mass: self.mass.kept(&kept),
+            damping: self.damping.map(|own| own.kept(&kept)),
             dofs: self.dofs.kept(&kept),
             clamped: Dofs::new(both)?,
             remarks: self.remarks,

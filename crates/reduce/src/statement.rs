@@ -1,5 +1,6 @@
 //! The error statement: how far the reduced body is right at its interface nodes.
 
+use crate::damping::Projected;
 use crate::dofs::Direction;
 use crate::eigen::Modes;
 use crate::interface::Interface;
@@ -58,6 +59,19 @@ pub fn labels(interfaces: &[Interface]) -> Vec<String> {
         }
     };
     interfaces.iter().flat_map(of).collect()
+}
+
+/// The damping ratios by a damping matrix, and what they leave out.
+pub fn damping(of: &Projected) -> String {
+    let elastic = of.ratios.iter().copied().filter(|ratio| *ratio > 0.0);
+    let [least, most] = [elastic.clone().fold(f64::INFINITY, f64::min), elastic.fold(0.0, f64::max)];
+    format!(
+        "damping ratios: {:.5} to {:.5}; left out is the damping between different modes, at most {:.3} % of the \
+         geometric mean of their own",
+        Short(least.min(most)),
+        Short(most),
+        Short(100.0 * of.left_out)
+    )
 }
 
 /// Lines about mass, first frequency and sag, which show a wrong unit.

@@ -9,6 +9,7 @@ pub struct Units {
     force: f64,
     length: f64,
     mass: f64,
+    time: f64,
 }
 
 const FORCES: [(&str, f64); 4] = [("N", 1.0), ("mN", 1e-3), ("kN", 1e3), ("MN", 1e6)];
@@ -19,7 +20,7 @@ const EXPECTED: &str = "expected SI, or the units of force, length, mass and tim
 
 impl Units {
     /// Newton, metre, kilogram, second.
-    pub const SI: Self = Self { force: 1.0, length: 1.0, mass: 1.0 };
+    pub const SI: Self = Self { force: 1.0, length: 1.0, mass: 1.0, time: 1.0 };
 
     /// Reads `SI`, `N,mm,t,s`, or `N,mm,t`.
     ///
@@ -43,10 +44,14 @@ impl Units {
             [force, length, mass, time] => (force, length, mass, Some(time)),
             _ => return Err(refused(EXPECTED.into())),
         };
-        let found =
-            Self { force: of(&FORCES, force)?, length: of(&LENGTHS, length)?, mass: of(&MASSES, mass)? };
+        let found = Self {
+            force: of(&FORCES, force)?,
+            length: of(&LENGTHS, length)?,
+            mass: of(&MASSES, mass)?,
+            time: time.map_or(Ok(1.0), |time| of(&TIMES, time))?,
+        };
         if let Some(time) = time {
-            let own = found.mass * found.length / of(&TIMES, time)?.powi(2);
+            let own = found.mass * found.length / found.time.powi(2);
             if (own / found.force - 1.0).abs() > 1e-9 {
                 return Err(refused(format!(
                     "not consistent: 1 {mass} {length}/{time}² is {own:.6} N, not 1 {force}. Give the units in which the \
@@ -61,6 +66,11 @@ impl Units {
     /// Factor to SI of the stiffness between two directions. A rotation has no unit of length.
     pub fn stiffness(&self, one: Direction, other: Direction) -> f64 {
         self.force / self.length * self.lengths(one) * self.lengths(other)
+    }
+
+    /// Factor to SI of the damping between two directions; without a unit of time, of seconds.
+    pub fn damping(&self, one: Direction, other: Direction) -> f64 {
+        self.stiffness(one, other) * self.time
     }
 
     /// Factor to SI of the mass between two directions.

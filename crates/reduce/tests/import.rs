@@ -81,19 +81,19 @@ fn punched(text: &str) -> [Matrix; 2] {
 fn closed_form_every_format_is_read() {
     let dofs = || Some(("b.dof".to_owned(), calculix::dofs(CALCULIX[2], "b.dof").unwrap()));
     let [k, m] = MARKET.map(|text| market::matrix(text, "K.mtx").unwrap());
-    is_expected(&model(k, m, None).unwrap(), false);
+    is_expected(&model(k, m, None, None).unwrap(), false);
     let [k, m] = [CALCULIX[0], CALCULIX[1]].map(|text| calculix::matrix(text, "b.sti").unwrap());
-    is_expected(&model(k, m, dofs()).unwrap(), true);
+    is_expected(&model(k, m, None, dofs()).unwrap(), true);
     let [k, m] = ABAQUS.map(|text| abaqus::matrix(text, "STIF1.mtx").unwrap());
-    is_expected(&model(k, m, None).unwrap(), true);
+    is_expected(&model(k, m, None, None).unwrap(), true);
     let coordinates = [CALCULIX[0], CALCULIX[1]].map(|text| abaqus::matrix(text, "STIF1.mtx").unwrap());
     let [k, m] = coordinates;
-    is_expected(&model(k, m, dofs()).unwrap(), true);
+    is_expected(&model(k, m, None, dofs()).unwrap(), true);
     let [k, m] = punched(PUNCH);
-    is_expected(&model(k, m, None).unwrap(), true);
+    is_expected(&model(k, m, None, None).unwrap(), true);
     let [k, m] = HARWELL.map(|text| harwell::matrix(text, "k.rsa").unwrap());
     let mapped = Some(("k.mapping".to_owned(), harwell::mapping(MAPPING, "k.mapping").unwrap()));
-    is_expected(&model(k, m, mapped).unwrap(), true);
+    is_expected(&model(k, m, None, mapped).unwrap(), true);
 }
 
 /// A reader of a file.
@@ -130,7 +130,7 @@ fn invariant_every_file_that_is_cut_off_is_refused_or_shorter() {
     assert!(market::matrix(&whole(MARKET[0])[..whole(MARKET[0]).len() - 2], "f").is_err());
     let [k, m] = ["1 1 2.0\n", "1 1 1.0\n2 2 1.0\n"].map(|text| calculix::matrix(text, "f").unwrap());
     let dofs = ("d".to_owned(), calculix::dofs("7.x\n7.y\n", "d").unwrap());
-    let text = model(k, m, Some(dofs)).unwrap_err().to_string();
+    let text = model(k, m, None, Some(dofs)).unwrap_err().to_string();
     assert!(text.contains("its last row is 1, but d names 2 dofs"), "{text}");
 }
 
@@ -198,7 +198,7 @@ fn err<T>(read: vibro_reduce::Result<T>) -> Option<String> {
 fn invariant_matrices_that_do_not_fit_are_refused() {
     let matrix = |text: &str| calculix::matrix(text, "f").unwrap();
     let named = |text: &str| Some(("d".to_owned(), calculix::dofs(text, "d").unwrap()));
-    let said = |k: &str, m: &str, dofs| err(model(matrix(k), matrix(m), dofs)).unwrap();
+    let said = |k: &str, m: &str, dofs| err(model(matrix(k), matrix(m), None, dofs)).unwrap();
     let text = said("1 1 1\n999999999999 1 1\n", "1 1 1\n", None);
     assert!(text.contains("999999999999 rows, but only 3 entries"), "{text}");
     let text = said("1 1 1\n3 3 1\n", "1 1 1\n", named("1.x\n2.x\n"));
@@ -215,7 +215,7 @@ fn invariant_matrices_that_do_not_fit_are_refused() {
 fn closed_form_dofs_with_a_penalty_are_clamped() {
     let k = "1,1,1,1,1.0e36\n2,1,1,1,-100.0\n2,1,2,1,300.0\n";
     let [k, m] = [k, "1,1,1,1,5.0\n2,1,2,1,2.0\n"].map(|text| abaqus::matrix(text, "f").unwrap());
-    let model = model(k, m, None).unwrap();
+    let model = model(k, m, None, None).unwrap();
     assert_eq!((model.dofs.len(), model.clamped.list()[0].to_string()), (1, "1.x".into()));
     assert_eq!(dense(&model.stiffness)[(0, 0)], 300.0);
     assert!(model.remarks[0].contains("1.x"), "{:?}", model.remarks);
@@ -242,7 +242,7 @@ fn invariant_files_are_found_by_their_names_and_large_ones_are_not_read() {
     let text = files::read(&sources(odd.to_vec())).unwrap_err().to_string();
     assert!(text.contains("--stiffness FILE"), "{text}");
     let [k, m] = odd;
-    let named = Sources { stiffness: Some(k.clone()), mass: Some(m), dofs: None, files: vec![] };
+    let named = Sources { stiffness: Some(k.clone()), mass: Some(m), ..Sources::default() };
     is_expected(&files::read(&named).unwrap(), false);
     let text = files::read(&sources(vec![write("K.mtx", MARKET[0])])).unwrap_err().to_string();
     assert!(text.contains("no mass matrix"), "{text}");

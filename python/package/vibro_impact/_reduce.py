@@ -53,6 +53,7 @@ def reduce(
     dofs: Optional[Sequence[str]] = None,
     clamp: Union[str, Iterable[str]] = (),
     method: str = "macneal",
+    damping: Optional[MatrixOrFile] = None,
     damping_ratio: Optional[float] = None,
     rayleigh: Optional[tuple[float, float]] = None,
     gravity: Optional[str] = None,
@@ -81,8 +82,8 @@ def reduce(
         Clamped nodes, such as ``"1"`` or ``["1", "7.xz"]``.
     method
         ``"macneal"``, ``"rubin"`` or ``"craig-bampton"``.
-    damping_ratio, rayleigh
-        Damping ratio of every mode, or (α, β) of the damping α M + β K.
+    damping, damping_ratio, rayleigh
+        Damping matrix, whose damping between different modes is left out; damping ratio of every mode; or (α, β) of the damping α M + β K.
     gravity
         Direction of the weight, such as ``"-z"``.
     contact_stiffness, load_frequency
@@ -111,6 +112,8 @@ def reduce(
         for role, matrix in (("stiffness", stiffness), ("mass", mass)):
             if matrix is not None:
                 command.append(_matrix(place, role, matrix, alone=mass is None))
+        if damping is not None:
+            command.append(_matrix(place, "damping", damping, alone=False))
         if dofs is not None:
             (place / "names.txt").write_text("".join(f"{dof}\n" for dof in dofs))
             command.append(f"--dofs={place / 'names.txt'}")

@@ -1,6 +1,7 @@
 //! Orbits of bodies with residual flexibility, whose contacts change the rows of all forces.
 
 use super::*;
+use vibro_studies::Start;
 
 /// Two points of a body: one meets a rigid wall, the other rubs on a pad.
 fn coupled(frequency: f64, friction: f64) -> Machine {

@@ -21,6 +21,8 @@ pub struct Sources {
     pub stiffness: Option<PathBuf>,
     /// The mass matrix.
     pub mass: Option<PathBuf>,
+    /// The damping matrix.
+    pub damping: Option<PathBuf>,
     /// The names of the dofs.
     pub dofs: Option<PathBuf>,
 }
@@ -96,7 +98,8 @@ pub fn read(sources: &Sources) -> Result<Model> {
     };
     let stiffness = stiffness.ok_or_else(|| missing("stiffness"))?;
     let mass = mass.ok_or_else(|| missing("mass"))?;
-    super::model(stiffness, mass, dofs)
+    let damping = sources.damping.as_deref().map(one).transpose()?;
+    super::model(stiffness, mass, damping, dofs)
 }
 
 /// A path's ending in small letters, and its name in capitals.

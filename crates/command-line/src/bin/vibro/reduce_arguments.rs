@@ -25,6 +25,9 @@ pub struct ReduceArguments {
     /// File of the mass matrix, if its name does not tell
     #[arg(long, value_name = "FILE")]
     pub mass: Option<PathBuf>,
+    /// File of a damping matrix, whose damping between different modes is left out
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["damping_ratio", "damping_table", "rayleigh"])]
+    pub damping: Option<PathBuf>,
     /// Names of the dofs in the order of the rows: node.direction on each line
     #[arg(long, value_name = "FILE")]
     pub dofs: Option<PathBuf>,

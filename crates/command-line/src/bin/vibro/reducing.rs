@@ -106,6 +106,7 @@ mod with_feature {
                 files: a.files.clone(),
                 stiffness: a.stiffness.clone(),
                 mass: a.mass.clone(),
+                damping: a.damping.clone(),
                 dofs: a.dofs.clone(),
             },
             units: a.units.clone(),
