@@ -37,17 +37,22 @@ impl<P: Refusal> From<Fault> for Refused<P> {
     }
 }
 
+/// Words about the type of a variable.
+fn of_type(wanted: &str) -> String {
+    if wanted.is_empty() { String::new() } else { format!(" of type {wanted}") }
+}
+
 /// Reason why a call was refused; the component is then unchanged. Each text states the variable,
 /// its value and the valid values. A component may use this as its type of refusals.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
     /// No variable of the requested types has that reference.
-    #[error("value reference {reference} is not a variable of type {wanted}: {found}")]
+    #[error("value reference {reference} is not a variable{}: {found}", of_type(.wanted))]
     Reference {
         /// The reference.
         reference: u32,
-        /// Description of the requested types.
+        /// Description of the requested types; empty if any type will do.
         wanted: &'static str,
         /// Text about the variable with the reference or, without one, about the valid references.
         found: String,
@@ -150,4 +155,19 @@ impl Refusal for Problem {
 /// Refuses a capability that a component does not offer, by name.
 pub(crate) fn not_offered<T, P: Refusal>(what: &'static str) -> Result<T, P> {
     Err(Problem::NotOffered { what }.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn golden_a_reference_of_any_type_is_refused_without_a_type() {
+        let of = |wanted| Problem::Reference { reference: 7, wanted, found: "expected 0 to 3".into() };
+        assert_eq!(of("").to_string(), "value reference 7 is not a variable: expected 0 to 3");
+        assert_eq!(
+            of("Real").to_string(),
+            "value reference 7 is not a variable of type Real: expected 0 to 3"
+        );
+    }
 }
