@@ -114,6 +114,17 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     assert!(text.ends_with(&account) && account.contains("balance off by"), "{account}");
     let (width, height, _) = pixels(&out.join("motion.png"));
     assert!(width > 900 && height > 900);
+    // The caption is a file, which the manifest names.
+    let manifest = std::fs::read_to_string(out.join("run.manifest.toml")).unwrap();
+    assert!(manifest.contains("\ncaption = \"motion.caption.txt\"\n"), "{manifest}");
+    let caption = std::fs::read_to_string(out.join("motion.caption.txt")).unwrap();
+    let lines: Vec<&str> = caption.lines().filter(|line| !line.is_empty()).collect();
+    assert!(
+        account.lines().all(|line| lines.contains(&line)) && lines[0] == "Damper with buffer",
+        "{caption}"
+    );
+    let made = format!("Made by vibro {}: vibro run ", env!("CARGO_PKG_VERSION"));
+    assert!(lines[lines.len() - 1].starts_with(&made), "{caption}");
     // The same run overwrites its result; another machine is refused.
     drawn(&out, &["run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"]);
     let arguments = [
@@ -145,7 +156,7 @@ fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
     let column = many.columns.iter().position(|c| c == "buffer.f").unwrap();
     let sampled = many.rows.iter().map(|row| row[1 + column]).fold(0.0, f64::max);
     let drawn = vibro::machine::figure(&few, Vec::new()).unwrap();
-    let panel = drawn.panels.iter().find(|p| p.y.label == "f (N)").unwrap();
+    let panel = drawn.panels.iter().find(|p| p.y.label == "force, N").unwrap();
     let Shape::Lines { pieces, .. } = &panel.layers[0].shape else { panic!("no curve") };
     let top = pieces.iter().flatten().map(|point| point.1).fold(0.0, f64::max);
     // 20,000 samples miss a half-sine of 1.3 ms by up to 0.2 %, and never exceed it.
@@ -156,7 +167,7 @@ fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
         let highest = pieces.iter().flatten().filter(within).map(|p| p.1).fold(0.0, f64::max);
         assert!(highest >= peak * (1.0 - 1e-9), "{highest} {contact:?}");
     }
-    assert!(drawn.panels.iter().any(|p| p.y.label == "closing speed (m/s)"));
+    assert!(drawn.panels.iter().any(|p| p.y.label == "closing speed of steel, m/s"));
 }
 
 #[test]
@@ -204,14 +215,60 @@ fn invariant_losses_of_contacts_with_friction_are_those_of_the_account() {
         assert!(all.len() == count && account > 1e-3, "{} {account}", all.len());
         assert!((lost / account - 1.0).abs() < LOSSES, "{lost} {account}");
         let picture = vibro::machine::figure(&record, Vec::new()).unwrap();
-        let panel = picture.panels.iter().find(|panel| panel.y.label == "f (N)").unwrap();
+        let panel = picture.panels.iter().find(|panel| panel.y.label == "force, N").unwrap();
         let names: Vec<&str> = panel.layers.iter().filter_map(|layer| layer.name.as_deref()).collect();
-        assert_eq!(names, ["casing", "casing.ft"]);
+        assert_eq!(names, ["casing", "casing, tangential"]);
         let out = folder("assembly-rub");
         let path = path.display().to_string();
         let told = drawn(&out, &["run", &path, "--until", "0.12", "--samples", "100"]);
         assert!(told.contains(&format!("contact.casing: {count} contacts, largest force ")), "{told}");
     }
+}
+
+/// The picture of a motion of an example.
+fn pictured(name: &str, until: f64, samples: usize) -> vibro_figures::chart::Figure {
+    let description = vibro_machine::file::read(&example(name)).unwrap();
+    let times = vibro::machine::even_times((0.0, until), samples).unwrap();
+    let record =
+        vibro::machine::record(description, &Start::default(), &times, &Arc::default(), &mut |_| ()).unwrap();
+    vibro::machine::figure(&record, Vec::new()).unwrap()
+}
+
+/// Title, axes and curves of clutches in words. Where no stop is, the picture shows the sliding.
+#[test]
+fn golden_words_of_a_picture() {
+    let picture = pictured("msl_coupled_clutches.toml", 0.1, 50);
+    assert_eq!(picture.title, "Msl coupled clutches");
+    let panels: Vec<_> =
+        picture.panels.iter().map(|own| (own.title.as_str(), own.y.label.as_str())).collect();
+    let expected = [
+        ("(a)", "angle, rad"),
+        ("(b)", "relative angular velocity, rad/s"),
+        ("(c)", "torque of clutch 1, N·m"),
+    ];
+    assert_eq!(panels, expected);
+    assert_eq!((picture.panels[0].x.label.as_str(), picture.panels[0].x.factor), ("time, s", Some(1.0)));
+    // J3 and J4, and clutches 2 and 3, do not move yet: equal curves are one.
+    let names = |panel: usize| -> Vec<_> {
+        picture.panels[panel].layers.iter().filter_map(|layer| layer.name.as_deref()).collect()
+    };
+    assert_eq!(names(0), ["J1", "J2", "J3 = J4"]);
+    assert_eq!(names(1), ["clutch 1", "clutch 2", "clutch 3"]);
+}
+
+/// The area of the loop of Iwan's joint is the loss of its sliders, 4 slip (X - slip/k) each.
+#[test]
+fn closed_form_area_of_the_loop_of_a_joint() {
+    // 720 chords cut off the loop's ten corners by up to a chord each.
+    const CORNERS: f64 = 1e-3;
+    let picture = pictured("iwan_joint.toml", 1.0, 10);
+    let panel = picture.panels.iter().find(|own| own.x.label == "relative displacement, mm").unwrap();
+    assert_eq!(panel.title, "(b) the next period: slip 1 + slip 2 + slip 3 + slip 4");
+    let points = panel.layers[0].extent();
+    let area: f64 = points.windows(2).map(|p| 0.5 * (p[0].0 * p[1].1 - p[1].0 * p[0].1)).sum();
+    let largest = points.iter().fold(0.0, |most: f64, p| most.max(p.0.abs()));
+    let lost: f64 = [2.0, 5.0, 9.0, 14.0].iter().map(|slip| 4.0 * slip * (largest - slip / 2e4)).sum();
+    assert!((area.abs() / lost - 1.0).abs() < CORNERS, "{area} {lost}");
 }
 
 #[test]

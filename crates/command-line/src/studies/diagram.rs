@@ -8,7 +8,7 @@ use super::panels::{DIRECTIONS, contact_panel, hysteresis, maxima_rows, remarks,
 use crate::Result;
 use crate::table::{TextTable, exact};
 use vibro_figures::canvas::palette::GREY;
-use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, THIN};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, THIN, lettered};
 use vibro_studies::diagram::{Diagram, DiagramMachine, DiagramPoint, DiagramRequest};
 
 /// Relation of successive values of a diagram.
@@ -68,13 +68,6 @@ pub(super) fn method<M: ShownDiagram>(request: &DiagramRequest<M>) -> String {
     )
 }
 
-/// Letters before the titles of panels.
-pub(super) fn letters(panels: &mut [Panel]) {
-    for (letter, panel) in ('a'..).zip(panels) {
-        panel.title = format!("({letter}) {}", panel.title);
-    }
-}
-
 /// Axis of the parameter of a diagram, up to the edges of its cells.
 pub(super) fn across<M: ShownDiagram>(machine: &M, request: &DiagramRequest<M>) -> Axis {
     Axis { range: Some(request.axis.edges()), ..machine.axis(&request.axis.name) }
@@ -107,13 +100,13 @@ pub fn diagram<M: ShownDiagram>(
     }
     if machine.has_impacts() {
         let [title, label] = M::IMPACTS;
-        panels.push(contact_panel(title, across(machine, request), label, diagram));
+        panels.push(contact_panel(title, across(machine, request), label, (&request.axis, diagram)));
     }
     if request.anew {
         let falls = |layer: &Layer| layer.name.as_ref().is_some_and(|name| name.starts_with("value falling"));
         panels.iter_mut().for_each(|panel| panel.layers.retain(|layer| !falls(layer)));
     }
-    letters(&mut panels);
+    lettered(&mut panels);
     let [title, of, over] = machine.titles(request);
     let figure = Figure {
         title,

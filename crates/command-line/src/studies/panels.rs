@@ -93,23 +93,43 @@ pub(super) fn shaded<N: AxisName, P: DiagramPoint>(
     ]
 }
 
+/// The counts of contacts as level pieces, `width` for each value: no line joins different counts.
+fn levels<P: DiagramPoint>(points: &[Option<P>], width: f64) -> Vec<Path> {
+    let mut pieces: Vec<Path> = Vec::new();
+    let mut before = None;
+    for point in points {
+        let count = point.as_ref().map(DiagramPoint::contacts);
+        if let (Some(point), Some(count)) = (point, count) {
+            let end = (point.value() + 0.5 * width, count);
+            match pieces.last_mut().filter(|_| before == Some(count)) {
+                // The value may fall from point to point.
+                Some(piece) => piece.push((point.value() - 0.5 * width, count)),
+                None => pieces.push(vec![(point.value() - 0.5 * width, count)]),
+            }
+            pieces.last_mut().into_iter().for_each(|piece| piece.push(end));
+        }
+        before = count;
+    }
+    pieces
+}
+
 /// Panel of the impacts per period in both directions.
-pub(super) fn contact_panel<P: DiagramPoint>(
+pub(super) fn contact_panel<N: AxisName, P: DiagramPoint>(
     title: &str,
     x: Axis,
     label: &str,
-    diagram: &Diagram<P>,
+    (axis, diagram): (&ParameterAxis<N>, &Diagram<P>),
 ) -> Panel {
-    let curve = |points: &[Option<P>]| -> Path {
-        points.iter().flatten().map(|p| (p.value(), p.contacts())).collect()
-    };
+    let (from, to) = axis.edges();
+    let width = (to - from) / axis.count as f64;
+    let curve = |name, colour, points| Layer::lines(name, colour, Dash::Solid, levels(points, width));
     Panel {
         title: title.into(),
         x,
-        y: Axis::new(label),
+        y: Axis::counts(label),
         layers: vec![
-            Layer::line("value falling", SKY, Dash::Solid, curve(&diagram.down)).stroke(WIDE),
-            Layer::line("value rising", BLACK, Dash::Solid, curve(&diagram.up)).stroke(THIN),
+            curve("value falling", SKY, &diagram.down).stroke(WIDE),
+            curve("value rising", BLACK, &diagram.up).stroke(THIN),
         ],
     }
 }
