@@ -113,6 +113,13 @@ fn levels<P: DiagramPoint>(points: &[Option<P>], width: f64) -> Vec<Path> {
     pieces
 }
 
+/// The contacts per period if they are equal at all values in both directions.
+pub(super) fn same_contacts<P: DiagramPoint>(diagram: &Diagram<P>) -> Option<f64> {
+    let mut all = diagram.up.iter().chain(&diagram.down).flatten().map(DiagramPoint::contacts);
+    let first = all.next()?;
+    all.all(|count| count == first).then_some(first)
+}
+
 /// Panel of the impacts per period in both directions.
 pub(super) fn contact_panel<N: AxisName, P: DiagramPoint>(
     title: &str,

@@ -124,7 +124,7 @@ fn lines<M: Labelled>(
     let panel = |group: Vec<&MeasureRecord<M>>| {
         let mut layers = Vec::new();
         for record in &group {
-            layers.extend(curve(set, axis, &order, record, request.motions() > 1));
+            layers.extend(curve(set, axis, &order, record, (request.motions() > 1, group.len() > 1)));
         }
         let bad: Path = order
             .iter()
@@ -149,13 +149,14 @@ fn lines<M: Labelled>(
     groups.into_iter().map(panel).collect()
 }
 
-/// The layers of one measure over one parameter.
+/// The layers of one measure over one parameter, for several motions of a design and named among
+/// others in the panel.
 fn curve<M: Labelled>(
     set: &M,
     axis: &SampledAxis<M::Name>,
     order: &[usize],
     record: &MeasureRecord<M>,
-    several: bool,
+    (several, named): (bool, bool),
 ) -> Vec<Layer> {
     let mut pieces: Vec<Path> = vec![Vec::new()];
     let mut band: Vec<(f64, f64, f64)> = Vec::new();
@@ -178,7 +179,10 @@ fn curve<M: Labelled>(
     if several && pieces.len() == 1 {
         layers.push(Layer::band("", colour, 0.25, band));
     }
-    layers.push(Layer::lines(&name, colour, dash, pieces).labelled(name.clone()));
+    layers.push(match named {
+        true => Layer::lines(&name, colour, dash, pieces).labelled(name.clone()),
+        false => Layer::lines("", colour, dash, pieces),
+    });
     if !lonely.is_empty() {
         layers.push(Layer::marks("", colour, Mark::Disc, lonely).stroke(THIN));
     }

@@ -2,7 +2,7 @@
 
 use crate::subject::Subject;
 use crate::wording::{self, with_unit};
-use vibro_figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILLION};
+use vibro_figures::canvas::palette::CURVES;
 use vibro_figures::chart::{Axis, Colour};
 use vibro_studies::design_sweep::DesignMachine;
 use vibro_studies::significant;
@@ -58,9 +58,6 @@ pub trait Labelled: DesignMachine + Subject {
 
 /// Gaps below this, m, make all lengths of a sweep be shown in mm.
 const SMALL: f64 = 0.1;
-/// Colours of bodies and elements by index.
-const COLOURS: [Colour; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, GREY];
-
 impl Labelled for vibro_studies::Machine {
     fn symbol(&self, name: &String) -> String {
         name.clone()
@@ -152,7 +149,7 @@ impl Labelled for vibro_studies::Machine {
         let names: Vec<&String> = bodies.chain(self.description.stops.iter().map(|s| &s.name)).collect();
         let place = names.iter().position(|name| Some(*name) == body.as_ref());
         let place = place.or_else(|| all.iter().position(|m| m == measure)).unwrap_or(0);
-        COLOURS[place % COLOURS.len()]
+        CURVES[place % CURVES.len()]
     }
 
     fn periods() -> &'static str {
