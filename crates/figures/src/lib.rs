@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`chart`] | figures of panels with axes, curves, cells and legends |
 //! | [`canvas`] | lines, areas and letters, written as SVG and PNG |
-//! | [`print`] | figures of a width in print |
+//! | [`mod@print`] | figures of a width in print |
 //! | [`html`] | text in HTML |
 
 pub mod canvas;
