@@ -125,8 +125,15 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     );
     let made = format!("Made by vibro {}: vibro run ", env!("CARGO_PKG_VERSION"));
     assert!(lines[lines.len() - 1].starts_with(&made), "{caption}");
-    // The same run overwrites its result; another machine is refused.
-    drawn(&out, &["run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"]);
+    // The same run overwrites its result, also with another width; another machine is refused.
+    let again = ["run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"];
+    drawn(&out, &[&again[..], &["--width", "84mm"]].concat());
+    let svg = std::fs::read_to_string(out.join("motion.svg")).unwrap();
+    assert!(svg.starts_with("<svg width=\"84mm\" ") && pixels(&out.join("motion.png")).0 == 1984, "{svg}");
+    for (width, problem) in [("8mm", "expected a length from 50mm to 400mm"), ("84", "e.g. 84mm")] {
+        let (code, error) = refused(&[&again[..], &["--width", width]].concat());
+        assert!(code == 2 && error.contains("--width") && error.contains(problem), "{error}");
+    }
     let arguments = [
         "run",
         &machine("damper_with_buffer.toml"),

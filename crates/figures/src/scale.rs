@@ -269,7 +269,15 @@ mod tests {
                     let axis = Axis { range: Some((low, high)), log, ..Axis::default() };
                     let scale = Scale::new(&axis, std::iter::empty(), from, to);
                     let ticks = scale.ticks();
-                    assert!(!ticks.is_empty() && scale.has_room(&ticks), "{length} {low} {high}: {ticks:?}");
+                    assert!(!ticks.is_empty(), "{length} {low} {high}");
+                    for pair in ticks.windows(2) {
+                        let [one, other] = [0, 1].map(|k| {
+                            let half = 0.5 * if from < to { text_width(&pair[k].1, SMALL) } else { SMALL };
+                            let place = scale.place(pair[k].0);
+                            (place - half, place + half)
+                        });
+                        assert!(one.1 < other.0 || other.1 < one.0, "{length} {low} {high}: {pair:?}");
+                    }
                 }
             }
         }

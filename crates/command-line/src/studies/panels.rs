@@ -94,19 +94,17 @@ pub(super) fn shaded<N: AxisName, P: DiagramPoint>(
 }
 
 /// The counts of contacts as level pieces, `width` for each value: no line joins different counts.
-fn levels<P: DiagramPoint>(points: &[Option<P>], width: f64) -> Vec<Path> {
+fn levels(points: impl Iterator<Item = Option<(f64, f64)>>, width: f64) -> Vec<Path> {
     let mut pieces: Vec<Path> = Vec::new();
     let mut before = None;
     for point in points {
-        let count = point.as_ref().map(DiagramPoint::contacts);
-        if let (Some(point), Some(count)) = (point, count) {
-            let end = (point.value() + 0.5 * width, count);
+        let count = point.map(|own| own.1);
+        if let Some((value, count)) = point {
+            let ends = [-0.5, 0.5].map(|part| (value + part * width, count));
             match pieces.last_mut().filter(|_| before == Some(count)) {
-                // The value may fall from point to point.
-                Some(piece) => piece.push((point.value() - 0.5 * width, count)),
-                None => pieces.push(vec![(point.value() - 0.5 * width, count)]),
+                Some(piece) => piece.extend(ends),
+                None => pieces.push(ends.to_vec()),
             }
-            pieces.last_mut().into_iter().for_each(|piece| piece.push(end));
         }
         before = count;
     }
@@ -129,7 +127,10 @@ pub(super) fn contact_panel<N: AxisName, P: DiagramPoint>(
 ) -> Panel {
     let (from, to) = axis.edges();
     let width = (to - from) / axis.count as f64;
-    let curve = |name, colour, points| Layer::lines(name, colour, Dash::Solid, levels(points, width));
+    let curve = |name, colour, points: &[Option<P>]| {
+        let counts = points.iter().map(|own| own.as_ref().map(|own| (own.value(), own.contacts())));
+        Layer::lines(name, colour, Dash::Solid, levels(counts, width))
+    };
     Panel {
         title: title.into(),
         x,
@@ -208,4 +209,21 @@ pub(super) fn remarks<P: DiagramPoint>(
         lines.push(format!("{refused} values left out: the simulation failed"));
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::levels;
+
+    /// Two impacts, two, three, a value without a motion, and three.
+    #[test]
+    fn golden_no_line_joins_different_counts() {
+        let counts = [Some((1.0, 2.0)), Some((2.0, 2.0)), Some((3.0, 3.0)), None, Some((5.0, 3.0))];
+        let expected = [
+            vec![(0.5, 2.0), (1.5, 2.0), (1.5, 2.0), (2.5, 2.0)],
+            vec![(2.5, 3.0), (3.5, 3.0)],
+            vec![(4.5, 3.0), (5.5, 3.0)],
+        ];
+        assert_eq!(levels(counts.into_iter(), 1.0), expected);
+    }
 }
