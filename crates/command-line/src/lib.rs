@@ -14,6 +14,7 @@
 //! | [`special_points`] | special points of branches from their table |
 //! | [`part_folder`] | finished parts of long studies on disk |
 //! | [`whole_file`] | files that are complete or absent |
+//! | [`wording`] | names and units in pictures, in words |
 
 pub mod design_file;
 mod error;
@@ -31,5 +32,6 @@ pub mod studies;
 pub mod subject;
 pub mod table;
 pub mod whole_file;
+pub mod wording;
 
 pub use error::{Error, Result};

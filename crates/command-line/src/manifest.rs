@@ -32,6 +32,9 @@ pub struct Manifest {
     pub version: String,
     /// Stem of the result's files.
     pub study: String,
+    /// Name of the file with the caption of the picture; `None` without a picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub caption: Option<String>,
     /// The command that computes it.
     pub invocation: Invocation,
     /// The physical parameters in SI, by their structured names.
@@ -53,6 +56,7 @@ impl Manifest {
             program: PROGRAM.into(),
             version: env!("CARGO_PKG_VERSION").into(),
             study: study.into(),
+            caption: None,
             invocation,
             si,
             groups,

@@ -114,8 +114,26 @@ fn golden_files_of_a_motion_are_the_librarys_numbers() {
     assert!(text.ends_with(&account) && account.contains("balance off by"), "{account}");
     let (width, height, _) = pixels(&out.join("motion.png"));
     assert!(width > 900 && height > 900);
-    // The same run overwrites its result; another machine is refused.
-    drawn(&out, &["run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"]);
+    // The caption is a file, which the manifest names.
+    let manifest = std::fs::read_to_string(out.join("run.manifest.toml")).unwrap();
+    assert!(manifest.contains("\ncaption = \"motion.caption.txt\"\n"), "{manifest}");
+    let caption = std::fs::read_to_string(out.join("motion.caption.txt")).unwrap();
+    let lines: Vec<&str> = caption.lines().filter(|line| !line.is_empty()).collect();
+    assert!(
+        account.lines().all(|line| lines.contains(&line)) && lines[0] == "Damper with buffer",
+        "{caption}"
+    );
+    let made = format!("Made by vibro {}: vibro run ", env!("CARGO_PKG_VERSION"));
+    assert!(lines[lines.len() - 1].starts_with(&made), "{caption}");
+    // The same run overwrites its result, also with another width; another machine is refused.
+    let again = ["run", &machine("damper_with_buffer.toml"), "--until", "0.5", "--samples", "50"];
+    drawn(&out, &[&again[..], &["--width", "84mm"]].concat());
+    let svg = std::fs::read_to_string(out.join("motion.svg")).unwrap();
+    assert!(svg.starts_with("<svg width=\"84mm\" ") && pixels(&out.join("motion.png")).0 == 1984, "{svg}");
+    for (width, problem) in [("8mm", "expected a length from 50mm to 400mm"), ("84", "e.g. 84mm")] {
+        let (code, error) = refused(&[&again[..], &["--width", width]].concat());
+        assert!(code == 2 && error.contains("--width") && error.contains(problem), "{error}");
+    }
     let arguments = [
         "run",
         &machine("damper_with_buffer.toml"),
@@ -145,7 +163,7 @@ fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
     let column = many.columns.iter().position(|c| c == "buffer.f").unwrap();
     let sampled = many.rows.iter().map(|row| row[1 + column]).fold(0.0, f64::max);
     let drawn = vibro::machine::figure(&few, Vec::new()).unwrap();
-    let panel = drawn.panels.iter().find(|p| p.y.label == "f (N)").unwrap();
+    let panel = drawn.panels.iter().find(|p| p.y.label == "force, N").unwrap();
     let Shape::Lines { pieces, .. } = &panel.layers[0].shape else { panic!("no curve") };
     let top = pieces.iter().flatten().map(|point| point.1).fold(0.0, f64::max);
     // 20,000 samples miss a half-sine of 1.3 ms by up to 0.2 %, and never exceed it.
@@ -156,7 +174,7 @@ fn second_method_contacts_and_their_peaks_do_not_depend_on_the_samples() {
         let highest = pieces.iter().flatten().filter(within).map(|p| p.1).fold(0.0, f64::max);
         assert!(highest >= peak * (1.0 - 1e-9), "{highest} {contact:?}");
     }
-    assert!(drawn.panels.iter().any(|p| p.y.label == "closing speed (m/s)"));
+    assert!(drawn.panels.iter().any(|p| p.y.label == "closing speed of steel, m/s"));
 }
 
 #[test]
@@ -204,9 +222,9 @@ fn invariant_losses_of_contacts_with_friction_are_those_of_the_account() {
         assert!(all.len() == count && account > 1e-3, "{} {account}", all.len());
         assert!((lost / account - 1.0).abs() < LOSSES, "{lost} {account}");
         let picture = vibro::machine::figure(&record, Vec::new()).unwrap();
-        let panel = picture.panels.iter().find(|panel| panel.y.label == "f (N)").unwrap();
+        let panel = picture.panels.iter().find(|panel| panel.y.label == "force, N").unwrap();
         let names: Vec<&str> = panel.layers.iter().filter_map(|layer| layer.name.as_deref()).collect();
-        assert_eq!(names, ["casing", "casing.ft"]);
+        assert_eq!(names, ["casing", "casing, tangential"]);
         let out = folder("assembly-rub");
         let path = path.display().to_string();
         let told = drawn(&out, &["run", &path, "--until", "0.12", "--samples", "100"]);

@@ -268,7 +268,8 @@ fn second_method_points_of_a_plane_are_single_motions_and_its_picture_shows_them
     }
     assert!(compared > 3, "{compared}");
     let svg = String::from_utf8(read(&out, &format!("{PLANE_NAME}.svg"))).unwrap();
-    for words in ["(a) Class of the motion", "(b) Impacts and first touches a period", "stop.steel.gap (mm)"]
+    for words in
+        ["(a) Class of the motion", "(b) Impacts and first touches a period", "gap of steel stop, mm"]
     {
         assert!(svg.contains(words), "{words}");
     }

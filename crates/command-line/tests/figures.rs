@@ -1,6 +1,11 @@
 //! Pictures by their pixels and files: curves stay inside the frames of their panels, files are
 //! small, bodies have their colours, and colours differ in lightness.
 
+#[path = "figures/layout.rs"]
+mod layout;
+#[path = "figures/motion.rs"]
+mod motion;
+
 use std::collections::BTreeMap;
 use vibro::studies::{self, Study};
 use vibro_figures::canvas;
@@ -8,7 +13,7 @@ use vibro_figures::canvas::palette::{
     BLACK, BLOCK, BODIES, BOX, CENTRE, FAMILY, HERE, RELATIVE, SECONDARY, WHITE,
 };
 use vibro_figures::canvas::{Colour, Drawing};
-use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, Shape};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path, STYLES, Shape, lettered, style};
 use vibro_studies::diagram::diagram;
 use vibro_studies::paper::bifurcation::Sweep;
 use vibro_studies::paper::lyapunov::SpectrumOptions;
@@ -36,7 +41,11 @@ fn figure(layers: Vec<Layer>) -> Figure {
 
 /// The pixels of a figure's PNG: width, height, RGB rows from the top.
 fn drawn(figure: &Figure) -> (usize, usize, Vec<u8>) {
-    let file = canvas::png(figure).unwrap();
+    decoded(canvas::png(figure).unwrap())
+}
+
+/// The pixels of a PNG file.
+fn decoded(file: Vec<u8>) -> (usize, usize, Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
@@ -166,14 +175,22 @@ fn a_name_beside_a_curve_of_one_panel_is_in_no_shared_legend() {
     assert_eq!(count(vec![crowded]), 1);
 }
 
+/// Both files of a picture contain its caption, and the picture shows no word of it.
 #[test]
-fn a_caption_keeps_symbols_values_and_units_together() {
-    let values: Vec<String> = (0..60).map(|i| format!("k = {i} kN/m")).collect();
-    let caption = vec![format!("{} (all set)", values.join(", "))];
-    let lines = texts(&Figure { caption, ..figure(Vec::new()) });
-    let of_caption: Vec<_> = lines.iter().filter(|l| l.contains("kN/m")).collect();
-    assert!(of_caption.len() > 3);
-    assert!(of_caption.iter().all(|l| l.starts_with("k = ")), "{of_caption:?}");
+fn golden_the_caption_is_in_the_metadata_of_both_files() {
+    let caption = vec!["x < 1 & y".to_owned(), "Elsewhere k₁ = 48 kN/m".to_owned()];
+    let drawing = Figure { title: "Gear mesh".into(), caption, ..figure(Vec::new()) };
+    let told = "(a): y (–), over x (–).\nx < 1 & y\nElsewhere k₁ = 48 kN/m";
+    assert_eq!(drawing.about().text, told);
+    let svg = canvas::svg(&drawing).unwrap();
+    let escaped = told.replace('&', "&amp;").replace('<', "&lt;");
+    assert!(svg.contains(&format!("<title>Gear mesh</title>\n<desc>{escaped}</desc>\n")), "{svg}");
+    assert_eq!(texts(&drawing).iter().filter(|text| text.contains("kN/m")).count(), 0);
+    let file = canvas::png(&drawing).unwrap();
+    let reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
+    let words = reader.info().utf8_text.iter().map(|text| (text.keyword.as_str(), text.get_text().unwrap()));
+    let words: Vec<_> = words.collect();
+    assert_eq!(words, [("Title", "Gear mesh".to_owned()), ("Description", told.to_owned())]);
 }
 
 /// WCAG 2.2: the lighter of two luminances over the darker, with some stray light.
@@ -206,6 +223,32 @@ fn invariant_colours_are_told_apart_by_their_lightness() {
     assert!(FAMILY.iter().chain([&HERE, &BLACK]).all(|colour| !BODIES.contains(colour)));
 }
 
+/// Any two curves of a panel differ in lightness or in dashes.
+#[test]
+fn invariant_styles_of_curves_are_told_apart_in_grey() {
+    // As for neighbours in the families of colours.
+    const APART: f64 = 1.35;
+    for one in 0..STYLES {
+        for other in 0..one {
+            let [(a, dash), (b, other_dash)] = [style(one), style(other)];
+            assert!(contrast(a, b) > APART || dash != other_dash, "{one} {other}: {}", contrast(a, b));
+        }
+    }
+}
+
+/// Panels have letters only if there are several.
+#[test]
+fn golden_letters_of_panels() {
+    let panels = |titles: &[&str]| -> Vec<String> {
+        let mut panels: Vec<Panel> =
+            titles.iter().map(|title| Panel { title: (*title).into(), ..Panel::default() }).collect();
+        lettered(&mut panels);
+        panels.into_iter().map(|panel| panel.title).collect()
+    };
+    assert_eq!(panels(&["history"]), ["history"]);
+    assert_eq!(panels(&["history", ""]), ["(a) history", "(b)"]);
+}
+
 /// The bodies, by the symbols and words that name them.
 const NAMES: [(Colour, &[&str]); 5] = [
     (CENTRE, &["U", "u", "B", "B·L", "centre"]),
@@ -225,8 +268,12 @@ fn body(name: &str) -> Option<Colour> {
 fn check_bodies(study: &Study, count: &mut BTreeMap<Colour, usize>) {
     let Some(figure) = &study.figure else { panic!("{} has a picture", study.name) };
     for panel in &figure.panels {
-        let areas =
-            |l: &&Layer| matches!(l.shape, Shape::Band { .. } | Shape::Cells { .. } | Shape::Text { .. });
+        let areas = |l: &&Layer| {
+            matches!(
+                l.shape,
+                Shape::Band { .. } | Shape::Bar { .. } | Shape::Cells { .. } | Shape::Text { .. }
+            )
+        };
         for layer in panel.layers.iter().filter(|l| !areas(l)) {
             let told = layer.label.as_deref().or(layer.name.as_deref());
             let place = format!("{}, {}, {told:?}", study.name, panel.title);

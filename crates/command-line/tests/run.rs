@@ -142,17 +142,17 @@ fn what_cannot_be_run_is_refused_by_name_and_nothing_is_written() {
     }
 }
 
-/// The texts of a run's picture, and its size in bytes.
+/// The texts of a run's picture and the lines of its caption, and the picture's size in bytes.
 fn picture(out: &Path) -> (Vec<String>, usize) {
     let svg = std::fs::read_to_string(out.join("run.svg")).expect("a picture");
     assert!(!svg.contains("NaN"));
     let texts = svg.split("<text").skip(1).filter_map(|t| t.split_once('>')?.1.split('<').next());
-    (texts.map(String::from).collect(), svg.len())
+    let caption = std::fs::read_to_string(out.join("run.caption.txt")).expect("a caption");
+    (texts.chain(caption.lines()).map(String::from).collect(), svg.len())
 }
 
 /// Whether a picture's joined texts contain these words.
 fn says(texts: &[String], words: &str) -> bool {
-    // A caption is split into lines.
     texts.join(" ").contains(words)
 }
 

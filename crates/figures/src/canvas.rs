@@ -8,7 +8,7 @@ pub mod palette;
 mod vector;
 
 pub use flat::{Flat, flat};
-pub use letters::{FONT, FONT_DATA, text_width};
+pub use letters::{FONT, FONT_DATA, text_width, wrapped};
 
 use crate::{Error, Result};
 
@@ -238,12 +238,60 @@ impl Canvas {
     }
 }
 
+/// Words in a picture's files that are not drawn.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct About {
+    /// Its title, in one line.
+    pub title: String,
+    /// Contents of the picture, and the settings of the computation.
+    pub text: String,
+}
+
 /// Something that can be drawn.
 pub trait Drawing {
     /// Its size in units, [`SVG_SHRINK`] times the size of its SVG in pixels.
     fn size(&self) -> (u32, u32);
     /// Draws it on a white canvas of that size.
     fn draw(&self, canvas: &mut Canvas);
+    /// Words for the files' metadata; empty words are left out.
+    fn about(&self) -> About {
+        About::default()
+    }
+    /// The width in print, mm. `None` for a drawing that is sized in pixels.
+    fn millimetres(&self) -> Option<f64> {
+        None
+    }
+}
+
+impl<D: Drawing> Drawing for &D {
+    fn size(&self) -> (u32, u32) {
+        (**self).size()
+    }
+
+    fn draw(&self, canvas: &mut Canvas) {
+        (**self).draw(canvas);
+    }
+
+    fn about(&self) -> About {
+        (**self).about()
+    }
+
+    fn millimetres(&self) -> Option<f64> {
+        (**self).millimetres()
+    }
+}
+
+/// Everything of a drawing but its marks.
+struct Sheet {
+    size: (u32, u32),
+    about: About,
+    millimetres: Option<f64>,
+}
+
+impl Sheet {
+    fn of(drawing: &impl Drawing) -> Self {
+        Self { size: drawing.size(), about: drawing.about(), millimetres: drawing.millimetres() }
+    }
 }
 
 /// The marks of a drawing.
@@ -261,7 +309,7 @@ fn marks(drawing: &impl Drawing) -> Result<Vec<Mark>> {
 /// # Errors
 /// [`Error`] if a coordinate is not finite.
 pub fn svg(drawing: &impl Drawing) -> Result<String> {
-    Ok(vector::document(&marks(drawing)?, drawing.size()))
+    Ok(vector::document(&marks(drawing)?, &Sheet::of(drawing)))
 }
 
 /// A drawing as a PNG file.
@@ -269,7 +317,7 @@ pub fn svg(drawing: &impl Drawing) -> Result<String> {
 /// # Errors
 /// [`Error`] if a coordinate is not finite, or if there is not enough memory for the pixels.
 pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
-    bitmap::file(&marks(drawing)?, drawing.size())
+    bitmap::file(&marks(drawing)?, &Sheet::of(drawing))
 }
 
 /// A drawing as SVG text and as a PNG file, drawn once.
@@ -277,6 +325,6 @@ pub fn png(drawing: &impl Drawing) -> Result<Vec<u8>> {
 /// # Errors
 /// As [`svg()`] and [`png()`].
 pub fn svg_and_png(drawing: &impl Drawing) -> Result<(String, Vec<u8>)> {
-    let marks = marks(drawing)?;
-    Ok((vector::document(&marks, drawing.size()), bitmap::file(&marks, drawing.size())?))
+    let (marks, sheet) = (marks(drawing)?, Sheet::of(drawing));
+    Ok((vector::document(&marks, &sheet), bitmap::file(&marks, &sheet)?))
 }

@@ -1,14 +1,14 @@
 //! Figures as plain data: panels with axes and layers. Layout and style are in `draw`.
 
 pub use crate::canvas::Colour;
-use crate::canvas::palette::WHITE;
+use crate::canvas::palette::{CURVES, WHITE};
 
-/// A figure: a title, panels in a grid, a caption.
+/// A figure: a title, panels in a grid, and a caption for a text file and for the metadata.
 #[derive(Clone, Debug, Default)]
 pub struct Figure {
     /// The title.
     pub title: String,
-    /// Lines below the panels: parameters and their origin.
+    /// Paragraphs of the caption, which is not drawn: method, parameters and their origin.
     pub caption: Vec<String>,
     /// Panels by rows.
     pub panels: Vec<Panel>,
@@ -47,6 +47,8 @@ pub struct Axis {
     pub factor: Option<f64>,
     /// Names at 1, 2, … instead of numbers.
     pub names: Vec<String>,
+    /// Whether it counts something: its ticks are whole numbers.
+    pub whole: bool,
 }
 
 /// One curve, set of marks or area.
@@ -109,6 +111,14 @@ pub enum Shape {
         /// The colours; a cell with `None` is not drawn.
         colours: Vec<Option<Colour>>,
     },
+    /// A bar of the colours of cells, in the legend only. The layer's name is the unit, to the
+    /// right of the bar.
+    Bar {
+        /// The colours from left to right.
+        colours: Vec<Colour>,
+        /// Labels at the ends of the colours: one more than colours.
+        limits: Vec<String>,
+    },
     /// Text centred at a point.
     Text {
         /// Its position.
@@ -163,6 +173,27 @@ const PALE: f64 = 0.55;
 /// Half of the size of marks, in units of the drawing.
 pub const MARK: u32 = 13;
 
+/// Number of styles of curves.
+pub const STYLES: usize = 8;
+/// Number of styles with full lines. The others repeat their colours in dashes.
+pub const COLOURS: usize = CURVES.len();
+
+/// Colour and dashes of a curve by its number in a panel. Any two styles differ in lightness or in
+/// dashes.
+pub fn style(number: usize) -> (Colour, Dash) {
+    let dash = if (number / COLOURS).is_multiple_of(2) { Dash::Solid } else { Dash::Dashed };
+    (CURVES[number % COLOURS], dash)
+}
+
+/// Begins the titles of several panels with letters: (a), (b), …
+pub fn lettered(panels: &mut [Panel]) {
+    if panels.len() > 1 {
+        for (letter, panel) in ('a'..='z').zip(panels) {
+            panel.title = format!("({letter}) {}", panel.title).trim_end().to_owned();
+        }
+    }
+}
+
 impl Axis {
     /// An axis over its data.
     pub fn new(label: impl Into<String>) -> Self {
@@ -178,6 +209,11 @@ impl Axis {
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { factor: Some(factor), ..self }
+    }
+
+    /// An axis of counts over its data, with whole numbers at the ticks.
+    pub fn counts(label: impl Into<String>) -> Self {
+        Self { label: label.into(), whole: true, ..Self::default() }
     }
 
     /// A logarithmic axis over its data.
@@ -257,7 +293,7 @@ impl Layer {
             Shape::Marks { points, .. } => points.clone(),
             Shape::Band { points, .. } => points.iter().flat_map(|&(x, a, b)| [(x, a), (x, b)]).collect(),
             Shape::Cells { x, y, .. } => vec![(x.0, y.0), (x.1, y.1)],
-            Shape::Text { .. } => Vec::new(),
+            Shape::Bar { .. } | Shape::Text { .. } => Vec::new(),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`chart`] | figures of panels with axes, curves, cells and legends |
 //! | [`canvas`] | lines, areas and letters, written as SVG and PNG |
+//! | [`mod@print`] | figures of a width in print |
 //! | [`html`] | text in HTML |
 
 pub mod canvas;
@@ -12,6 +13,7 @@ mod draw;
 pub mod html;
 mod labels;
 mod panel;
+pub mod print;
 mod scale;
 mod symbols;
 

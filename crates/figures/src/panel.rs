@@ -1,7 +1,7 @@
 //! One panel: axes, grid, layers and names next to curves.
 
 use crate::canvas::palette::BLACK;
-use crate::canvas::{Across, Along, Canvas, CanvasPoint, Colour, PNG_SHRINK, Pen, Writing};
+use crate::canvas::{Across, Along, Canvas, CanvasPoint, Colour, PNG_SHRINK, Pen, Writing, wrapped};
 use crate::chart::{Layer, Panel, Path, Shape};
 use crate::labels::Room;
 use crate::scale::{Frame, Scale};
@@ -12,14 +12,29 @@ use std::borrow::Cow;
 const LABEL: f64 = 34.0;
 const GRID: Colour = Colour(225, 225, 225);
 /// Space for labels: left, top, right, bottom.
-const ROOM: [u32; 4] = [185, 80, 45, 140];
+pub(super) const ROOM: [u32; 4] = [185, 80, 45, 140];
+/// Distance of the lines of a title or label.
+const LINE: f64 = 42.0;
 const TICK: f64 = 14.0;
 /// Stroke width of frames, grids and ticks.
 const HAIR: f64 = 3.0;
 
+/// Lines of the texts around a panel: its title, its horizontal and its vertical axis.
+pub(super) type Around = [Vec<String>; 3];
+
+/// The texts around a panel of a given size, in lines that fit.
+pub(super) fn around(panel: &Panel, size: (u32, u32)) -> Around {
+    let [left, top, right, bottom] = ROOM;
+    let wide = f64::from(size.0.saturating_sub(left + right));
+    let high = f64::from(size.1.saturating_sub(top + bottom));
+    [(&panel.title, wide), (&panel.x.label, wide), (&panel.y.label, high)]
+        .map(|(text, room)| wrapped(text, LABEL, room))
+}
+
 /// A laid-out panel: its scales, its frame, and the names next to its curves.
 pub(super) struct Layout<'p> {
     panel: &'p Panel,
+    around: Around,
     x: Scale,
     y: Scale,
     frame: Frame,
@@ -30,15 +45,23 @@ pub(super) struct Layout<'p> {
 }
 
 impl<'p> Layout<'p> {
-    /// Lays out a panel of a given size, with the origin at its upper left corner.
-    pub fn new(panel: &'p Panel, size: (u32, u32)) -> Self {
+    /// Lays out a panel of a given size, with the origin at its upper left corner. `lines` are the
+    /// largest numbers of lines of the texts around any panel of the figure.
+    pub fn new(panel: &'p Panel, size: (u32, u32), lines: [usize; 3]) -> Self {
         let [left, top, right, bottom] = ROOM.map(f64::from);
         let (width, height) = (f64::from(size.0), f64::from(size.1));
-        let frame = Frame { left, top, right: width - right, bottom: height - bottom };
+        let [above, below, beside] = lines.map(|count| LINE * count.saturating_sub(1) as f64);
+        let frame = Frame {
+            left: left + beside,
+            top: top + above,
+            right: width - right,
+            bottom: height - bottom - below,
+        };
         let extent: Vec<_> = panel.layers.iter().flat_map(Layer::extent).collect();
         let x = Scale::new(&panel.x, extent.iter().map(|p| p.0), frame.left, frame.right);
         let y = Scale::new(&panel.y, extent.iter().map(|p| p.1), frame.bottom, frame.top);
-        let mut layout = Self { panel, x, y, frame, names: Vec::new(), entries: Vec::new() };
+        let around = around(panel, size);
+        let mut layout = Self { panel, around, x, y, frame, names: Vec::new(), entries: Vec::new() };
         layout.name_layers();
         layout
     }
@@ -158,9 +181,17 @@ impl<'p> Layout<'p> {
         canvas.lines(&lines, Pen::solid(BLACK, HAIR));
         let (middle, centre) = (0.5 * (left + right), 0.5 * (top + bottom));
         let axis = style(LABEL, Along::Middle, Across::Top);
-        canvas.text((middle, bottom + 68.0), &self.panel.x.label, &axis);
-        canvas.text((12.0, centre), &self.panel.y.label, &Writing { upwards: true, ..axis });
-        canvas.text((left, top - 14.0), &self.panel.title, &style(LABEL, Along::Start, Across::Bottom));
+        let [title, across, upright] = &self.around;
+        let places = |lines: &[String]| (0..lines.len()).map(|k| k as f64 * LINE).collect::<Vec<_>>();
+        for (line, down) in across.iter().zip(places(across)) {
+            canvas.text((middle, bottom + 68.0 + down), line, &axis);
+        }
+        for (line, right) in upright.iter().zip(places(upright)) {
+            canvas.text((12.0 + right, centre), line, &Writing { upwards: true, ..axis });
+        }
+        for (line, up) in title.iter().rev().zip(places(title)) {
+            canvas.text((left, top - 14.0 - up), line, &style(LABEL, Along::Start, Across::Bottom));
+        }
     }
 
     fn layer(&self, canvas: &mut Canvas, layer: &Layer) {
@@ -183,7 +214,7 @@ impl<'p> Layout<'p> {
                 canvas.polygon(&lower.chain(upper).collect::<Vec<_>>(), layer.colour, *opacity);
             }
             Shape::Text { at, text } => self.write(canvas, self.place(*at), text, layer.colour),
-            Shape::Band { .. } | Shape::Cells { .. } => {}
+            Shape::Band { .. } | Shape::Bar { .. } | Shape::Cells { .. } => {}
         }
     }
 

@@ -1,9 +1,13 @@
 //! Conversion of values to positions on a panel: scales, ticks and clipping.
 
+use crate::canvas::text_width;
 use crate::chart::Axis;
+use crate::symbols::SMALL;
 
-/// Approximate number of ticks of an axis.
-const TICKS: f64 = 6.0;
+/// Approximate number of ticks of an axis with enough room.
+const TICKS: usize = 6;
+/// Smallest distance between the labels of two ticks.
+const APART: f64 = 12.0;
 /// Margin around data without a given range, as a fraction of its span.
 const AIR: f64 = 0.05;
 
@@ -24,6 +28,7 @@ pub(super) struct Scale {
     log: bool,
     factor: f64,
     names: Vec<String>,
+    whole: bool,
     from: f64,
     to: f64,
 }
@@ -35,7 +40,7 @@ impl Scale {
         let given = axis.range.filter(|(low, high)| low < high && fits(low) && fits(high));
         let (low, high) = given.unwrap_or_else(|| around(values.filter(fits), axis.log));
         let factor = axis.factor.unwrap_or(1.0);
-        Self { low, high, log: axis.log, factor, names: axis.names.clone(), from, to }
+        Self { low, high, log: axis.log, factor, names: axis.names.clone(), whole: axis.whole, from, to }
     }
 
     /// The position of a value.
@@ -48,14 +53,40 @@ impl Scale {
         self.from + part * (self.to - self.from)
     }
 
-    /// Values and labels of the ticks.
+    /// Values and labels of the ticks: about [`TICKS`], or the largest number that has room.
     pub fn ticks(&self) -> Vec<(f64, String)> {
+        let mut ticks = Vec::new();
+        for most in (1..=TICKS).rev() {
+            ticks = self.about(most);
+            if self.has_room(&ticks) {
+                break;
+            }
+        }
+        ticks
+    }
+
+    /// About `most` ticks; names are thinned by the same ratio.
+    fn about(&self, most: usize) -> Vec<(f64, String)> {
         if !self.names.is_empty() {
-            return (1..).map(f64::from).zip(self.names.iter().cloned()).collect();
+            let stride = if most == TICKS { 1 } else { self.names.len().div_ceil(most) };
+            return (1..).map(f64::from).zip(self.names.iter().cloned()).step_by(stride).collect();
         }
         let (low, high) = (self.factor * self.low, self.factor * self.high);
-        let shown = if self.log { log_ticks(low, high) } else { linear_ticks(low, high) };
+        let shown = match self.log {
+            true => log_ticks(low, high, most),
+            false => linear_ticks(low, high, most as f64, self.whole),
+        };
         shown.into_iter().map(|(value, label)| (value / self.factor, label)).collect()
+    }
+
+    /// Whether neighbouring labels do not touch. An upright axis runs upwards, to smaller places.
+    fn has_room(&self, ticks: &[(f64, String)]) -> bool {
+        let size = |label: &str| if self.from < self.to { text_width(label, SMALL) } else { SMALL };
+        let half = |tick: &(f64, String)| 0.5 * size(&tick.1);
+        ticks.windows(2).all(|pair| {
+            let apart = (self.place(pair[1].0) - self.place(pair[0].0)).abs();
+            apart >= half(&pair[0]) + half(&pair[1]) + APART
+        })
     }
 }
 
@@ -75,12 +106,13 @@ fn around(values: impl Iterator<Item = f64>, log: bool) -> (f64, f64) {
     }
 }
 
-/// Round numbers from `low` to `high`, about [`TICKS`] of them.
-fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
-    let rough = (high - low) / TICKS;
+/// Round or whole numbers from `low` to `high`, about `most` of them.
+fn linear_ticks(low: f64, high: f64, most: f64, whole: bool) -> Vec<(f64, String)> {
+    let rough = if whole { ((high - low) / most).max(1.0) } else { (high - low) / most };
     let power = 10f64.powf(rough.log10().floor());
-    let steps = [1.0, 2.0, 2.5, 5.0, 10.0];
-    let step = steps.iter().map(|s| s * power).find(|s| *s >= rough * 0.999).unwrap_or(rough);
+    let steps = [1.0, 2.0, 2.5, 5.0, 10.0].map(|s| s * power);
+    let is_fit = |s: &&f64| **s >= rough * 0.999 && (!whole || s.fract() == 0.0);
+    let step = steps.iter().find(is_fit).copied().unwrap_or(rough);
     let decimals = |d: i32| (step * 10f64.powi(d)).fract();
     let digits = (0..12).find(|&d| decimals(d).min(1.0 - decimals(d)) < 1e-6).unwrap_or(12) as usize;
     let (first, last) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
@@ -90,8 +122,9 @@ fn linear_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
 }
 
 /// Decades from `low` to `high`, with subdivisions if there is room. If there are fewer than
-/// [`FEWEST`], round numbers instead.
-fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+/// [`FEWEST`], round numbers instead. If `most` is less than [`TICKS`], subdivisions and then
+/// decades are left out.
+fn log_ticks(low: f64, high: f64, most: usize) -> Vec<(f64, String)> {
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let decade = |e: i32, factors: &'static [f64]| {
         let digits = (-e).max(0) as usize;
@@ -99,11 +132,11 @@ fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
         factors.iter().map(move |f| f * 10f64.powi(e)).map(move |v| (v, label(v).replace('-', "−")))
     };
     let inside = |t: &(f64, String)| t.0 >= low * (1.0 - 1e-9) && t.0 <= high * (1.0 + 1e-9);
-    let factors: &[f64] = if last - first <= 4 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-    let sparse = ((last - first) as usize / MOST).max(1);
+    let factors: &[f64] = if last - first <= 4 && most == TICKS { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let sparse = ((last - first) as usize / MOST).max(1) * TICKS.saturating_sub(most).max(1);
     let ticks: Vec<_> =
         (first..=last).step_by(sparse).flat_map(|e| decade(e, factors)).filter(inside).collect();
-    if ticks.len() < FEWEST { linear_ticks(low, high) } else { ticks }
+    if ticks.len() < FEWEST { linear_ticks(low, high, most as f64, false) } else { ticks }
 }
 
 /// A number with a power of ten, to four digits.
@@ -197,7 +230,7 @@ mod tests {
 
     fn labels(low: f64, high: f64, log: bool) -> Vec<String> {
         let axis = Axis { range: Some((low, high)), log, ..Axis::default() };
-        Scale::new(&axis, std::iter::empty(), 0.0, 1.0).ticks().into_iter().map(|t| t.1).collect()
+        Scale::new(&axis, std::iter::empty(), 0.0, 2000.0).ticks().into_iter().map(|t| t.1).collect()
     }
 
     #[test]
@@ -212,9 +245,48 @@ mod tests {
     }
 
     #[test]
+    fn closed_form_ticks_of_counts_are_whole() {
+        for (low, high, expected) in [
+            (0.9, 2.1, vec!["1", "2"]),
+            (-0.2, 4.2, vec!["0", "1", "2", "3", "4"]),
+            (0.0, 13.0, vec!["0", "5", "10"]),
+            (0.0, 60.0, vec!["0", "10", "20", "30", "40", "50", "60"]),
+        ] {
+            let axis = Axis { range: Some((low, high)), ..Axis::counts("impacts") };
+            let ticks = Scale::new(&axis, std::iter::empty(), 0.0, 2000.0).ticks();
+            assert_eq!(ticks.into_iter().map(|t| t.1).collect::<Vec<_>>(), expected);
+        }
+    }
+
+    /// On short axes with long numbers, no label touches its neighbour, and at least one remains.
+    #[test]
+    fn invariant_labels_of_ticks_do_not_touch() {
+        for length in [150.0, 400.0, 764.0, 2000.0] {
+            for (low, high, log) in
+                [(0.0, 1.0, false), (-5e-4, 5e-4, false), (0.123_45, 0.123_46, false), (1e-3, 1e3, true)]
+            {
+                for (from, to) in [(0.0, length), (length, 0.0)] {
+                    let axis = Axis { range: Some((low, high)), log, ..Axis::default() };
+                    let scale = Scale::new(&axis, std::iter::empty(), from, to);
+                    let ticks = scale.ticks();
+                    assert!(!ticks.is_empty(), "{length} {low} {high}");
+                    for pair in ticks.windows(2) {
+                        let [one, other] = [0, 1].map(|k| {
+                            let half = 0.5 * if from < to { text_width(&pair[k].1, SMALL) } else { SMALL };
+                            let place = scale.place(pair[k].0);
+                            (place - half, place + half)
+                        });
+                        assert!(one.1 < other.0 || other.1 < one.0, "{length} {low} {high}: {pair:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn ticks_are_round_in_the_unit_of_the_label() {
         let axis = Axis::over("gap (mm)", 0.005, 0.03).times(1000.0);
-        let ticks = Scale::new(&axis, std::iter::empty(), 0.0, 1.0).ticks();
+        let ticks = Scale::new(&axis, std::iter::empty(), 0.0, 2000.0).ticks();
         let labels: Vec<_> = ticks.iter().map(|t| t.1.as_str()).collect();
         assert_eq!(labels, ["5", "10", "15", "20", "25", "30"]);
         assert!(ticks.iter().all(|t| (0.005 - 1e-12..=0.03 + 1e-12).contains(&t.0)), "{ticks:?}");
@@ -228,7 +300,7 @@ mod tests {
             {
                 for values in [vec![], vec![f64::NAN], vec![0.0], vec![3.0], vec![1e-100, 1e100]] {
                     let axis = Axis { range, log, ..Axis::default() };
-                    let scale = Scale::new(&axis, values.clone().into_iter(), 0.0, 1.0);
+                    let scale = Scale::new(&axis, values.clone().into_iter(), 0.0, 2000.0);
                     let ticks = scale.ticks();
                     assert!(!ticks.is_empty() && ticks.len() < 30, "{range:?} {values:?}: {}", ticks.len());
                     assert!(ticks.iter().all(|t| scale.place(t.0).is_finite()), "{range:?} {values:?}");

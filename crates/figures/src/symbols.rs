@@ -1,7 +1,7 @@
 //! Strokes, marks and their samples in legends.
 
 use crate::canvas::palette::{BLACK, WHITE};
-use crate::canvas::{Across, Along, Canvas, CanvasPoint, Pen, Writing, text_width};
+use crate::canvas::{Across, Along, Canvas, CanvasPoint, Pen, Writing, text_width, wrapped};
 use crate::chart::{Colour, Dash, Layer, Mark, Shape};
 
 /// Font size of ticks, legends and labels next to curves.
@@ -10,6 +10,8 @@ pub(super) const SMALL: f64 = 31.0;
 pub(super) const ENTRY: f64 = 54.0;
 /// Width of the sample in a legend entry.
 const SAMPLE: f64 = 90.0;
+/// Distance of the lines of an entry.
+pub(super) const ENTRY_LINE: f64 = 40.0;
 /// Space between the sample and the text of a legend entry.
 const SPACE: f64 = 20.0;
 /// Largest distance of a simplified path from the original, in units of the drawing.
@@ -112,8 +114,51 @@ fn around(at: CanvasPoint, offsets: &[CanvasPoint]) -> Vec<CanvasPoint> {
     offsets.iter().map(|o| (at.0 + o.0, at.1 + o.1)).collect()
 }
 
-/// One entry of a legend with its upper left corner at `at`.
-pub(super) fn entry(canvas: &mut Canvas, layer: &Layer, at: CanvasPoint) {
+/// Height of a bar of colours.
+const BAR: f64 = 26.0;
+/// Free length at both ends of a bar, for the outer halves of its labels.
+const ENDS: f64 = 60.0;
+/// Smallest distance of two labels of a bar.
+const APART: f64 = 14.0;
+
+/// A bar of colours in a legend of a width, with its upper left corner at `at`.
+fn bar(canvas: &mut Canvas, layer: &Layer, at: CanvasPoint, width: f64) {
+    let Shape::Bar { colours, limits } = &layer.shape else { return };
+    let unit = layer.entry().unwrap_or_default();
+    let length = width - 2.0 * ENDS - text_width(unit, SMALL);
+    let (left, top) = (at.0 + ENDS, at.1 + 0.5 * (ENTRY - BAR));
+    let place = |k: usize| left + length * k as f64 / colours.len() as f64;
+    for (k, colour) in colours.iter().enumerate() {
+        canvas.rectangles(&[[(place(k), top), (place(k + 1), top + BAR)]], *colour);
+    }
+    let right = left + length;
+    let frame = vec![(left, top), (right, top), (right, top + BAR), (left, top + BAR), (left, top)];
+    canvas.lines(&[frame], Pen::solid(BLACK, 3.0));
+    let writing =
+        Writing { size: SMALL, colour: BLACK, along: Along::Middle, across: Across::Top, upwards: false };
+    let mut free = f64::NEG_INFINITY;
+    for (k, label) in limits.iter().enumerate() {
+        let half = 0.5 * text_width(label, SMALL);
+        if place(k) - half >= free {
+            canvas.text((place(k), top + BAR + 4.0), label, &writing);
+            free = place(k) + half + APART;
+        }
+    }
+    let beside = Writing { along: Along::Start, across: Across::Centre, ..writing };
+    canvas.text((right + ENDS, top + 0.5 * BAR), unit, &beside);
+}
+
+/// Text of an entry in lines, for a legend of a width.
+pub(super) fn entry_lines(layer: &Layer, width: f64) -> Vec<String> {
+    if let Shape::Bar { .. } = layer.shape {
+        // The bar, and its labels below.
+        return vec![String::new(); 2];
+    }
+    wrapped(layer.entry().unwrap_or_default(), SMALL, width - SAMPLE - SPACE)
+}
+
+/// One entry of a legend of a width, with its upper left corner at `at`.
+pub(super) fn entry(canvas: &mut Canvas, layer: &Layer, at: CanvasPoint, width: f64) {
     let (left, right, y) = (at.0, at.0 + SAMPLE, at.1 + 0.5 * ENTRY);
     match &layer.shape {
         Shape::Lines { width, dash, .. } => {
@@ -129,14 +174,21 @@ pub(super) fn entry(canvas: &mut Canvas, layer: &Layer, at: CanvasPoint) {
             let closed = [corners.clone(), vec![corners[0]]].concat();
             canvas.lines(&[closed], Pen::solid(BLACK, 3.0));
         }
+        Shape::Bar { .. } => bar(canvas, layer, at, width),
         Shape::Cells { .. } | Shape::Text { .. } => {}
     }
     let writing =
         Writing { size: SMALL, colour: BLACK, along: Along::Start, across: Across::Centre, upwards: false };
-    canvas.text((right + SPACE, y), layer.entry().unwrap_or_default(), &writing);
+    for (k, line) in entry_lines(layer, width).iter().enumerate() {
+        canvas.text((right + SPACE, y + k as f64 * ENTRY_LINE), line, &writing);
+    }
 }
 
-/// Width of an entry of a legend.
-pub(super) fn entry_width(layer: &Layer) -> f64 {
-    SAMPLE + SPACE + text_width(layer.entry().unwrap_or_default(), SMALL)
+/// Width of an entry of a legend of a width.
+pub(super) fn entry_width(layer: &Layer, width: f64) -> f64 {
+    if let Shape::Bar { .. } = layer.shape {
+        return width;
+    }
+    let lines = entry_lines(layer, width);
+    SAMPLE + SPACE + lines.iter().map(|line| text_width(line, SMALL)).fold(0.0, f64::max)
 }

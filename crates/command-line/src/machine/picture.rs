@@ -1,26 +1,58 @@
-//! The picture of a motion: coordinates, forces of stops and friction, and the speeds of impacts
-//! over time.
+//! The picture of a motion: coordinates, speeds of sliding, forces of stops and friction, loops of
+//! friction, and the speeds of impacts.
+
+mod loops;
 
 use super::{MotionRecord, forces_of, is_contact};
-use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
-use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, THIN};
+use crate::wording::{self, axis, spoken};
+use vibro_figures::chart::{Axis, COLOURS, Figure, Layer, Mark, Panel, Path, STYLES, THIN, lettered, style};
 use vibro_machine::description::Dimension;
 use vibro_machine::motion::EventKind;
 use vibro_machine::{Element, Quantity, What};
 use vibro_studies::Extreme;
 
-/// Colours of curves; no panel has more curves.
-const COLOURS: [Colour; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK, GREY];
 /// Largest number of samples in a curve; its extremes between samples are added to them.
 const POINTS: usize = 4000;
 /// Size of a panel in units of the drawing.
 const PANEL: (u32, u32) = (2600, 900);
 /// Distance, relative to a curve's size, below which two points count as equal.
 const SAME: f64 = 1e-9;
-/// Lengths up to this, m, are shown in mm.
-const SHORT: f64 = 0.1;
 /// Half the size of the marks of impacts.
 const SMALL: u32 = 8;
+
+/// Nouns and units of a dimension.
+#[derive(Clone, Copy)]
+struct Words {
+    dimension: Dimension,
+    coordinate: &'static str,
+    unit: &'static str,
+    speed: &'static str,
+    rate: &'static str,
+    force: &'static str,
+    force_unit: &'static str,
+}
+
+/// The dimensions in the order of their panels.
+const WORDS: [Words; 2] = [
+    Words {
+        dimension: Dimension::Translation,
+        coordinate: "displacement",
+        unit: "m",
+        speed: "relative velocity",
+        rate: "m/s",
+        force: "force",
+        force_unit: "N",
+    },
+    Words {
+        dimension: Dimension::Rotation,
+        coordinate: "angle",
+        unit: "rad",
+        speed: "relative angular velocity",
+        rate: "rad/s",
+        force: "torque",
+        force_unit: "N.m",
+    },
+];
 
 /// The picture; `None` if there are fewer than two samples.
 pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
@@ -29,112 +61,159 @@ pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
     }
     let d = &record.assembly.description;
     let mut panels = Vec::new();
-    for (dimension, label) in [(Dimension::Translation, "s (m)"), (Dimension::Rotation, "s (rad)")] {
+    for Words { dimension, coordinate, unit, .. } in WORDS {
         let bodies = d.bodies.iter().enumerate().filter(|(_, b)| b.dimension == dimension && !b.is_inner());
-        let coordinate = |i| Quantity::of_body(i, What::S);
-        let curves: Vec<_> =
-            bodies.filter_map(|(i, b)| curve(record, b.name.clone(), coordinate(i))).collect();
-        panels.extend(curves_over_time(record, "coordinates", label, &curves));
+        let curves =
+            bodies.filter_map(|(i, b)| curve(record, spoken(&b.name), Quantity::of_body(i, What::S)));
+        panels.extend(curves_over_time(record, coordinate, unit, curves.collect()));
     }
-    for (dimension, label) in [(Dimension::Translation, "f (N)"), (Dimension::Rotation, "f (N·m)")] {
+    // Without stops, sliding and sticking are all that happens.
+    if d.stops.is_empty() {
+        panels
+            .extend(WORDS.into_iter().filter_map(|own| sliding(record, own.dimension, own.speed, own.rate)));
+    }
+    for Words { dimension, force, force_unit, .. } in WORDS {
         let of = |e: &Element| is_contact(*e) && e.dimension(d) == dimension;
         let these = d.elements().enumerate().filter(|(_, element)| of(element));
         let forces = these.flat_map(|(i, e)| forces_of(i, e).map(move |quantity| (e.name(), quantity)));
         let curves = forces.filter_map(|(name, quantity)| match quantity.what {
-            What::F => curve(record, name.to_owned(), quantity),
-            what => curve(record, format!("{name}.{}", what.word()), quantity),
+            What::F => curve(record, spoken(name), quantity),
+            _ => curve(record, format!("{}, tangential", spoken(name)), quantity),
         });
         // A stop without a force at any time has no curve.
-        let curves: Vec<_> = curves.filter(|curve| curve.extreme.largest != 0.0).collect();
-        panels.extend(curves_over_time(record, "forces of stops and friction", label, &curves));
+        let curves = curves.filter(|curve| curve.size() != 0.0).collect();
+        panels.extend(curves_over_time(record, force, force_unit, curves));
     }
-    for (dimension, label) in
-        [(Dimension::Translation, "closing speed (m/s)"), (Dimension::Rotation, "closing speed (rad/s)")]
-    {
-        panels.extend(impacts(record, dimension, label));
-    }
-    let letters = 'a'..='z';
-    for (letter, panel) in letters.zip(&mut panels) {
-        panel.title = format!("({letter}) {}", panel.title);
-    }
-    Some(Figure { title: d.name.clone(), caption, panels, columns: 1, panel: PANEL, shared_legend: false })
+    panels.extend(loops::panel(record));
+    panels.extend(WORDS.into_iter().filter_map(|own| impacts(record, own.dimension, own.rate)));
+    lettered(&mut panels);
+    let title = wording::title(&d.name);
+    Some(Figure { title, caption, panels, columns: 1, panel: PANEL, shared_legend: false })
 }
 
 fn time_axis(record: &MotionRecord) -> Axis {
     let time = |row: Option<&Vec<f64>>| row.map_or(0.0, |row| row[0]);
-    Axis::over("time (s)", time(record.rows.first()), time(record.rows.last()))
+    let (from, to) = (time(record.rows.first()), time(record.rows.last()));
+    Axis { range: Some((from, to)), ..axis("time", "s", from.abs().max(to.abs())) }
 }
 
-fn curve(record: &MotionRecord, name: String, quantity: Quantity) -> Option<MotionCurve<'_>> {
-    let column = record.assembly.description.quantities().position(|column| column == quantity)?;
-    Some(MotionCurve { name, column, extreme: record.extreme(quantity)? })
-}
-
-/// A drawn quantity: its name, its column in the samples, and its extremes between samples.
-struct MotionCurve<'a> {
+/// A drawn quantity: its name and its points in order of time.
+struct MotionCurve {
     name: String,
-    column: usize,
-    extreme: &'a Extreme,
+    points: Path,
 }
 
-impl MotionCurve<'_> {
-    /// Samples and extremes in order of time, so that no peak between samples is lost.
-    fn points(&self, record: &MotionRecord) -> Path {
-        let stride = record.rows.len().div_ceil(POINTS);
-        let samples = record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + self.column]));
-        let mut points: Path = samples.chain(self.extreme.points()).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Apart from rounding, samples coincide with ends of flights.
-        let end = points.last().map_or(0.0, |point| point.0);
-        let near = |a: f64, b: f64, size: f64| (a - b).abs() <= SAME * size;
-        points.dedup_by(|b, a| near(a.0, b.0, end) && near(a.1, b.1, self.extreme.largest));
-        points
+impl MotionCurve {
+    /// Largest absolute value.
+    fn size(&self) -> f64 {
+        self.points.iter().fold(0.0, |most, point| most.max(point.1.abs()))
+    }
+
+    /// Whether both curves have the same points, apart from rounding.
+    fn equals(&self, other: &Self, size: f64) -> bool {
+        let near = |(a, b): (&(f64, f64), &(f64, f64))| (a.1 - b.1).abs() <= SAME * size;
+        self.points.len() == other.points.len() && self.points.iter().zip(&other.points).all(near)
     }
 }
 
+/// A quantity at the samples, at most [`POINTS`] of them.
+fn samples(record: &MotionRecord, quantity: Quantity) -> Option<Path> {
+    let column = record.assembly.description.quantities().position(|column| column == quantity)?;
+    let stride = record.rows.len().div_ceil(POINTS);
+    Some(record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + column])).collect())
+}
+
+/// The curve of a quantity by its samples and its extremes, so that no peak between samples is lost.
+fn curve(record: &MotionRecord, name: String, quantity: Quantity) -> Option<MotionCurve> {
+    let extreme: &Extreme = record.extreme(quantity)?;
+    let mut points = samples(record, quantity)?;
+    points.extend(extreme.points());
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Apart from rounding, samples coincide with ends of flights.
+    let end = points.last().map_or(0.0, |point| point.0);
+    let near = |a: f64, b: f64, size: f64| (a - b).abs() <= SAME * size;
+    points.dedup_by(|b, a| near(a.0, b.0, end) && near(a.1, b.1, extreme.largest));
+    Some(MotionCurve { name, points })
+}
+
+/// The distinct curves. The name of a curve lists all curves that are equal to it.
+fn distinct(curves: Vec<MotionCurve>) -> Vec<MotionCurve> {
+    let size = curves.iter().map(MotionCurve::size).fold(0.0, f64::max);
+    let mut found: Vec<MotionCurve> = Vec::new();
+    for curve in curves {
+        match found.iter_mut().find(|own| own.equals(&curve, size)) {
+            Some(own) => own.name += &format!(" = {}", curve.name),
+            None => found.push(curve),
+        }
+    }
+    found
+}
+
+/// A panel of curves over time. A single curve is named on the axis; several have a legend.
 fn curves_over_time(
     record: &MotionRecord,
-    title: &str,
-    label: &str,
-    curves: &[MotionCurve],
+    noun: &str,
+    unit: &str,
+    curves: Vec<MotionCurve>,
 ) -> Option<Panel> {
-    if curves.is_empty() {
-        return None;
-    }
-    let layers = curves.iter().zip(COLOURS).map(|(curve, colour)| {
-        Layer::line(&curve.name, colour, Dash::Solid, curve.points(record)).stroke(THIN)
+    let size = curves.iter().map(MotionCurve::size).fold(0.0, f64::max);
+    let curves = distinct(curves);
+    let words = match &curves[..] {
+        [] => return None,
+        [one] => format!("{noun} of {}", one.name),
+        _ => noun.to_owned(),
+    };
+    // Curves without a style are left out, as the title states.
+    let title = match curves.len() {
+        all if all > STYLES => format!("the first {STYLES} of {all}"),
+        _ => String::new(),
+    };
+    let one = curves.len() == 1;
+    let layers = curves.into_iter().take(STYLES).enumerate().map(|(k, curve)| {
+        let (colour, dash) = style(k);
+        Layer::line(if one { "" } else { &curve.name }, colour, dash, curve.points).stroke(THIN)
     });
     let layers = layers.collect();
-    // Small lengths are shown in mm, so that the numbers on the axis are short.
-    let size = curves.iter().map(|curve| curve.extreme.largest).fold(0.0, f64::max);
-    let y = match label {
-        "s (m)" if size < SHORT => Axis::new("s (mm)").times(1e3),
-        _ => Axis::new(label),
-    };
-    // Curves without a colour are left out, as the title states.
-    let title = match curves.len() {
-        all if all > COLOURS.len() => format!("{title}, the first {} of {all}", COLOURS.len()),
-        _ => title.into(),
-    };
-    Some(Panel { title, x: time_axis(record), y, layers })
+    Some(Panel { title, x: time_axis(record), y: axis(&words, unit, size), layers })
 }
 
-fn impacts(record: &MotionRecord, dimension: Dimension, label: &str) -> Option<Panel> {
+/// Speeds of sliding of frictions.
+fn sliding(record: &MotionRecord, dimension: Dimension, noun: &str, unit: &str) -> Option<Panel> {
     let d = &record.assembly.description;
-    let mut layers = Vec::new();
+    let is_friction = |e: &Element| matches!(e, Element::Friction(_)) && e.dimension(d) == dimension;
+    let these = d.elements().enumerate().filter(|(_, element)| is_friction(element));
+    let curves = these.filter_map(|(i, element)| {
+        let points = samples(record, Quantity::of_element(i, What::Rate))?;
+        Some(MotionCurve { name: spoken(element.name()), points })
+    });
+    curves_over_time(record, noun, unit, curves.collect())
+}
+
+fn impacts(record: &MotionRecord, dimension: Dimension, unit: &str) -> Option<Panel> {
+    let d = &record.assembly.description;
+    let mut all: Vec<(String, Path)> = Vec::new();
     for (i, stop) in d.stops.iter().enumerate().filter(|(_, stop)| stop.arms.dimension == dimension) {
         let hits = record.events.iter().filter_map(|event| match event.kind {
             EventKind::Impact { stop, speed, .. } if stop == i => Some((event.time, speed)),
             _ => None,
         });
         let hits: Path = hits.collect();
-        if let (false, Some(&colour)) = (hits.is_empty(), COLOURS.get(layers.len())) {
+        if !hits.is_empty() && all.len() < STYLES {
             let stride = hits.len().div_ceil(POINTS);
-            let points = hits.into_iter().step_by(stride).collect();
-            layers.push(Layer::marks(&stop.name, colour, Mark::Disc, points).stroke(SMALL));
+            all.push((spoken(&stop.name), hits.into_iter().step_by(stride).collect()));
         }
     }
-    let y = Axis::new(label);
-    let title = "impacts".into();
-    (!layers.is_empty()).then(|| Panel { title, x: time_axis(record), y, layers })
+    let largest = all.iter().flat_map(|own| &own.1).fold(0.0, |most: f64, hit| most.max(hit.1));
+    let words = match &all[..] {
+        [] => return None,
+        [(name, _)] => format!("closing speed of {name}"),
+        _ => "closing speed".into(),
+    };
+    let one = all.len() == 1;
+    let layers = all.into_iter().enumerate().map(|(k, (name, points))| {
+        let mark = if k < COLOURS { Mark::Disc } else { Mark::Ring };
+        Layer::marks(if one { "" } else { &name }, style(k).0, mark, points).stroke(SMALL)
+    });
+    let y = axis(&words, unit, largest);
+    Some(Panel { title: String::new(), x: time_axis(record), y, layers: layers.collect() })
 }

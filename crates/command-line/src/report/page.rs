@@ -98,9 +98,12 @@ fn readable(cell: &str) -> String {
 /// A study: picture as PNG, remarks, names of the files with its numbers.
 fn figure(study: &Study, picture: Option<Vec<u8>>) -> String {
     let (name, what) = (escape(&study.name), escape(&study.what));
+    let caption = study.figure.as_ref().map_or(String::new(), |figure| escape(&figure.caption.join(" ")));
     let picture = picture.map_or(String::new(), |bytes| {
         let data = STANDARD.encode(bytes);
-        format!("<p><img alt=\"{what}\" src=\"data:image/png;base64,{data}\"></p>\n")
+        format!(
+            "<p><img alt=\"{what}\" src=\"data:image/png;base64,{data}\"></p>\n<p><small>{caption}</small></p>\n"
+        )
     });
     let remarks: String = study.remarks.iter().map(|r| format!("<li>{}</li>", escape(r))).collect();
     let remarks = if remarks.is_empty() { remarks } else { format!("<ul>{remarks}</ul>\n") };

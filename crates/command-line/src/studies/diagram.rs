@@ -4,11 +4,13 @@ mod described;
 
 use super::Study;
 use super::design_sweep::Labelled;
-use super::panels::{DIRECTIONS, contact_panel, hysteresis, maxima_rows, remarks, window_table};
+use super::panels::{
+    DIRECTIONS, contact_panel, hysteresis, maxima_rows, remarks, same_contacts, window_table,
+};
 use crate::Result;
 use crate::table::{TextTable, exact};
 use vibro_figures::canvas::palette::GREY;
-use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, THIN};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, THIN, lettered};
 use vibro_studies::diagram::{Diagram, DiagramMachine, DiagramPoint, DiagramRequest};
 
 /// Relation of successive values of a diagram.
@@ -68,13 +70,6 @@ pub(super) fn method<M: ShownDiagram>(request: &DiagramRequest<M>) -> String {
     )
 }
 
-/// Letters before the titles of panels.
-pub(super) fn letters(panels: &mut [Panel]) {
-    for (letter, panel) in ('a'..).zip(panels) {
-        panel.title = format!("({letter}) {}", panel.title);
-    }
-}
-
 /// Axis of the parameter of a diagram, up to the edges of its cells.
 pub(super) fn across<M: ShownDiagram>(machine: &M, request: &DiagramRequest<M>) -> Axis {
     Axis { range: Some(request.axis.edges()), ..machine.axis(&request.axis.name) }
@@ -105,24 +100,25 @@ pub fn diagram<M: ShownDiagram>(
             layers: [vec![zero], M::exponent_curves(&diagram.up)].concat(),
         });
     }
+    let mut caption = vec![method(request), format!("Elsewhere {}", machine.caption_but(along))];
     if machine.has_impacts() {
         let [title, label] = M::IMPACTS;
-        panels.push(contact_panel(title, across(machine, request), label, diagram));
+        match same_contacts(diagram) {
+            Some(count) => {
+                caption.push(format!("Not drawn, since it is the same at all values: {count} {label}."))
+            }
+            None => {
+                panels.push(contact_panel(title, across(machine, request), label, (&request.axis, diagram)))
+            }
+        }
     }
     if request.anew {
         let falls = |layer: &Layer| layer.name.as_ref().is_some_and(|name| name.starts_with("value falling"));
         panels.iter_mut().for_each(|panel| panel.layers.retain(|layer| !falls(layer)));
     }
-    letters(&mut panels);
+    lettered(&mut panels);
     let [title, of, over] = machine.titles(request);
-    let figure = Figure {
-        title,
-        caption: vec![method(request), format!("Elsewhere {}", machine.caption_but(along))],
-        panels,
-        columns: 1,
-        panel: (2900, 1150),
-        shared_legend: false,
-    };
+    let figure = Figure { title, caption, panels, columns: 1, panel: (2900, 1150), shared_legend: false };
     let drawn = if request.at_section { "values at the section" } else { "local maxima" };
     let directions = if request.anew { "each value from the same start" } else { "both directions" };
     let told = |value: f64| machine.with_unit(&request.axis.name, value);

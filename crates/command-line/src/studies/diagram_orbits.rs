@@ -4,10 +4,11 @@
 use super::Study;
 use super::branches::{branch_layers, list, listed, marks, or_empty};
 use super::design_sweep::Labelled;
-use super::orbits::{shown_axis, special_table, words};
+use super::orbits::{special_table, words};
 use super::panels::{DIRECTIONS, reach, shaded};
 use crate::Result;
 use crate::table::{CsvRows, exact};
+use crate::wording;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use vibro_figures::chart::{Axis, Figure, Panel};
@@ -85,8 +86,9 @@ pub fn diagram_orbits(
     let parameter = &request.axis.name;
     let (of, what) = (request.of.to_string(), "branches of periodic orbits over the local maxima of");
     let what = format!("{} {what} {of} over {parameter}", branches.len());
+    let d = &machine.description;
     let figure = Figure {
-        title: format!("{}: periodic orbits over the maxima of {of} over {parameter}", machine.description.name),
+        title: format!("{}: periodic orbits over {}", wording::title(&d.name), wording::parameter(parameter)),
         caption: vec![
             "Orbits: full where stable, dashed where unstable; one colour for each period. Cells: motions of the diagram.".into(),
             format!("Elsewhere {}", machine.caption_but(std::slice::from_ref(parameter))),
@@ -187,7 +189,8 @@ fn panel(
     let axis = &request.axis;
     let apart = diagram.apart();
     let range = reach(diagram, &|_, value| value, 0.0);
-    let unit = request.of.find(&machine.description)?.unit;
+    let d = &machine.description;
+    let (unit, of) = (request.of.find(d)?.unit, wording::quantity(d, &request.of));
     let mut layers = shaded((axis, request.keep), diagram, &apart, (range, &|_, value| value));
     let curves = branches.iter().zip(maxima).flat_map(|(branch, all)| {
         let most = all.iter().map(Vec::len).max().unwrap_or(0);
@@ -199,10 +202,7 @@ fn panel(
     Ok(Panel {
         title: String::new(),
         x: Axis { range: Some(axis.edges()), ..machine.axis(&axis.name) },
-        y: Axis {
-            range: Some(range),
-            ..shown_axis(&request.of.to_string(), unit, range.0.abs().max(range.1.abs()))
-        },
+        y: Axis { range: Some(range), ..wording::axis(&of, unit, range.0.abs().max(range.1.abs())) },
         layers,
     })
 }

@@ -1,12 +1,14 @@
 //! Fit of a machine to a record: values with their errors, residuals, a picture.
 
 use super::Study;
-use super::orbits::shown_axis;
 use crate::Result;
 use crate::table::{CsvRows, exact};
+use crate::wording::{self, axis};
 use std::fmt::Write;
 use vibro_figures::canvas::palette::{BLUE, GREY, VERMILLION};
-use vibro_figures::chart::{Axis, Dash, Figure, Layer, Mark, Panel, Path};
+use vibro_figures::chart::{Dash, Figure, Layer, Mark, Panel, Path, lettered};
+use vibro_machine::What;
+use vibro_machine::description::StopLaw;
 use vibro_machine::quantity::NamedQuantity;
 use vibro_studies::fit::{FitRequest, Fitted, Misfit, Suspect, Verdict};
 use vibro_studies::{Machine, significant};
@@ -237,37 +239,63 @@ fn contacts(request: &FitRequest, fitted: &Fitted, values: &[f64]) -> Option<Lay
     (!ticks.is_empty()).then(|| Layer::lines("contacts of the fitted motion", GREY, Dash::Solid, ticks))
 }
 
+/// A curve with a gap at each of these times, where the quantity jumps.
+fn with_gaps(curve: Path, times: &[f64]) -> Path {
+    let mut found = Path::new();
+    for point in curve {
+        if let Some((before, _)) = found.last() {
+            found.extend(
+                times.iter().find(|time| *before < **time && **time <= point.0).map(|t| (*t, f64::NAN)),
+            );
+        }
+        found.push(point);
+    }
+    found
+}
+
 /// Two panels for each of the first [`DRAWN`] columns: the record with the fitted motion, and the
 /// residual.
 fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
     let measured = &request.measured;
     let mut panels = Vec::new();
+    let end = measured.times.iter().fold(0.0, |most: f64, time| most.max(time.abs()));
+    let time = || axis("time", "s", end);
     let every = measured.times.len().div_ceil(POINTS).max(1);
+    let stops = &request.machine.description.stops;
+    let rigid = stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. }));
+    let rigid: Vec<&str> = rigid.map(|stop| stop.name.as_str()).collect();
+    let hits = fitted.events.iter().filter(|(_, stop)| rigid.contains(&stop.as_str()));
+    let impacts: Vec<f64> = hits.map(|(time, _)| *time).collect();
     for (k, (name, values)) in measured.columns.iter().enumerate().take(DRAWN) {
-        let NamedQuantity { unit, .. } = name.find(&request.machine.description)?;
+        let d = &request.machine.description;
+        let (NamedQuantity { unit, .. }, words) = (name.find(d)?, wording::quantity(d, name));
         let size = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let path = |of: &dyn Fn(usize) -> f64| -> Path {
             (0..fitted.residuals.len()).step_by(every).map(|i| (measured.times[i], of(i))).collect()
         };
+        // Only coordinates and elongations are continuous at an impact.
+        let jumps = !matches!(name.what, What::S | What::E | What::TangentE);
         let moved = path(&|i| values[i] + fitted.residuals[i][k]);
+        let moved = if jumps { with_gaps(moved, &impacts) } else { moved };
         let drawn = [
             Layer::marks("record", GREY, Mark::Disc, path(&|i| values[i])).stroke(5),
             Layer::line("fitted motion", BLUE, Dash::Solid, moved),
         ];
         panels.push(Panel {
-            title: name.to_string(),
-            x: Axis::new("time (s)"),
-            y: shown_axis(&name.to_string(), unit, size),
+            title: "record and motion".into(),
+            x: time(),
+            y: axis(&words, unit, size),
             layers: drawn.into_iter().chain(contacts(request, fitted, values)).collect(),
         });
         let size = fitted.residuals.iter().fold(0.0, |most: f64, all| most.max(all[k].abs()));
         panels.push(Panel {
-            title: format!("{name}: residual"),
-            x: Axis::new("time (s)"),
-            y: shown_axis("motion less record", unit, size),
+            title: "residual".into(),
+            x: time(),
+            y: axis("motion less record", unit, size),
             layers: vec![Layer::line("residual", VERMILLION, Dash::Solid, path(&|i| fitted.residuals[i][k]))],
         });
     }
+    lettered(&mut panels);
     let told =
         fitted.values.iter().zip(&fitted.uncertainty.errors).map(|((name, value), error)| match error {
             Some(_) if fitted.verdict != Verdict::Fits => format!("{name} = {}", significant(*value)),
@@ -275,11 +303,24 @@ fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
             None => format!("{name} undetermined"),
         });
     Ok(Figure {
-        title: format!("{}: fit to a record", request.machine.description.name),
+        title: format!("{}: fit to a record", wording::title(&request.machine.description.name)),
         caption: vec![told.collect::<Vec<_>>().join(", ")],
         panels,
         columns: 2,
         panel: (1500, 900),
         shared_legend: false,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_gaps;
+
+    /// The velocity of a ball is not joined across its impact at 0.55 s.
+    #[test]
+    fn golden_a_gap_at_each_jump() {
+        let found = with_gaps(vec![(0.5, -5.0), (0.6, 3.0), (0.7, 2.0)], &[0.55]);
+        assert!(found[1].0 == 0.55 && found[1].1.is_nan() && found.len() == 4, "{found:?}");
+        assert_eq!(with_gaps(vec![(0.5, -5.0), (0.6, 3.0)], &[0.5, 0.7]).len(), 2);
+    }
 }

@@ -6,6 +6,7 @@ use super::Study;
 use super::design_sweep::Labelled;
 use crate::Result;
 use crate::table::{csv_in_groups, exact};
+use crate::wording::with_capital;
 use std::borrow::Cow;
 use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
@@ -115,9 +116,10 @@ pub fn isoperiodic<M: ShownPlane>(
 ) -> Result<Study> {
     let names = [request.x.name.clone(), request.y.name.clone()];
     let pair = format!("({}, {})", machine.symbol(&names[0]), machine.symbol(&names[1]));
+    let words = names.each_ref().map(|name| machine.parameter_words(name)).join(", ");
     let (table, panels) = rayon::join(|| csv(request, plane), || panels(machine, request, plane));
     let figure = Figure {
-        title: format!("Simulated motion over {pair}"),
+        title: with_capital(&format!("{}simulated motion over {words}", machine.title())),
         caption: vec![method(request), format!("Elsewhere {}", machine.caption_but(&names))],
         panels,
         columns: 2,

@@ -6,6 +6,7 @@ use super::curves::{CurveStart, LocusCurve, Texts, study};
 use super::design_sweep::Labelled;
 use crate::Result;
 use crate::table::exact;
+use crate::wording;
 use vibro_figures::chart::Axis;
 use vibro_orbits::{Family, Label, LocusPoint, LocusStart};
 use vibro_studies::Machine;
@@ -57,7 +58,7 @@ pub fn loci(
         names: over,
         over,
         of: "special points",
-        title: format!("{}: special points of periodic orbits", machine.description.name),
+        title: format!("{}: special points of periodic orbits", wording::title(&machine.description.name)),
         elsewhere: machine.caption_but(&names),
         axes: families.map(axis),
         told: &|values| [0, 1].map(|i| machine.told(&names[i], values[i])),

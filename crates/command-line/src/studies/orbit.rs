@@ -2,11 +2,11 @@
 
 use super::Study;
 use super::design_sweep::Labelled;
-use super::orbits::shown_axis;
 use crate::Result;
 use crate::table::{CsvRows, exact};
-use vibro_figures::canvas::palette::{FAMILY, GREY};
-use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path};
+use crate::wording::{self, axis};
+use vibro_figures::canvas::palette::FAMILY;
+use vibro_figures::chart::{Dash, Figure, Layer, Panel, Path};
 use vibro_machine::motion::EventKind;
 use vibro_machine::{Motion, What};
 use vibro_orbits::Orbit;
@@ -71,7 +71,7 @@ pub fn orbit(machine: &Machine, orbit: &Orbit, name: &str) -> Result<Study> {
     }
     let what = format!("periodic orbit of {} s, {told}", significant(orbit.period()));
     let figure = Figure {
-        title: format!("{}: periodic orbit", machine.description.name),
+        title: format!("{}: periodic orbit", wording::title(&machine.description.name)),
         caption: vec![format!("{}; {words}", orbit.stability()), machine.caption_but(&[])],
         panels: panels(machine, orbit)?,
         columns: 2,
@@ -119,45 +119,54 @@ fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
     let of_body = |what: What| {
         let own = QuantityName { of: quantity.of.clone(), what };
         let place = names.iter().position(|name| *name == own.to_string())?;
-        Some((place, own.find(d).ok()?.unit))
+        Some((place, own.find(d).ok()?.unit, wording::quantity(d, &own)))
     };
     let (Some(s), Some(v)) = (of_body(What::S), of_body(What::V)) else { return Ok(Vec::new()) };
-    let rows = samples(orbit)?;
-    let axis = |(place, unit): (usize, &str)| {
-        let largest = rows.iter().fold(0.0, |most: f64, (_, values)| most.max(values[place].abs()));
-        shown_axis(&names[place], unit, largest)
+    let legs = samples(orbit)?;
+    let shown = |(place, unit, words): &(usize, &str, String)| {
+        let all = legs.iter().flatten();
+        axis(words, unit, all.fold(0.0, |most: f64, (_, values)| most.max(values[*place].abs())))
     };
-    let history: Path = rows.iter().map(|(time, values)| (*time, values[s.0])).collect();
-    let portrait: Path = rows.iter().map(|(_, values)| (values[s.0], values[v.0])).collect();
+    // Each flight is a piece, so that no line joins the velocities before and after an impact.
+    let pieces = |of: &dyn Fn(&Sample) -> (f64, f64)| -> Vec<Path> {
+        legs.iter().map(|leg| leg.iter().map(of).collect()).collect()
+    };
+    let history = pieces(&|(time, values)| (*time, values[s.0]));
+    let portrait = pieces(&|(_, values)| (values[s.0], values[v.0]));
     Ok(vec![
         Panel {
             title: "(a) History".into(),
-            x: Axis::new("time (s)"),
-            y: axis(s),
-            layers: vec![Layer::line("", FAMILY[0], Dash::Solid, history)],
+            x: axis("time", "s", orbit.period()),
+            y: shown(&s),
+            layers: vec![Layer::lines("", FAMILY[0], Dash::Solid, history)],
         },
         Panel {
             title: "(b) Portrait".into(),
-            x: axis(s),
-            y: axis(v),
-            layers: vec![Layer::line("", GREY, Dash::Solid, portrait)],
+            x: shown(&s),
+            y: shown(&v),
+            layers: vec![Layer::lines("", FAMILY[0], Dash::Solid, portrait)],
         },
     ])
 }
 
-/// The columns at instants of a period. Each flight is followed from its beginning, so that
+/// Time and columns at an instant.
+type Sample = (f64, Vec<f64>);
+
+/// The columns at instants of each flight of a period. Each flight is followed from its beginning, so that
 /// instability has no time to grow.
-fn samples(orbit: &Orbit) -> Result<Vec<(f64, Vec<f64>)>> {
-    let mut rows = Vec::new();
+fn samples(orbit: &Orbit) -> Result<Vec<Vec<Sample>>> {
+    let mut legs = Vec::new();
     for leg in orbit.legs() {
         let count = (f64::from(SAMPLES) * leg.span / orbit.period()).ceil().max(2.0);
         let assembly = orbit.place().assembly.clone();
         let start = assembly.system().given(&leg.states[0]);
         let mut motion = Motion::from_state(assembly, leg.time, &start)?;
+        let mut rows = Vec::new();
         for k in 0..=count as u32 {
             motion.advance_to(leg.time + leg.span * f64::from(k) / count)?;
             rows.push((motion.time(), vibro_studies::values(&motion)));
         }
+        legs.push(rows);
     }
-    Ok(rows)
+    Ok(legs)
 }

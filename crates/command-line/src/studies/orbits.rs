@@ -5,13 +5,11 @@ use super::branches::{self, Texts, cell, or_empty};
 use super::design_sweep::Labelled;
 use crate::Result;
 use crate::table::exact;
+use crate::wording::{self, axis};
 use rayon::prelude::*;
 use vibro_figures::chart::Axis;
 use vibro_orbits::{Branch, Family, LocusStart, Orbit, OrbitPoint, check_measure};
 use vibro_studies::{Machine, Measure};
-
-/// Lengths below this, m, are shown in mm, and angles below this, rad, in mrad.
-const SMALL: f64 = 0.1;
 
 /// The study of a machine's branches over a parameter: tables of points and special points, and a
 /// picture of a measure.
@@ -37,22 +35,6 @@ pub(super) fn measured(branches: &[Branch], measure: &Measure) -> Vec<Vec<f64>> 
     branches.par_iter().map(|b| b.points.iter().map(|p| value(b, p)).collect()).collect()
 }
 
-/// A picture's unit of display: its factor from SI and its symbol.
-pub(super) fn shown_unit(unit: &str, largest: f64) -> (f64, String) {
-    match unit {
-        "m" if largest < SMALL => (1e3, "mm".to_owned()),
-        "rad" if largest < SMALL => (1e3, "mrad".to_owned()),
-        unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
-    }
-}
-
-/// Axis of a quantity whose values are up to `largest` in size, SI.
-pub(super) fn shown_axis(name: &str, unit: &str, largest: f64) -> Axis {
-    let (factor, symbol) = shown_unit(unit, largest);
-    let label = if symbol == "1" { name.to_owned() } else { format!("{name} ({symbol})") };
-    Axis::new(label).times(factor)
-}
-
 /// As [`orbits`], with the measure's values.
 pub(super) fn study_of(
     machine: &Machine,
@@ -62,16 +44,17 @@ pub(super) fn study_of(
     name: &str,
 ) -> Result<Study> {
     let parameter = &family.parameter;
-    let unit = measure.unit(&machine.description);
+    let d = &machine.description;
+    let unit = measure.unit(d);
     let largest = tops.iter().flatten().copied().filter(|x| x.is_finite()).map(f64::abs).fold(0.0, f64::max);
     let x = Axis { range: Some(family.range), ..machine.axis(parameter) };
     let texts = Texts {
         name: name.into(),
         over: parameter.clone(),
-        title: format!("{}: periodic orbits over {parameter}", machine.description.name),
+        title: format!("{}: periodic orbits over {}", wording::title(&d.name), wording::parameter(parameter)),
         certain: "",
         elsewhere: machine.caption_but(std::slice::from_ref(parameter)),
-        axes: [x, shown_axis(&measure.to_string(), unit, largest)],
+        axes: [x, axis(&wording::measure(d, measure), unit, largest)],
     };
     let tables = [point_table(family, all, (measure, tops))?, special_table(family, all)?];
     let subject = machine.caption_of_all(std::slice::from_ref(parameter));

@@ -93,23 +93,51 @@ pub(super) fn shaded<N: AxisName, P: DiagramPoint>(
     ]
 }
 
+/// The counts of contacts as level pieces, `width` for each value: no line joins different counts.
+fn levels(points: impl Iterator<Item = Option<(f64, f64)>>, width: f64) -> Vec<Path> {
+    let mut pieces: Vec<Path> = Vec::new();
+    let mut before = None;
+    for point in points {
+        let count = point.map(|own| own.1);
+        if let Some((value, count)) = point {
+            let ends = [-0.5, 0.5].map(|part| (value + part * width, count));
+            match pieces.last_mut().filter(|_| before == Some(count)) {
+                Some(piece) => piece.extend(ends),
+                None => pieces.push(ends.to_vec()),
+            }
+        }
+        before = count;
+    }
+    pieces
+}
+
+/// The contacts per period if they are equal at all values in both directions.
+pub(super) fn same_contacts<P: DiagramPoint>(diagram: &Diagram<P>) -> Option<f64> {
+    let mut all = diagram.up.iter().chain(&diagram.down).flatten().map(DiagramPoint::contacts);
+    let first = all.next()?;
+    all.all(|count| count == first).then_some(first)
+}
+
 /// Panel of the impacts per period in both directions.
-pub(super) fn contact_panel<P: DiagramPoint>(
+pub(super) fn contact_panel<N: AxisName, P: DiagramPoint>(
     title: &str,
     x: Axis,
     label: &str,
-    diagram: &Diagram<P>,
+    (axis, diagram): (&ParameterAxis<N>, &Diagram<P>),
 ) -> Panel {
-    let curve = |points: &[Option<P>]| -> Path {
-        points.iter().flatten().map(|p| (p.value(), p.contacts())).collect()
+    let (from, to) = axis.edges();
+    let width = (to - from) / axis.count as f64;
+    let curve = |name, colour, points: &[Option<P>]| {
+        let counts = points.iter().map(|own| own.as_ref().map(|own| (own.value(), own.contacts())));
+        Layer::lines(name, colour, Dash::Solid, levels(counts, width))
     };
     Panel {
         title: title.into(),
         x,
-        y: Axis::new(label),
+        y: Axis::counts(label),
         layers: vec![
-            Layer::line("value falling", SKY, Dash::Solid, curve(&diagram.down)).stroke(WIDE),
-            Layer::line("value rising", BLACK, Dash::Solid, curve(&diagram.up)).stroke(THIN),
+            curve("value falling", SKY, &diagram.down).stroke(WIDE),
+            curve("value rising", BLACK, &diagram.up).stroke(THIN),
         ],
     }
 }
@@ -181,4 +209,21 @@ pub(super) fn remarks<P: DiagramPoint>(
         lines.push(format!("{refused} values left out: the simulation failed"));
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::levels;
+
+    /// Two impacts, two, three, a value without a motion, and three.
+    #[test]
+    fn golden_no_line_joins_different_counts() {
+        let counts = [Some((1.0, 2.0)), Some((2.0, 2.0)), Some((3.0, 3.0)), None, Some((5.0, 3.0))];
+        let expected = [
+            vec![(0.5, 2.0), (1.5, 2.0), (1.5, 2.0), (2.5, 2.0)],
+            vec![(2.5, 3.0), (3.5, 3.0)],
+            vec![(4.5, 3.0), (5.5, 3.0)],
+        ];
+        assert_eq!(levels(counts.into_iter(), 1.0), expected);
+    }
 }

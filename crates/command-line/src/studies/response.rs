@@ -2,8 +2,9 @@
 //! ends and largest values.
 
 use super::Study;
-use super::orbits::{measured, shown_unit, study_of, words};
+use super::orbits::{measured, study_of, words};
 use crate::Result;
+use crate::wording::{self, shown_unit};
 use vibro_orbits::{Branch, Family, OrbitPoint, check_measure};
 use vibro_studies::{Error, significant};
 use vibro_studies::{Machine, Measure};
@@ -45,7 +46,10 @@ pub fn response(
     let count = if branches.len() == 1 { "1 branch".into() } else { format!("{} branches", branches.len()) };
     study.what = format!("response: {measure} over {parameter}, {count}");
     if let Some(figure) = &mut study.figure {
-        figure.title = format!("{}: response of {measure} over {parameter}", machine.description.name);
+        let d = &machine.description;
+        let [own, of, over] =
+            [wording::title(&d.name), wording::measure(d, measure), wording::parameter(parameter)];
+        figure.title = format!("{own}: {of} over {over}");
     }
     let told = branches.iter().zip(&tops).take(SHOWN);
     study.remarks.extend(told.map(|(b, tops)| in_words(machine, family, b, (measure, tops))));

@@ -2,12 +2,13 @@
 
 use super::Study;
 use super::design_sweep::Labelled;
-use super::orbits::shown_axis;
 use crate::table::{CsvRows, exact};
+use crate::wording::{self, axis};
 use crate::{Error, Result};
 use std::fmt;
 use vibro_figures::canvas::palette::FAMILY;
 use vibro_figures::chart::{Axis, Figure, Layer, Mark, Panel, Path};
+use vibro_machine::description::Dimension;
 use vibro_studies::{
     Machine, Measure, PoincareRequest, QuantityName, Section, SectionPoint, columns, common_period,
 };
@@ -99,16 +100,26 @@ impl SectionAxes {
     }
 
     fn axis(&self, k: usize, machine: &Machine, largest: f64) -> Axis {
-        let unit = match self.numbers[k] {
-            Number::Time => "s",
-            Number::Phase => "rad",
-            Number::Speed => "closing speed, SI",
-            Number::Column(_) => {
-                let quantity = self.names[k].parse::<QuantityName>().ok();
-                quantity.and_then(|q| q.find(&machine.description).ok()).map_or("1", |found| found.unit)
+        let d = &machine.description;
+        match self.numbers[k] {
+            Number::Time => axis("time", "s", largest),
+            Number::Phase => axis("phase", "rad", 1.0),
+            Number::Speed => {
+                let stop = match &Section::of(d, &machine.section) {
+                    Ok(Section::Stop(i)) => d.stops.get(*i),
+                    _ => None,
+                };
+                let turns = stop.is_some_and(|stop| stop.arms.dimension == Dimension::Rotation);
+                axis("closing speed", if turns { "rad/s" } else { "m/s" }, largest)
             }
-        };
-        shown_axis(&self.names[k], unit, largest)
+            Number::Column(_) => match self.names[k].parse::<QuantityName>() {
+                Ok(name) => {
+                    let unit = name.find(d).map_or("1", |found| found.unit);
+                    axis(&wording::quantity(d, &name), unit, largest)
+                }
+                Err(_) => Axis::new(&self.names[k]),
+            },
+        }
     }
 }
 
@@ -133,7 +144,7 @@ pub fn section(
         phase => format!("{} at the phase {} rad", section.in_words(d), vibro_studies::significant(phase)),
     };
     let figure = Figure {
-        title: format!("{}: section at {at}", d.name),
+        title: format!("{}: section at {at}", wording::title(&d.name)),
         caption: vec![
             format!("{} points; up to {} periods discarded.", points.len(), request.discard),
             machine.caption_but(&[]),

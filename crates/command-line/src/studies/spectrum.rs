@@ -4,6 +4,7 @@ use super::design_sweep::{Labelled, with_spread};
 use super::{PANEL, Study};
 use crate::Result;
 use crate::table::{TextTable, exact};
+use crate::wording::{self, axis};
 use vibro_figures::canvas::palette::FAMILY;
 use vibro_figures::chart::{Axis, Dash, Figure, Layer, Panel, Path, THIN};
 use vibro_studies::significant;
@@ -114,7 +115,10 @@ pub fn spectrum(
         _ => format!("{held} are -inf: contacts or samples of blocks remove these directions"),
     });
     let figure = Figure {
-        title: format!("{}: Lyapunov exponents on their way", machine.description.name),
+        title: format!(
+            "{}: Lyapunov exponents over the counted time",
+            wording::title(&machine.description.name)
+        ),
         caption: vec![machine.caption_but(&[])],
         panels: vec![panel(&found)],
         columns: 1,
@@ -142,8 +146,8 @@ fn panel(found: &Spectrum) -> Panel {
     let curves = (0..found.exponents.len()).zip(FAMILY.into_iter().cycle()).map(curve);
     Panel {
         title: String::new(),
-        x: Axis::new("time counted (s)"),
-        y: Axis::new("λ (1/s)"),
+        x: axis("counted time", "s", found.running.last().map_or(0.0, |own| own.0)),
+        y: Axis::new("Lyapunov exponent λ, 1/s"),
         layers: curves.filter(|layer| !layer.extent().is_empty()).collect(),
     }
 }

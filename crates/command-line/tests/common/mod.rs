@@ -135,9 +135,11 @@ pub fn number(rows: &[HashMap<String, String>], quantity: &str, theory: &str, ro
     found.unwrap_or_else(|| panic!("{quantity}, {theory}, {root}"))["value"].parse().expect("a number")
 }
 
-/// The numbers of a drawing.
+/// The numbers of a drawing, without those of its description.
 pub fn numbers(svg: &str) -> Vec<f64> {
-    svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'))
+    let drawn = svg.split_once("</desc>").map_or(svg, |(_, drawn)| drawn);
+    drawn
+        .split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'))
         .filter_map(|n| n.parse().ok())
         .collect()
 }

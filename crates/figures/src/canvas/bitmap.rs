@@ -1,6 +1,6 @@
 //! Marks as pixels, and the pixels as a PNG file.
 
-use super::{Along, CanvasPoint, Colour, Mark, PNG_SHRINK, Pen, letters};
+use super::{Along, CanvasPoint, Colour, Mark, PNG_SHRINK, Pen, Sheet, letters};
 use crate::{Error, Result};
 use tiny_skia::{
     FillRule, LineCap, LineJoin, Mask, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
@@ -8,10 +8,19 @@ use tiny_skia::{
 
 /// Dots per metre in PNG files: 300 per inch.
 const PIXELS_PER_METRE: u32 = 11_811;
+/// Dots per metre of a PNG with a width in print: 600 per inch, as journals ask for line drawings.
+const PRINTED: u32 = 23_622;
 
 /// The whole file.
-pub(super) fn file(marks: &[Mark], (width, height): (u32, u32)) -> Result<Vec<u8>> {
-    let (columns, rows) = (width / PNG_SHRINK, height / PNG_SHRINK);
+pub(super) fn file(marks: &[Mark], sheet: &Sheet) -> Result<Vec<u8>> {
+    let ((width, height), about) = (sheet.size, &sheet.about);
+    let (columns, rows, density) = match sheet.millimetres {
+        Some(mm) => {
+            let columns = (mm * 1e-3 * f64::from(PRINTED)).round().max(1.0);
+            (columns as u32, (columns * f64::from(height) / f64::from(width)).round() as u32, PRINTED)
+        }
+        None => (width / PNG_SHRINK, height / PNG_SHRINK, PIXELS_PER_METRE),
+    };
     let failed = || Error::making("a PNG file")("no memory for its pixels");
     let mut pixels = Pixmap::new(columns, rows).ok_or_else(failed)?;
     pixels.fill(tiny_skia::Color::WHITE);
@@ -24,13 +33,38 @@ pub(super) fn file(marks: &[Mark], (width, height): (u32, u32)) -> Result<Vec<u8
     let mut encoder = png::Encoder::new(&mut file, columns, rows);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_pixel_dims(Some(png::PixelDimensions {
-        xppu: PIXELS_PER_METRE,
-        yppu: PIXELS_PER_METRE,
+        xppu: density,
+        yppu: density,
         unit: png::Unit::Meter,
     }));
+    for (keyword, words) in [("Title", &about.title), ("Description", &about.text)] {
+        if !words.is_empty() {
+            let added = encoder.add_itxt_chunk(keyword.into(), words.clone());
+            added.map_err(Error::making("a PNG file"))?;
+        }
+    }
     let mut writer = encoder.write_header().map_err(Error::making("a PNG file"))?;
     writer.write_image_data(&colours).map_err(Error::making("a PNG file"))?;
     writer.finish().map_err(Error::making("a PNG file"))?;
+    Ok(file)
+}
+
+/// Marks within a rectangle (an upper left corner and a size in units) as a PNG file with one pixel
+/// for each unit, transparent where nothing is drawn.
+pub(super) fn layer(marks: &[Mark], [(x, y), (w, h)]: [CanvasPoint; 2]) -> Result<Vec<u8>> {
+    let (columns, rows) = (w.ceil().max(1.0) as u32, h.ceil().max(1.0) as u32);
+    let failed = || Error::making("a layer of pixels")("no memory for its pixels");
+    let mut pixels = Pixmap::new(columns, rows).ok_or_else(failed)?;
+    let place = Transform::from_translate(-x as f32, -y as f32);
+    Painter { pixels: &mut pixels }.marks(marks, place, None);
+    let plain = pixels.pixels().iter().map(|pixel| pixel.demultiply());
+    let colours: Vec<u8> = plain.flat_map(|c| [c.red(), c.green(), c.blue(), c.alpha()]).collect();
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, columns, rows);
+    encoder.set_color(png::ColorType::Rgba);
+    let mut writer = encoder.write_header().map_err(Error::making("a layer of pixels"))?;
+    writer.write_image_data(&colours).map_err(Error::making("a layer of pixels"))?;
+    writer.finish().map_err(Error::making("a layer of pixels"))?;
     Ok(file)
 }
 

@@ -52,6 +52,21 @@ pub fn text_width(words: &str, size: f64) -> f64 {
     sum * size / f64::from(face.units_per_em())
 }
 
+/// A text broken at spaces into lines no wider than `room`; a longer word is a line of its own.
+pub fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if text_width(&format!("{line} {word}"), size) <= room => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 /// A pen that moves from glyph to glyph and records their outlines, y downwards.
 struct Outlines {
     path: PathBuilder,

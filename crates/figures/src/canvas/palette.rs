@@ -16,6 +16,9 @@ pub const CENTRE: Colour = Colour(70, 45, 0);
 /// has one of these colours.
 pub const BODIES: [Colour; 5] = [CENTRE, BOX, RELATIVE, BLOCK, SECONDARY];
 
+/// Colours of the curves of any machine, in the order of their use. Each pair differs in
+/// lightness.
+pub const CURVES: [Colour; 5] = [BOX, BLOCK, SECONDARY, RELATIVE, CENTRE];
 /// Colours of a family of curves, in order from dark to light.
 pub const FAMILY: [Colour; 5] = [
     Colour(25, 25, 60),

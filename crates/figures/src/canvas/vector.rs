@@ -1,7 +1,7 @@
 //! Marks as SVG text.
 
 use super::letters::FONT;
-use super::{Along, CanvasPoint, Colour, Mark, SVG_SHRINK};
+use super::{Along, CanvasPoint, Colour, Mark, SVG_SHRINK, Sheet};
 use crate::html::escape;
 use std::collections::BTreeSet;
 use std::fmt::{Display, Formatter, Write as _};
@@ -28,17 +28,36 @@ impl Display for Rounded {
     }
 }
 
+/// A number written with at most two decimals.
+struct Hundredths(f64);
+
+impl Display for Hundredths {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        f.write_str(format!("{:.2}", self.0).trim_end_matches('0').trim_end_matches('.'))
+    }
+}
+
 /// The whole file.
-pub(super) fn document(marks: &[Mark], (width, height): (u32, u32)) -> String {
+pub(super) fn document(marks: &[Mark], sheet: &Sheet) -> String {
+    let ((width, height), about) = (sheet.size, &sheet.about);
+    let shown = match sheet.millimetres {
+        Some(mm) => {
+            [mm, mm * f64::from(height) / f64::from(width)].map(|side| format!("{}mm", Hundredths(side)))
+        }
+        None => [width, height].map(|side| (side / SVG_SHRINK).to_string()),
+    };
     let mut text = Text::default();
+    for (name, words) in [("title", &about.title), ("desc", &about.text)] {
+        if !words.is_empty() {
+            text.push(format_args!("<{name}>{}</{name}>\n", escape(words)));
+        }
+    }
+    text.push(format_args!("<rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n"));
     text.marks(marks);
     format!(
         "<svg width=\"{}\" height=\"{}\" viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" \
-         font-family=\"{FONT}, sans-serif\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n{}</svg>\n",
-        width / SVG_SHRINK,
-        height / SVG_SHRINK,
-        text.body
+         font-family=\"{FONT}, sans-serif\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n{}</svg>\n",
+        shown[0], shown[1], text.body
     )
 }
 
@@ -58,6 +77,50 @@ fn outline(piece: &[CanvasPoint], data: &mut String) {
     }
 }
 
+/// Cap on the circles and rectangles of a layer that are single elements. A larger number becomes an
+/// image: the file stays small, and a browser displays it quickly.
+const MOST: usize = 20_000;
+/// Largest side of such an image, in units.
+const LARGEST: f64 = 8000.0;
+
+/// Number of circles or rectangles of a mark; `None` for other marks.
+fn count(mark: &Mark) -> Option<usize> {
+    match mark {
+        Mark::Circles { centres, .. } => Some(centres.len()),
+        Mark::Rectangles { rectangles, .. } => Some(rectangles.len()),
+        _ => None,
+    }
+}
+
+/// Corners of the rectangles around circles and rectangles.
+fn corners(mark: &Mark) -> Vec<CanvasPoint> {
+    match mark {
+        Mark::Circles { centres, radius, edge, .. } => {
+            let r = radius + edge.unwrap_or(0.0);
+            centres.iter().flat_map(|&(x, y)| [(x - r, y - r), (x + r, y + r)]).collect()
+        }
+        Mark::Rectangles { rectangles, .. } => {
+            rectangles.iter().flat_map(|&[(x, y), (w, h)]| [(x, y), (x + w, y + h)]).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Bytes in base 64 (RFC 4648).
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for part in bytes.chunks(3) {
+        let number =
+            part.iter().fold(0_u32, |all, byte| all << 8 | u32::from(*byte)) << (8 * (3 - part.len()));
+        for k in 0..4 {
+            let sixth = number >> (18 - 6 * k) & 63;
+            text.push(if k <= part.len() { char::from(LETTERS[sixth as usize]) } else { '=' });
+        }
+    }
+    text
+}
+
 /// SVG text under construction.
 #[derive(Default)]
 struct Text {
@@ -73,9 +136,37 @@ impl Text {
     }
 
     fn marks(&mut self, marks: &[Mark]) {
-        for mark in marks {
-            self.mark(mark);
+        let mut rest = marks;
+        while let Some(mark) = rest.first() {
+            let run = rest.iter().take_while(|mark| count(mark).is_some()).count();
+            let (many, others) = rest.split_at(run);
+            if many.iter().filter_map(count).sum::<usize>() > MOST && self.raster(many) {
+                rest = others;
+            } else {
+                self.mark(mark);
+                rest = &rest[1..];
+            }
         }
+    }
+
+    /// Adds marks as one image. Returns false for an extent that is too large for pixels.
+    fn raster(&mut self, marks: &[Mark]) -> bool {
+        let corners = marks.iter().flat_map(corners);
+        let (low, high) = corners.fold(
+            ((f64::INFINITY, f64::INFINITY), (f64::NEG_INFINITY, f64::NEG_INFINITY)),
+            |(low, high), p| ((low.0.min(p.0), low.1.min(p.1)), (high.0.max(p.0), high.1.max(p.1))),
+        );
+        let (x, y) = (low.0.floor(), low.1.floor());
+        let (w, h) = ((high.0 - x).ceil().max(1.0), (high.1 - y).ceil().max(1.0));
+        if w.max(h) > LARGEST {
+            return false;
+        }
+        let Ok(file) = super::bitmap::layer(marks, [(x, y), (w, h)]) else { return false };
+        self.push(format_args!(
+            "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" href=\"data:image/png;base64,{}\"/>\n",
+            base64(&file)
+        ));
+        true
     }
 
     fn mark(&mut self, mark: &Mark) {
@@ -173,5 +264,16 @@ impl Text {
         self.push(format_args!("<g clip-path=\"url(#{name})\">\n"));
         self.marks(marks);
         self.push(format_args!("</g>\n"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn golden_base_64_of_the_standard() {
+        let told = ["", "f", "fo", "foo", "foob"].map(|text| base64(text.as_bytes()));
+        assert_eq!(told, ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg=="]);
     }
 }

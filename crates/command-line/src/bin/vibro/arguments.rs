@@ -84,13 +84,13 @@ fn ungrouped() -> clap::Command {
 /// refuses them. Only a study computed in parts can have unfinished parts.
 fn unused(command: &str) -> &'static [&'static str] {
     match command {
-        "check" => &["config", "out", "replace", "discard_unfinished", "threads"],
-        "draw" | "fmu" => &["config", "replace", "discard_unfinished", "threads"],
+        "check" => &["config", "out", "width", "replace", "discard_unfinished", "threads"],
+        "draw" | "fmu" => &["config", "width", "replace", "discard_unfinished", "threads"],
         "section" | "fit" => &["config", "discard_unfinished", "threads"],
         "design" => &["config", "discard_unfinished"],
-        "template" | "new" => &["config", "set", "out", "replace", "discard_unfinished", "threads"],
+        "template" | "new" => &["config", "set", "out", "width", "replace", "discard_unfinished", "threads"],
         "merge" => &["config", "set"],
-        "reduce" => &["config", "set", "discard_unfinished"],
+        "reduce" => &["config", "set", "width", "discard_unfinished"],
         "run" | "steady" | "response" | "manifold" | "stability" | "plane" | "compare" | "orbit"
         | "locus" => &["discard_unfinished"],
         _ => &[],

@@ -18,6 +18,11 @@ pub const WITH_FILE: &str = "Options with FILE";
 /// Heading of the options of the paper's machine.
 pub const WITHOUT_FILE: &str = "Options without FILE";
 
+/// Smallest and largest width of a picture, mm: labels need some room, and PNG files have 24 dots
+/// in each millimetre.
+const NARROWEST: f64 = 50.0;
+const WIDEST: f64 = 400.0;
+
 /// The folder of results unless another one is named.
 pub const DEFAULT_OUT: &str = "vibro-out";
 
@@ -89,6 +94,10 @@ pub struct Common {
     /// the command and a digest of its parameters.
     #[arg(long, global = true, value_name = "FOLDER", default_value = DEFAULT_OUT)]
     pub out: PathBuf,
+    /// Width of pictures in print, with letters of 7 points and lines and marks of fixed sizes,
+    /// e.g. 84mm for one column of a journal, 174mm for two [default: pictures for a screen]
+    #[arg(long, global = true, value_name = "WIDTH", value_parser = width, allow_hyphen_values = true)]
+    pub width: Option<f64>,
     /// Overwrite finished results of other parameters in the folder
     #[arg(long, global = true)]
     pub replace: bool,
@@ -125,6 +134,13 @@ pub struct SectionArguments {
 pub fn time(text: &str) -> std::result::Result<f64, String> {
     let found = quantity_in("s", text.trim()).map(|q| q.value).filter(|t| t.is_finite() && *t > 0.0);
     found.ok_or_else(|| "expected a finite time > 0 in s, ms, us, min or h, e.g. 2s".into())
+}
+
+/// A width of pictures, in mm.
+fn width(text: &str) -> std::result::Result<f64, String> {
+    let found = quantity_in("m", text.trim()).map(|own| 1e3 * own.value);
+    let found = found.filter(|mm| (NARROWEST..=WIDEST).contains(mm));
+    found.ok_or_else(|| format!("expected a length from {NARROWEST}mm to {WIDEST}mm, e.g. 84mm"))
 }
 
 /// An angle, in rad.

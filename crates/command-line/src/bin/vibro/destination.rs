@@ -17,10 +17,11 @@ use vibro::subject::Subject;
 use vibro::table::in_written_units;
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
-use vibro_figures::canvas;
+use vibro_figures::canvas::{self, About, Canvas, Drawing};
+use vibro_figures::chart::Figure;
 
 /// Endings of a result's files.
-const ENDINGS: [&str; 5] = ["csv", "parquet", "svg", "png", "html"];
+const ENDINGS: [&str; 6] = ["csv", "parquet", "svg", "png", "caption.txt", "html"];
 
 /// Something that a run will write.
 pub enum Claim {
@@ -116,10 +117,18 @@ impl<'a> Destination<'a> {
     pub fn write_into(&self, studies: &[Study], out: &Path) -> Result<()> {
         std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
         for study in studies {
-            write_manifest(out, &self.manifest(study))?;
+            let mut manifest = self.manifest(study);
+            manifest.caption = study.figure.is_some().then(|| caption_file(&study.name));
+            write_manifest(out, &manifest)?;
             // Tables are written while pictures are drawn.
-            let (tables, pictures) =
-                rayon::join(|| self.write_tables(study, out), || write_pictures(study, out));
+            let (tables, pictures) = rayon::join(
+                || self.write_tables(study, out),
+                || {
+                    let width = self.common.width;
+                    let mut figure = study.figure.iter();
+                    figure.try_for_each(|own| write_picture((own, width), &study.name, &manifest, out))
+                },
+            );
             tables.and(pictures)?;
         }
         Ok(())
@@ -155,12 +164,58 @@ impl<'a> Destination<'a> {
     }
 }
 
-fn write_pictures(study: &Study, out: &Path) -> Result<()> {
-    let Some(figure) = &study.figure else { return Ok(()) };
-    let (svg, png) = canvas::svg_and_png(figure)?;
-    let path = |ending: &str| out.join(format!("{}.{ending}", study.name));
+/// Name of the file with a picture's caption.
+pub fn caption_file(name: &str) -> String {
+    format!("{name}.caption.txt")
+}
+
+/// A drawing with the metadata of its files.
+struct Told<D> {
+    drawing: D,
+    about: About,
+}
+
+impl<D: Drawing> Drawing for Told<D> {
+    fn size(&self) -> (u32, u32) {
+        self.drawing.size()
+    }
+
+    fn draw(&self, canvas: &mut Canvas) {
+        self.drawing.draw(canvas);
+    }
+
+    fn about(&self) -> About {
+        self.about.clone()
+    }
+
+    fn millimetres(&self) -> Option<f64> {
+        self.drawing.millimetres()
+    }
+}
+
+/// Writes a picture as SVG and PNG, and its caption with settings, program and command. A width in
+/// mm is the picture's width in print.
+///
+/// # Errors
+/// [`Error::File`]; an error if the picture cannot be drawn.
+pub fn write_picture(
+    (figure, width): (&Figure, Option<f64>),
+    name: &str,
+    manifest: &Manifest,
+    out: &Path,
+) -> Result<()> {
+    let mut about = figure.about();
+    let command = &manifest.invocation.command_line;
+    about.text += &format!("\nMade by {} {}: {command}", manifest.program, manifest.version);
+    let caption = format!("{}\n\n{}\n", about.title, about.text.replace('\n', "\n\n"));
+    let (svg, png) = match width {
+        Some(millimetres) => canvas::svg_and_png(&Told { drawing: figure.printed(millimetres), about })?,
+        None => canvas::svg_and_png(&Told { drawing: figure, about })?,
+    };
+    let path = |ending: &str| out.join(format!("{name}.{ending}"));
     write_whole(&path("svg"), svg.as_bytes())?;
-    write_whole(&path("png"), &png)
+    write_whole(&path("png"), &png)?;
+    write_whole(&out.join(caption_file(name)), caption.as_bytes())
 }
 
 fn manifest_path(out: &Path, name: &str) -> PathBuf {

@@ -8,10 +8,11 @@ use vibro::{Error, Result};
 /// Manifest of a fit of several records.
 const NUMBERS: &str = "numbers.manifest.toml";
 /// Files of a fit. Copies of a load's records are not among them: they may be the user's tables.
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "fit.json",
     "fit.svg",
     "fit.png",
+    "fit.caption.txt",
     "fit.manifest.toml",
     "fitted.toml",
     "start.toml",

@@ -24,6 +24,8 @@ use vibro_studies::Machine;
 
 /// Stem of the manifest of a motion.
 const RESULT: &str = "run";
+/// Stem of the picture of a motion.
+const PICTURE: &str = "motion";
 /// Begin of the account's line for a motion that an error ended.
 const ENDED: &str = "ended early: ";
 
@@ -159,9 +161,10 @@ fn follow(
     drop(progress);
     let held = destination::hold(&out);
     let manifest = Manifest::of_result(RESULT, &invocation, &machine);
-    let account = write((&record, derivatives.as_ref()), &out, &manifest, (a.knots, &columns.names))?;
+    let account =
+        write((&record, derivatives.as_ref()), &out, &manifest, (a.knots, &columns.names), common.width)?;
     drop(held);
-    let stem = out.join("motion");
+    let stem = out.join(PICTURE);
     // The error that ended the motion is printed after the account.
     let shown: Vec<&str> = account.lines().filter(|line| !line.starts_with(ENDED)).collect();
     output::say(&format!(
@@ -186,30 +189,29 @@ fn write(
     out: &Path,
     manifest: &Manifest,
     (knots, columns): (bool, &[String]),
+    width: Option<f64>,
 ) -> Result<String> {
-    std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
-    destination::write_manifest(out, manifest)?;
-    write_whole(&out.join("states.csv"), &record.states(columns)?)?;
-    write_whole(&out.join("events.csv"), &record.events(knots)?)?;
-    write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
-    write_whole(&out.join("end.toml"), Start::of(&record.motion).to_toml().as_bytes())?;
     let mut lines = record.account(knots);
-    if let Some(derivatives) = derivatives {
-        write_whole(&out.join("derivatives.csv"), &derivatives.states(record)?)?;
-        write_whole(&out.join("event-derivatives.csv"), &derivatives.events(knots)?)?;
-        lines.extend_from_slice(derivatives.lost());
-    }
+    lines.extend(derivatives.into_iter().flat_map(DerivativeRecord::lost).cloned());
     match &record.ended {
         Some(Ended::Error(error)) => lines.push(format!("{ENDED}{error}")),
         Some(Ended::Stopped) => lines.push(format!("interrupted at t = {} s", record.motion.time())),
         None => {}
     }
     let account = lines.join("\n");
-    write_whole(&out.join("account.txt"), format!("{account}\n").as_bytes())?;
-    if let Some(figure) = vibro::machine::figure(record, lines) {
-        let (svg, png) = canvas::svg_and_png(&figure)?;
-        write_whole(&out.join("motion.svg"), svg.as_bytes())?;
-        write_whole(&out.join("motion.png"), &png)?;
+    let figure = vibro::machine::figure(record, lines);
+    let caption = figure.is_some().then(|| destination::caption_file(PICTURE));
+    std::fs::create_dir_all(out).map_err(Error::file("making folder", out))?;
+    destination::write_manifest(out, &Manifest { caption, ..manifest.clone() })?;
+    write_whole(&out.join("states.csv"), &record.states(columns)?)?;
+    write_whole(&out.join("events.csv"), &record.events(knots)?)?;
+    write_whole(&out.join("contacts.csv"), &record.contacts()?)?;
+    write_whole(&out.join("end.toml"), Start::of(&record.motion).to_toml().as_bytes())?;
+    if let Some(derivatives) = derivatives {
+        write_whole(&out.join("derivatives.csv"), &derivatives.states(record)?)?;
+        write_whole(&out.join("event-derivatives.csv"), &derivatives.events(knots)?)?;
     }
+    write_whole(&out.join("account.txt"), format!("{account}\n").as_bytes())?;
+    figure.iter().try_for_each(|own| destination::write_picture((own, width), PICTURE, manifest, out))?;
     Ok(account)
 }

@@ -2,8 +2,8 @@
 
 use super::{Listed, ShownBasins};
 use crate::studies::design_sweep::Labelled;
-use crate::studies::orbits::shown_axis;
 use crate::table::exact;
+use crate::wording;
 use vibro_figures::chart::Axis;
 use vibro_machine::description::{Body, Dimension};
 use vibro_orbits::Orbit;
@@ -46,15 +46,17 @@ impl ShownBasins for Machine {
     }
 
     fn titles(&self) -> [String; 3] {
-        let title = format!("{}: basins of attraction", self.description.name);
+        let title = format!("{}: basins of attraction", wording::title(&self.description.name));
         [title, format!("Elsewhere {}", self.caption_but(&[])), String::new()]
     }
 
     fn start_axis(&self, axis: &StartAxis) -> Axis {
         let quantity = axis.name.parse::<QuantityName>().ok();
-        let unit = quantity.and_then(|q| q.find(&self.description).ok()).map_or("s", |found| found.unit);
-        let shown =
-            shown_axis(&format!("at the start: {}", axis.name), unit, axis.from.abs().max(axis.to.abs()));
+        let d = &self.description;
+        let unit = quantity.as_ref().and_then(|q| q.find(d).ok()).map_or("s", |found| found.unit);
+        let words = quantity.map_or_else(|| axis.name.clone(), |q| wording::quantity(d, &q));
+        let largest = axis.from.abs().max(axis.to.abs());
+        let shown = wording::axis(&format!("{words} at the start"), unit, largest);
         Axis { range: Some((axis.from, axis.to)), ..shown }
     }
 

@@ -108,9 +108,11 @@ pub(in crate::studies) fn map<M: Labelled>(
         [] => {}
         [only] => layers.push(entry(&format!("{}{unit}", significant(*only)), colour(0))),
         limits => {
-            let names =
-                limits.windows(2).map(|w| format!("{} to {}{unit}", significant(w[0]), significant(w[1])));
-            layers.extend(names.enumerate().map(|(k, name)| entry(&name, colour(k))));
+            let colours = (0..count).map(colour).collect();
+            let limits = limits.iter().map(|limit| significant(*limit)).collect();
+            // A bar is in the legend by its name, also without a unit.
+            let unit = if unit.is_empty() { " " } else { unit.trim_start() };
+            layers.push(Layer::new(unit, BLACK, Shape::Bar { colours, limits }));
         }
     }
     if missing {

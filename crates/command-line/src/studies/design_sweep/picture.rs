@@ -5,8 +5,9 @@ use super::collected::{Collected, MeasureRecord, Reach};
 use super::map::{LEAST, limits, map};
 use super::words::Labelled;
 use super::{method, varied};
+use crate::wording::with_capital;
 use vibro_figures::canvas::palette::BLACK;
-use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN};
+use vibro_figures::chart::{Axis, Dash, Figure, Layer, MARK, Mark, Panel, Path, THIN, lettered};
 use vibro_studies::design_sweep::{Choice, Designs, SampledAxis, SweepRequest};
 
 /// Largest number of panels of a picture.
@@ -29,7 +30,7 @@ pub(super) fn figure<M: Labelled>(
     if records.is_empty() {
         return None;
     }
-    let (panels, columns, panel) = match &request.designs {
+    let (mut panels, columns, panel) = match &request.designs {
         Designs::Grid(axes) => {
             let long: Vec<&SampledAxis<M::Name>> = axes.iter().filter(|a| a.values.len() > 1).collect();
             match &long[..] {
@@ -44,30 +45,26 @@ pub(super) fn figure<M: Labelled>(
     };
     // All projections share one scale.
     let is_projection = matches!(&request.designs, Designs::Grid(axes) if axes.iter().filter(|a| a.values.len() > 1).count() > 2);
-    let symbols: Vec<_> = names.iter().map(|n| set.symbol(n)).collect();
-    let several = panels.len() > 1;
-    let lettered = |(letter, panel): (char, Panel)| match several {
-        true => Panel { title: format!("({letter}) {}", panel.title), ..panel },
-        false => panel,
-    };
+    let symbols: Vec<_> = names.iter().map(|n| set.parameter_words(n)).collect();
+    lettered(&mut panels);
     Some(Figure {
-        title: format!("Designs over {}", symbols.join(", ")),
+        title: with_capital(&format!("{}designs over {}", set.title(), symbols.join(", "))),
         caption: std::iter::once(method(set, request, choice))
             .chain(left_out)
             .chain([format!("Elsewhere {}", set.caption_but(&varied(request)))])
             .collect(),
         columns: columns.min(panels.len()),
-        panels: ('a'..).zip(panels).map(lettered).collect(),
+        panels,
         panel,
         shared_legend: is_projection,
     })
 }
 
 /// Title of a panel.
-fn title<M: Labelled>(measure: &M::Measure, request: &SweepRequest<M>) -> String {
+fn title<M: Labelled>(set: &M, measure: &M::Measure, request: &SweepRequest<M>) -> String {
     match request.motions() {
-        1 => M::words(measure),
-        motions => format!("{}, largest of {motions} motions", M::words(measure)),
+        1 => set.measure_words(measure),
+        motions => format!("{}, largest of {motions} motions", set.measure_words(measure)),
     }
 }
 
@@ -127,7 +124,7 @@ fn lines<M: Labelled>(
     let panel = |group: Vec<&MeasureRecord<M>>| {
         let mut layers = Vec::new();
         for record in &group {
-            layers.extend(curve(set, axis, &order, record, request.motions() > 1));
+            layers.extend(curve(set, axis, &order, record, (request.motions() > 1, group.len() > 1)));
         }
         let bad: Path = order
             .iter()
@@ -138,28 +135,28 @@ fn lines<M: Labelled>(
             layers.push(Layer::marks("no value (at 0)", BLACK, Mark::Cross, bad).stroke(MARK));
         }
         let label = match &group[..] {
-            [one] => M::words(&one.measure),
-            several => kind(set, &several[0].measure).0,
+            [one] => set.measure_words(&one.measure),
+            several => kind(set, &several[0].measure).0.replace('_', " "),
         };
         let largest = if request.motions() > 1 {
             format!("largest of {} motions, and down to the least", request.motions())
         } else {
             String::new()
         };
-        let title = if largest.is_empty() { label.clone() } else { largest };
-        let y = set.measure_shown(&group[0].measure).axis(&label);
-        Panel { title, x: unbounded_axis(set, &axis.name), y, layers }
+        let y = set.measure_axis(&group[0].measure, &label);
+        Panel { title: largest, x: unbounded_axis(set, &axis.name), y, layers }
     };
     groups.into_iter().map(panel).collect()
 }
 
-/// The layers of one measure over one parameter.
+/// The layers of one measure over one parameter, for several motions of a design and named among
+/// others in the panel.
 fn curve<M: Labelled>(
     set: &M,
     axis: &SampledAxis<M::Name>,
     order: &[usize],
     record: &MeasureRecord<M>,
-    several: bool,
+    (several, named): (bool, bool),
 ) -> Vec<Layer> {
     let mut pieces: Vec<Path> = vec![Vec::new()];
     let mut band: Vec<(f64, f64, f64)> = Vec::new();
@@ -173,7 +170,7 @@ fn curve<M: Labelled>(
         }
     }
     pieces.retain(|piece| !piece.is_empty());
-    let (name, colour) = (M::words(&record.measure), set.colour(&record.measure));
+    let (name, colour) = (set.measure_words(&record.measure), set.colour(&record.measure));
     let dash = if M::is_closed_form(&record.measure) { Dash::Dashed } else { Dash::Solid };
     // A design between two designs without values is drawn as a mark, since a line of one point is
     // not visible.
@@ -182,7 +179,10 @@ fn curve<M: Labelled>(
     if several && pieces.len() == 1 {
         layers.push(Layer::band("", colour, 0.25, band));
     }
-    layers.push(Layer::lines(&name, colour, dash, pieces).labelled(name.clone()));
+    layers.push(match named {
+        true => Layer::lines(&name, colour, dash, pieces).labelled(name.clone()),
+        false => Layer::lines("", colour, dash, pieces),
+    });
     if !lonely.is_empty() {
         layers.push(Layer::marks("", colour, Mark::Disc, lonely).stroke(THIN));
     }
@@ -216,7 +216,7 @@ fn maps<M: Labelled>(
         let values: Vec<Option<f64>> = record.reaches.iter().map(shown).collect();
         let least = record.least_in(unit.number(1.0));
         let panel =
-            map(set, title(&record.measure, request), &unit.spaced(), axes, &values, &limits(&values));
+            map(set, title(set, &record.measure, request), &unit.spaced(), axes, &values, &limits(&values));
         with_least(panel, least, &unit.spaced())
     };
     records.iter().take(PANELS).map(panel).collect()
@@ -239,8 +239,8 @@ fn projections<M: Labelled>(
     let limits = limits(best.iter().flat_map(|(_, values)| values));
     let panel = |(pair, values): ([usize; 2], Vec<Option<f64>>)| {
         let others = (0..axes.len()).filter(|k| !pair.contains(k));
-        let others: Vec<_> = others.map(|k| set.symbol(&axes[k].name)).collect();
-        let words = format!("{}; least over {}", title(&record.measure, request), others.join(", "));
+        let others: Vec<_> = others.map(|k| set.parameter_words(&axes[k].name)).collect();
+        let words = format!("{}; least over {}", title(set, &record.measure, request), others.join(", "));
         let panel = map(set, words, &unit.spaced(), pair.map(|k| axes[k]), &values, &limits);
         with_least(panel, record.least_in(unit.number(1.0)), &unit.spaced())
     };
@@ -285,8 +285,8 @@ fn clouds<M: Labelled>(
         if !bad.is_empty() {
             layers.push(Layer::marks("no value (at 0)", BLACK, Mark::Cross, bad));
         }
-        let y = set.measure_shown(&record.measure).axis(&M::words(&record.measure));
-        Panel { title: title(&record.measure, request), x: unbounded_axis(set, name), y, layers }
+        let y = set.measure_axis(&record.measure, &set.measure_words(&record.measure));
+        Panel { title: title(set, &record.measure, request), x: unbounded_axis(set, name), y, layers }
     };
     names.iter().enumerate().take(PANELS).map(panel).collect()
 }

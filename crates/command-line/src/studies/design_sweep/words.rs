@@ -1,7 +1,8 @@
 //! Names and units of parameters and measures in tables and pictures of a sweep.
 
 use crate::subject::Subject;
-use vibro_figures::canvas::palette::{BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILLION};
+use crate::wording::{self, with_unit};
+use vibro_figures::canvas::palette::CURVES;
 use vibro_figures::chart::{Axis, Colour};
 use vibro_studies::design_sweep::DesignMachine;
 use vibro_studies::significant;
@@ -25,6 +26,22 @@ pub trait Labelled: DesignMachine + Subject {
     fn caption_of_all(&self, names: &[Self::Name]) -> Option<String>;
     /// Description of a measure.
     fn words(measure: &Self::Measure) -> String;
+    /// A measure in the words of pictures.
+    fn measure_words(&self, measure: &Self::Measure) -> String {
+        Self::words(measure)
+    }
+    /// Axis of a measure, with these words, for data in SI.
+    fn measure_axis(&self, measure: &Self::Measure, words: &str) -> Axis {
+        self.measure_shown(measure).axis(words)
+    }
+    /// A parameter in the words of titles.
+    fn parameter_words(&self, name: &Self::Name) -> String {
+        self.symbol(name)
+    }
+    /// The beginning of titles: the machine's name; empty for the paper's machine.
+    fn title(&self) -> String {
+        String::new()
+    }
     /// A measure's SI unit; `1` if it has none.
     fn measure_unit(&self, measure: &Self::Measure) -> &'static str;
     /// A measure's unit of display in pictures.
@@ -39,11 +56,8 @@ pub trait Labelled: DesignMachine + Subject {
     fn periods() -> &'static str;
 }
 
-/// Lengths below this, m, are shown in mm.
+/// Gaps below this, m, make all lengths of a sweep be shown in mm.
 const SMALL: f64 = 0.1;
-/// Colours of bodies and elements by index.
-const COLOURS: [Colour; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, GREY];
-
 impl Labelled for vibro_studies::Machine {
     fn symbol(&self, name: &String) -> String {
         name.clone()
@@ -51,8 +65,7 @@ impl Labelled for vibro_studies::Machine {
 
     fn axis(&self, name: &String) -> Axis {
         let (factor, symbol) = self.unit(name);
-        let label = if symbol.is_empty() { name.clone() } else { format!("{name} ({symbol})") };
-        Axis::over(label, 0.0, 1.0).times(factor)
+        Axis::over(with_unit(&wording::parameter(name), &symbol), 0.0, 1.0).times(factor)
     }
 
     fn shown(&self, name: &String) -> f64 {
@@ -89,6 +102,23 @@ impl Labelled for vibro_studies::Machine {
         }
     }
 
+    fn measure_words(&self, measure: &vibro_studies::Measure) -> String {
+        wording::measure(&self.description, measure)
+    }
+
+    fn measure_axis(&self, measure: &vibro_studies::Measure, words: &str) -> Axis {
+        let unit = self.measure_shown(measure);
+        Axis::new(with_unit(words, &unit.symbol)).times(unit.factor)
+    }
+
+    fn parameter_words(&self, name: &String) -> String {
+        wording::parameter(name)
+    }
+
+    fn title(&self) -> String {
+        format!("{}: ", wording::title(&self.description.name))
+    }
+
     fn measure_unit(&self, measure: &vibro_studies::Measure) -> &'static str {
         measure.unit(&self.description)
     }
@@ -99,7 +129,7 @@ impl Labelled for vibro_studies::Machine {
         match self.measure_unit(measure) {
             "m" if small => MeasureUnit { factor: 1e3, symbol: "mm".into() },
             "1" => MeasureUnit { factor: 1.0, symbol: String::new() },
-            unit => MeasureUnit { factor: 1.0, symbol: unit.replace('.', "·").replace("s2", "s²") },
+            unit => MeasureUnit { factor: 1.0, symbol: wording::symbol(unit) },
         }
     }
 
@@ -119,7 +149,7 @@ impl Labelled for vibro_studies::Machine {
         let names: Vec<&String> = bodies.chain(self.description.stops.iter().map(|s| &s.name)).collect();
         let place = names.iter().position(|name| Some(*name) == body.as_ref());
         let place = place.or_else(|| all.iter().position(|m| m == measure)).unwrap_or(0);
-        COLOURS[place % COLOURS.len()]
+        CURVES[place % CURVES.len()]
     }
 
     fn periods() -> &'static str {

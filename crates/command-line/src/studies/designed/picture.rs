@@ -1,10 +1,10 @@
 //! Picture of a design search: the goal over the evaluations, and over the varied parameters.
 
 use crate::studies::design_sweep::Labelled;
-use crate::studies::orbits::shown_axis;
+use crate::wording::{self, axis};
 use vibro_design::{DesignRequest, Designed, Evaluation, Stage};
 use vibro_figures::canvas::palette::{BLUE, GREY, ORANGE, PURPLE, VERMILLION};
-use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path};
+use vibro_figures::chart::{Axis, Colour, Dash, Figure, Layer, Mark, Panel, Path, lettered};
 
 /// Largest number of panels over varied parameters.
 const NUMBERS: usize = 5;
@@ -32,7 +32,8 @@ pub fn figure(request: &DesignRequest, found: &Designed) -> Option<Figure> {
     let drawn = || all.iter().filter(|own| is_drawn(own.2));
     let size = drawn().fold(0.0, |most: f64, own| most.max(own.2.abs()));
     let unit = request.goal.measure.unit(&machine.description);
-    let y = || shown_axis(&request.goal.measure.to_string(), unit, size);
+    let words = wording::measure(&machine.description, &request.goal.measure);
+    let y = || axis(&words, unit, size);
     let marks = |x: &dyn Fn(usize, &Evaluation) -> f64| -> Vec<Layer> {
         let one = |(stage, colour, mark): (Stage, Colour, Mark)| {
             let own = drawn().filter(|(_, own, _)| own.stage == stage);
@@ -55,13 +56,15 @@ pub fn figure(request: &DesignRequest, found: &Designed) -> Option<Figure> {
         so_far.push((found.evaluations.len() as f64, last));
         layers.push(Layer::line("best within the limits so far", VERMILLION, Dash::Solid, so_far));
     }
-    let mut panels = vec![Panel { title: "history".into(), x: Axis::new("evaluation"), y: y(), layers }];
+    let x = Axis::counts("evaluation");
+    let mut panels = vec![Panel { title: String::new(), x, y: y(), layers }];
     for (k, own) in request.vary.iter().enumerate().take(NUMBERS) {
         let x = Axis { range: Some((own.from, own.to)), ..machine.axis(&own.name) };
-        panels.push(Panel { title: own.name.clone(), x, y: y(), layers: marks(&|_, own| own.values[k]) });
+        panels.push(Panel { title: String::new(), x, y: y(), layers: marks(&|_, own| own.values[k]) });
     }
+    lettered(&mut panels);
     Some(Figure {
-        title: format!("{}: design by {}", machine.description.name, request.goal.measure),
+        title: format!("{}: design by {words}", wording::title(&machine.description.name)),
         caption: vec![format!("verdict: {}", found.verdict)],
         columns: panels.len().min(2),
         panels,

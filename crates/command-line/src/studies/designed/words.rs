@@ -1,7 +1,7 @@
 //! Description of the result of a design search.
 
 use crate::studies::design_sweep::with_spread;
-use crate::studies::orbits::shown_unit;
+use crate::wording::shown_unit;
 use vibro_design::{Attractor, Best, DesignRequest, Designed, Rival, Side, Stage, Value, Verdict};
 use vibro_studies::Measure;
 

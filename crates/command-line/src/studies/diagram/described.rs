@@ -4,23 +4,27 @@ use super::{ShownDiagram, across};
 use crate::Result;
 use crate::studies::panels::{reach, shaded};
 use crate::table::exact;
+use crate::wording;
 use vibro_figures::canvas::palette::FAMILY;
 use vibro_figures::chart::{Axis, Dash, Layer, Panel, Path, THIN};
 use vibro_studies::diagram::{DescribedPoint, DiagramRequest};
 use vibro_studies::{Diagram, Machine, QuantityName};
 
-/// Lengths below this, m, are shown in mm.
-const SMALL: f64 = 0.1;
-
 impl ShownDiagram for Machine {
     const SETTLES_EARLY: bool = true;
     const HEADINGS: [&'static [&'static str]; 2] =
         [&["interval", "contacts", "rests"], &["exponent", "error"]];
-    const IMPACTS: [&'static str; 2] = ["Impacts and first touches a period", "contacts a period"];
+    const IMPACTS: [&'static str; 2] = ["impacts and first touches", "contacts per period"];
 
     fn titles(&self, request: &DiagramRequest<Self>) -> [String; 3] {
-        let (of, over) = (request.of.to_string(), request.axis.name.clone());
-        [format!("{}: {of} over {over}", self.description.name), of, over]
+        let d = &self.description;
+        let words = [
+            wording::title(&d.name),
+            wording::quantity(d, &request.of),
+            wording::parameter(&request.axis.name),
+        ];
+        let [own, of, over] = &words;
+        [format!("{own}: {of} over {over}"), request.of.to_string(), request.axis.name.clone()]
     }
 
     fn exponents_in_words(_: &u32) -> String {
@@ -43,22 +47,19 @@ impl ShownDiagram for Machine {
     ) -> Result<Panel> {
         let unit = request.of.find(&self.description)?.unit;
         let range = reach(diagram, &|_, value| value, 0.0);
-        let (factor, symbol) = match unit {
-            "m" if range.0.abs().max(range.1.abs()) < SMALL => (1e3, "mm".to_owned()),
-            unit => (1.0, unit.replace('.', "·").replace("s2", "s²")),
-        };
-        let drawn = if request.at_section { "Values at the section" } else { "Local maxima" };
-        let of = &request.of;
+        let of = wording::quantity(&self.description, &request.of);
+        let drawn = if request.at_section { "values at the section" } else { "local maxima" };
+        let y = wording::axis(&of, unit, range.0.abs().max(range.1.abs()));
         Ok(Panel {
-            title: format!("{drawn} of {of}"),
+            title: drawn.into(),
             x: across(self, request),
-            y: Axis::over(format!("{of} ({symbol})"), range.0, range.1).times(factor),
+            y: Axis { range: Some(range), ..y },
             layers: shaded((&request.axis, request.keep), diagram, apart, (range, &|_, value| value)),
         })
     }
 
     fn exponent_titles() -> [&'static str; 2] {
-        ["Largest Lyapunov exponent, value rising", "λ₁ (1/s)"]
+        ["largest Lyapunov exponent, value rising", "λ₁, 1/s"]
     }
 
     fn exponent_curves(points: &[Option<DescribedPoint>]) -> Vec<Layer> {
