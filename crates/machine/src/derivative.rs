@@ -28,6 +28,7 @@ mod machine;
 mod mode;
 mod passed;
 mod residual;
+mod residual_rows;
 mod rest;
 mod resting;
 mod rows;

@@ -5,7 +5,7 @@ use super::columns::padded;
 use super::machine::Machine;
 use super::mode::VariedMode;
 use super::passed::Passed;
-use super::residual::residual_row;
+use super::residual_rows::residual_row;
 use super::series::orders;
 use super::weights::{InMode, Weights};
 use crate::flow::RADIUS;

@@ -148,7 +148,7 @@ impl Tangent {
         tangent.put_inertia(system, d, &along);
         tangent.varies_mass = tangent.mass.amax() > 0.0;
         tangent.take_loads(d);
-        tangent.residual = ResidualTangent::of(&tangent, system, d, &along);
+        tangent.residual = tangent.on_residual(system, d, &along);
         tangent.put_springs(system, d, &along);
         tangent.put_gyroscopic(system);
         tangent.put_branches(system, d, &along);

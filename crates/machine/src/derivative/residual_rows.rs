@@ -1,0 +1,217 @@
+//! Derivatives of a machine's rows and quantities on residual flexibility, in the present
+//! configuration (docs/assembly-law.md (A68), (A72)).
+
+use super::mode::VariedMode;
+use super::residual::{Moved, ResidualTangent, vary};
+use super::rows::{BranchTangent, StopTangent};
+use super::tangent::Tangent;
+use super::values::Point;
+use crate::description::{Description, ResidualForces, ResidualMaker, StopLaw};
+use crate::functional::{Functional, StateRow};
+use crate::quantity::{Owner, Quantity, What};
+use crate::system::{Acting, Part, System, excess, made_stops};
+use std::sync::Arc;
+
+impl Tangent {
+    /// The derivatives in the present configuration of a system; `None` without residual
+    /// flexibility. Uses the derivatives of signals, bodies and loads.
+    pub(super) fn on_residual(
+        &self,
+        system: &System,
+        d: &Description,
+        along: &Description,
+    ) -> Option<ResidualTangent> {
+        let (own, rows, all) =
+            (system.residual.as_ref()?, system.configuration.as_ref()?, ResidualForces::of(d)?);
+        let loads: Vec<_> = all.loads.iter().map(|&(load, _)| self.driving(system, load)).collect();
+        let driven = |factors: &dyn Fn(usize) -> f64, which: usize| {
+            let mut sum = StateRow::zeros(system.signals.size);
+            let terms = all.loads.iter().zip(&loads);
+            terms.for_each(|(&(_, node), rows)| sum.axpy(factors(node), &rows[which], 1.0));
+            sum
+        };
+        let moved: Vec<Moved> = all
+            .forces
+            .iter()
+            .zip(&own.components)
+            .map(|(force, component)| {
+                let nodes = all.moved(force);
+                let driven = [0, 1].map(|which| driven(&|node| nodes[node], which));
+                self.moved(system, (d, along), (force.by, component.compliance), driven)
+            })
+            .collect();
+        let forces = vary(own, rows, &rows.forces, &moved, |own| &own.x);
+        let rates = vary(own, rows, &rows.rates, &moved, |own| &own.whole[1]);
+        let nodes = all.nodes.iter().enumerate().map(|(k, &body)| {
+            let own = |which: usize| {
+                let by = &self.bodies[body];
+                let place = if which == 0 { &by.s } else { &by.v };
+                let mut row = place + driven(&|node| all.flexibility[(k, node)], which);
+                let taken = if which == 0 { &forces } else { &rates };
+                let arms = all.forces.iter().map(|force| all.moved(force)[k]);
+                arms.zip(taken).for_each(|(arm, force)| row.axpy(-arm, force, 1.0));
+                row
+            };
+            [own(0), own(1)]
+        });
+        let nodes = nodes.collect();
+        Some(ResidualTangent { moved, forces, rates, nodes })
+    }
+
+    /// The derivatives of the rows of a load and of its rate.
+    fn driving(&self, system: &System, load: usize) -> [StateRow; 2] {
+        let own = &self.loads[load];
+        [own.clone(), system.signals.derivative(own) + self.signals.turned(&system.loads[load])]
+    }
+
+    /// The derivatives of an element's numbers and rows; `driven` has the derivatives of what
+    /// loads add to its elongation and rate.
+    fn moved(
+        &self,
+        system: &System,
+        (d, along): (&Description, &Description),
+        (maker, compliance): (ResidualMaker, f64),
+        [e_driven, rate_driven]: [StateRow; 2],
+    ) -> Moved {
+        let one = system.constant(1.0).into_row();
+        let whole = |arms, by| {
+            let own = self.elongation(system, arms, by);
+            [own.e + &e_driven, own.rate + &rate_driven]
+        };
+        // A rigid stop has no stiffness that varies.
+        let by_stiffness = |dk: f64| if compliance == 0.0 { 0.0 } else { -compliance * compliance * dk };
+        let stop = |stop: usize, whole: [StateRow; 2]| {
+            let made = made_stops(d, Some(along)).into_iter().nth(stop);
+            let (gap, dk) = made.map_or((0.0, 0.0), |made| match made.law {
+                StopLaw::Compliant { stiffness, .. } => (made.gap, stiffness),
+                StopLaw::Rigid { .. } => (made.gap, 0.0),
+            });
+            Moved { compliance: by_stiffness(dk), friction: 0.0, x: excess(&whole[0], gap, &one), whole }
+        };
+        match maker {
+            ResidualMaker::Spring(i) => {
+                let (own, by) = (&d.springs[i], &along.springs[i]);
+                let (whole, dc) = (whole(&own.arms, &by.arms), by_stiffness(by.along()[0]));
+                let x = &whole[0] + (dc * own.preload + compliance * by.preload) * &one;
+                Moved { compliance: dc, friction: 0.0, whole, x }
+            }
+            ResidualMaker::Stop(i) => stop(i, whole(&d.stops[i].arms, &along.stops[i].arms)),
+            ResidualMaker::Normal(i) => {
+                stop(system.first_contact + i, whole(&d.contacts[i].normal, &along.contacts[i].normal))
+            }
+            ResidualMaker::Tangent(i) => {
+                let tangents = [d, along].map(|of| of.contacts[i].tangent.as_ref());
+                let [Some(own), Some(by)] = tangents else {
+                    let whole = [e_driven, rate_driven];
+                    return Moved { compliance: 0.0, friction: 0.0, x: 0.0 * &one, whole };
+                };
+                let (whole, dc) = (whole(&own.arms, &by.arms), by_stiffness(by.stiffness));
+                Moved { compliance: dc, friction: by.friction, x: 0.0 * &one, whole }
+            }
+        }
+    }
+
+    /// The derivative of the force of a part on residual flexibility.
+    pub(super) fn residual_force(&self, system: &System, part: Part) -> Option<&StateRow> {
+        let place = system.residual.as_ref()?.place(part)?;
+        Some(&self.residual.as_ref()?.forces[place])
+    }
+
+    /// Replaces the derivatives of a stop's rows if it acts on residual flexibility.
+    pub(super) fn residual_stop(&self, system: &System, i: usize, by: StopTangent) -> StopTangent {
+        let (Some(own), Some(rows), Some(varied)) = (&system.residual, &system.configuration, &self.residual)
+        else {
+            return by;
+        };
+        let Some(c) = own.place(Part::Stop(i)) else { return by };
+        let (alone, moved) = (own.components[c].compliance + own.between[(c, c)], &varied.moved[c]);
+        let force = varied.forces[c].clone();
+        if rows.acting[c] == Acting::On {
+            let excess = moved.compliance * &*rows.forces[c] + alone * &force;
+            return StopTangent { excess, spring: force.clone(), force, ..by };
+        }
+        let others = varied.taken(own, c, false) - own.between[(c, c)] * &force;
+        let excess = &moved.x - others;
+        let force = (1.0 / alone) * &excess - (moved.compliance / (alone * alone)) * &*system.stops[i].excess;
+        StopTangent { excess, spring: force.clone(), force, ..by }
+    }
+
+    /// Replaces the derivatives of a branch's rows if it acts on residual flexibility.
+    pub(super) fn residual_branch(&self, system: &System, i: usize, mut by: BranchTangent) -> BranchTangent {
+        let (Some(own), Some(rows), Some(varied)) = (&system.residual, &system.configuration, &self.residual)
+        else {
+            return by;
+        };
+        let Some(c) = own.place(Part::Branch(i)) else { return by };
+        let (component, moved) = (&own.components[c], &varied.moved[c]);
+        let Some((normal, friction)) = component.limit else { return by };
+        let Part::Stop(stop) = own.components[normal].part else { return by };
+        [by.elongation.e, by.elongation.rate] = moved.whole.clone();
+        by.rate = moved.whole[1].clone();
+        by.force = varied.forces[c].clone();
+        by.level = moved.friction * &*system.stops[stop].force + friction * &self.stops[stop].force;
+        let stretch = [(false, &rows.forces, &varied.forces), (true, &rows.rates, &varied.rates)];
+        let stretch = stretch.map(|(of_rates, forces, moves)| {
+            varied.taken(own, c, of_rates) + component.compliance * &moves[c] + moved.compliance * &*forces[c]
+        });
+        by.sliding = rows.acting[c].direction() * &stretch[1];
+        by.slaved = (rows.acting[c] != Acting::On).then_some(stretch);
+        by
+    }
+}
+
+impl Point<'_> {
+    /// The derivative of a quantity of a node with residual flexibility; `None` for other bodies.
+    pub(super) fn residual_body(&self, i: usize, what: What) -> Option<f64> {
+        let own = self.system.residual.as_ref()?.nodes.iter().position(|node| node.body == i)?;
+        let [s, v] = &self.tangent.residual.as_ref()?.nodes[own];
+        let rows = self.system.seen(i);
+        Some(match what {
+            What::S => self.of(rows[0], s),
+            What::V => self.of(rows[1], v),
+            _ => {
+                let changes = self.mode.rates_by(self.p, self.z, self.delta);
+                rows[1].dot(&changes) + v.dot(&self.mode.rates(self.z))
+            }
+        })
+    }
+
+    /// The derivative of the elongation, or of its rate, of a part on residual flexibility; `None`
+    /// for other parts.
+    pub(super) fn residual_elongation(&self, part: Part, what: What) -> Option<f64> {
+        let own = self.system.residual.as_ref()?;
+        let c = own.place(part)?;
+        let [e, rate] = self.system.seen_elongation(part)?;
+        let by = self.tangent.residual.as_ref()?.elongation(own, c);
+        let is_place = matches!(what, What::E | What::TangentE);
+        Some(if is_place { self.of(e, &by[0]) } else { self.of(rate, &by[1]) })
+    }
+}
+
+/// The row of a place or rate that residual flexibility changes; `None` for other quantities.
+pub(super) fn residual_row(system: &System, mode: &Arc<VariedMode>, quantity: Quantity) -> Option<StateRow> {
+    let row = |own: &Functional| Some(own.clone().into_row());
+    match (quantity.owner, quantity.what) {
+        (Owner::Body(i), what) if system.is_residual_node(i) => {
+            let [s, v] = system.seen(i);
+            match what {
+                What::S => row(s),
+                What::V => row(v),
+                _ => {
+                    let mut sum = StateRow::zeros(system.signals.size);
+                    for (j, x) in v.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+                        mode.a.row(j).iter().for_each(|&(k, a)| sum[k] += x * a);
+                    }
+                    Some(sum)
+                }
+            }
+        }
+        (Owner::Element(i), What::E | What::TangentE | What::Rate) => {
+            let part = *system.parts_of(i, quantity.what).first()?;
+            system.residual.as_ref()?.place(part)?;
+            let [e, rate] = system.seen_elongation(part)?;
+            if matches!(quantity.what, What::E | What::TangentE) { row(e) } else { row(rate) }
+        }
+        _ => None,
+    }
+}
