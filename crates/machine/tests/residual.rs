@@ -453,8 +453,8 @@ fn second_method_derivatives_in_40_digits() {
     assert!(count > 10, "{count}");
 }
 
-/// Derivatives of all columns, of all event times and of largest values by all numbers, with another
-/// layout of the signals (frequencies) and of a motion under way, are differences of motions.
+/// Derivatives of all columns, of all event times and of largest values by all numbers, also with the
+/// signals of a varied frequency, are differences of motions.
 #[test]
 fn second_method_derivatives_are_differences() {
     let assembly = assembled(SHARED);
@@ -499,7 +499,7 @@ fn second_method_derivatives_are_differences() {
             assert!(is_near, "{k} by {}: {found:?} {exact}", own.name);
         }
     }
-    assert!(is_refused == 1 && times.len() > 20, "{is_refused} {}", times.len());
+    assert!(is_refused == 1 && times.len() > 10, "{is_refused} {}", times.len());
     assert!(10 * at_two_times < quantities.len() * names.len(), "{at_two_times}");
 }
 
