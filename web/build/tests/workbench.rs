@@ -13,8 +13,9 @@ use vibro_studies::{columns, named, values};
 /// Largest difference relative to a column's largest value, without magnification. Sine and cosine
 /// differ in the last digit between C libraries, and WebAssembly has no fused multiply-add.
 const TOLERANCE: f64 = 1e-13;
-/// Unit roundoffs of a mode's displacement in its acceleration, which has the displacement times the
-/// squared frequency: one of the displacement itself and one of each factor.
+/// Unit roundoffs of a displacement in the force of a contact and in the acceleration of a mode,
+/// which have the displacement times a stiffness or a squared frequency: one of the displacement
+/// itself and one of each factor.
 const ROUNDOFFS: f64 = 4.0;
 /// Relative change of the initial state for measuring the magnification.
 const SHIFT: f64 = 1e-14;
@@ -56,7 +57,15 @@ fn compared(told: &serde_json::Value) -> usize {
     let names = columns(&machine);
     let kind = |i: usize| names[i].rsplit('.').next().unwrap_or_default();
     let highest = machine.modals.iter().flat_map(|of| &of.frequencies).copied().fold(0.0, f64::max);
-    let stiffest = (std::f64::consts::TAU * highest).powi(2);
+    let system = assembly.system();
+    let stiffnesses = system.stops.iter().map(|own| own.stiffness());
+    let stiffest = stiffnesses.chain(system.branches.iter().map(|own| own.stiffness)).fold(0.0, f64::max);
+    // By the last word of a column's name.
+    let by_displacement = |kind: &str| match kind {
+        "a" => (std::f64::consts::TAU * highest).powi(2),
+        "f" | "ft" if highest > 0.0 => stiffest,
+        _ => 0.0,
+    };
     // Grouped by the last word of a column's name: a force of zero is compared with other forces.
     let mut largest: HashMap<&str, f64> = HashMap::new();
     let mut growth = 1.0f64;
@@ -76,8 +85,8 @@ fn compared(told: &serde_json::Value) -> usize {
             return i;
         }
         for (k, (x, own)) in row.as_array().unwrap().iter().zip(&own).enumerate() {
-            let accelerated = largest.get("s").filter(|_| kind(k) == "a");
-            let rounded = accelerated.map_or(0.0, |s| ROUNDOFFS * f64::EPSILON * stiffest * s);
+            let place = largest.get("s").copied().unwrap_or_default();
+            let rounded = ROUNDOFFS * f64::EPSILON * by_displacement(kind(k)) * place;
             let (x, allowed) = (x.as_f64().unwrap(), TOLERANCE * growth * largest[kind(k)] + rounded);
             let what = &names[k];
             assert!((x - own).abs() <= allowed, "{name}, {what} at {end} s: {x} {own}, allowed {allowed:e}");
