@@ -46,7 +46,7 @@ pub use rows::{
 };
 pub use split::{Split, Term};
 pub(crate) use stiff::STIFF;
-pub(crate) use stops::{StopMaker, contact_forces, excess, forces, made_stops};
+pub(crate) use stops::{MadeStop, StopMaker, contact_forces, excess, forces, made_stops};
 
 use crate::curved::Curved;
 use crate::description::{Arms, BodyKind, Description, Spring, start_of};

@@ -136,7 +136,7 @@ impl Machine {
             }
             if let (Some(direction), true) = (slips(i).or_else(|| moved(i)), branch.is_slider()) {
                 let by = &self.tangents[p].branches[i];
-                let rows = branch.stop().and(branch.level.as_ref()).map_or(0.0, |level| level.dot(delta));
+                let rows = branch.followed_level().map_or(0.0, |level| level.dot(delta));
                 let level = direction * (rows + by.level.dot(at.z));
                 let off = branch.force.dot(delta) + by.force.dot(at.z) - level;
                 delta[branch.place] -= off / branch.stiffness;

@@ -28,8 +28,8 @@ pub(super) const TOUCH: f64 = 1e-12;
 /// Next to an event, a value counts as zero up to this multiple of the usual zero tolerance.
 pub(super) const BESIDE: f64 = 4.0;
 
-/// An event function counts as unmoved by a number if a change by the whole number moves it by less
-/// than this fraction of the sum of its terms' sizes: rounding.
+/// An event function counts as unmoved by a number if a change by the whole number moves the
+/// function by at most this fraction of the sum of its terms' sizes: rounding.
 const UNMOVED: f64 = 1e-12;
 
 /// The matrices of a machine, with a coordinate for everything that may vary.
@@ -131,7 +131,7 @@ impl Machine {
         let d = &self.assembly.description;
         let moved = self.columns.iter().zip(&self.tangents).map(|(by, own)| {
             let mut tangent = Tangent::new(&system, d, by.parameter());
-            // The signals of a motion under way go on.
+            // The signals of a motion under way continue from its state.
             tangent.signals = own.signals.clone();
             tangent
         });
@@ -396,8 +396,9 @@ impl Machine {
             let by = at.mode.row_by(&self.system, &self.tangents[column.p], column.p, *watch, row);
             let point = self.point(column, at);
             let moved = point.of(row, &by).abs();
-            let is_rounding = moved * self.value_of(column.p) <= UNMOVED * row.size(at.sizes.as_slice());
-            if moved > STILL * point.size(row, &by) && !is_rounding {
+            if moved > STILL * point.size(row, &by)
+                && moved * self.value_of(column.p) > UNMOVED * row.size(at.sizes.as_slice())
+            {
                 let element = self.assembly.name_of(*watch);
                 return Err(Lost { time: at.time, element, cause: Cause::Limit });
             }
@@ -405,7 +406,8 @@ impl Machine {
         Ok(())
     }
 
-    /// The size of a column's number; infinite for a start and for a number that is zero.
+    /// The absolute value of a column's number; infinite for a start and for a number that is zero.
+    /// The number is looked up by its name among all numbers of the machine, which takes time.
     fn value_of(&self, p: usize) -> f64 {
         let value = match &self.columns[p] {
             By::Parameter(name) => self.assembly.description.get(name).map_or(0.0, f64::abs),

@@ -4,33 +4,36 @@
 use crate::functional::{Functional, StateRow};
 use crate::system::{Configuration, Residual};
 
-/// Derivatives of the numbers and rows of an element's force, before other forces act.
+/// Derivatives of the numbers of an element on residual flexibility, and of its rows without the
+/// forces of elements there.
 #[derive(Clone, Debug)]
 pub(super) struct Moved {
-    /// Of the reciprocal stiffness.
+    /// Derivative of the reciprocal stiffness.
     pub compliance: f64,
-    /// Of the coefficient of friction.
+    /// Derivative of the coefficient of friction.
     pub friction: f64,
-    /// Of the elongation and its rate, without forces of elements on residual flexibility.
+    /// Derivatives of the elongation and its rate.
     pub whole: [StateRow; 2],
-    /// Of the displacement that the flexibilities take up, x of (A68).
+    /// Derivative of the displacement that the flexibilities take up, x of (A68).
     pub x: StateRow,
 }
 
 /// The derivatives of the rows of a [`Configuration`].
 #[derive(Clone, Debug)]
 pub(super) struct ResidualTangent {
+    /// Derivatives of each element, before the forces act.
     pub moved: Vec<Moved>,
-    /// Of each force.
+    /// Derivative of each force.
     pub forces: Vec<StateRow>,
-    /// Of each force's rate.
+    /// Derivative of each force's rate.
     pub rates: Vec<StateRow>,
-    /// Of the coordinate and rate of each node, with residual flexibility.
+    /// Derivatives of the coordinate and rate of each node, with residual flexibility.
     pub nodes: Vec<[StateRow; 2]>,
 }
 
 impl ResidualTangent {
-    /// The derivative of Σ `G` force of a component.
+    /// The derivative of the elongation, or of its rate, that all forces take from an element: the
+    /// sum of the flexibilities times the forces.
     pub fn taken(&self, own: &Residual, c: usize, of_rates: bool) -> StateRow {
         let forces = if of_rates { &self.rates } else { &self.forces };
         let mut sum = StateRow::zeros(forces[c].len());
@@ -38,7 +41,7 @@ impl ResidualTangent {
         sum
     }
 
-    /// The derivatives of the elongation of a component and of its rate.
+    /// The derivatives of an element's elongation and of its rate, with the forces.
     pub fn elongation(&self, own: &Residual, c: usize) -> [StateRow; 2] {
         let [e, rate] = &self.moved[c].whole;
         [e - self.taken(own, c, false), rate - self.taken(own, c, true)]

@@ -9,8 +9,11 @@ use super::values::Point;
 use crate::description::{Description, ResidualForces, ResidualMaker, StopLaw};
 use crate::functional::{Functional, StateRow};
 use crate::quantity::{Owner, Quantity, What};
-use crate::system::{Acting, Part, System, excess, made_stops};
+use crate::system::{Acting, Configuration, MadeStop, Part, Residual, System, excess, made_stops};
 use std::sync::Arc;
+
+/// The index of a force on residual flexibility, the rows of all forces and their derivatives.
+type Component<'a> = (usize, &'a Residual, &'a Configuration, &'a ResidualTangent);
 
 impl Tangent {
     /// The derivatives in the present configuration of a system; `None` without residual
@@ -30,29 +33,24 @@ impl Tangent {
             terms.for_each(|(&(_, node), rows)| sum.axpy(factors(node), &rows[which], 1.0));
             sum
         };
-        let moved: Vec<Moved> = all
-            .forces
-            .iter()
-            .zip(&own.components)
-            .map(|(force, component)| {
-                let nodes = all.moved(force);
-                let driven = [0, 1].map(|which| driven(&|node| nodes[node], which));
-                self.moved(system, (d, along), (force.by, component.compliance), driven)
-            })
-            .collect();
+        let stops = made_stops(d, Some(along));
+        let moved = all.forces.iter().zip(&own.components).enumerate().map(|(c, (force, component))| {
+            let driven = [0, 1].map(|which| driven(&|node| own.nodes[node].by[c], which));
+            self.moved(system, (d, along, &stops), (force.by, component.compliance), driven)
+        });
+        let moved: Vec<Moved> = moved.collect();
         let forces = vary(own, rows, &rows.forces, &moved, |own| &own.x);
         let rates = vary(own, rows, &rows.rates, &moved, |own| &own.whole[1]);
         let nodes = all.nodes.iter().enumerate().map(|(k, &body)| {
-            let own = |which: usize| {
+            let row = |which: usize| {
                 let by = &self.bodies[body];
                 let place = if which == 0 { &by.s } else { &by.v };
                 let mut row = place + driven(&|node| all.flexibility[(k, node)], which);
                 let taken = if which == 0 { &forces } else { &rates };
-                let arms = all.forces.iter().map(|force| all.moved(force)[k]);
-                arms.zip(taken).for_each(|(arm, force)| row.axpy(-arm, force, 1.0));
+                own.nodes[k].by.iter().zip(taken).for_each(|(arm, force)| row.axpy(-arm, force, 1.0));
                 row
             };
-            [own(0), own(1)]
+            [row(0), row(1)]
         });
         let nodes = nodes.collect();
         Some(ResidualTangent { moved, forces, rates, nodes })
@@ -64,12 +62,13 @@ impl Tangent {
         [own.clone(), system.signals.derivative(own) + self.signals.turned(&system.loads[load])]
     }
 
-    /// The derivatives of an element's numbers and rows; `driven` has the derivatives of what
-    /// loads add to its elongation and rate.
+    /// The derivatives of an element's numbers and rows. `stops` has the derivatives of the stops'
+    /// numbers; `e_driven` and `rate_driven` are the derivatives of what loads add to the elongation
+    /// and its rate.
     fn moved(
         &self,
         system: &System,
-        (d, along): (&Description, &Description),
+        (d, along, stops): (&Description, &Description, &[MadeStop]),
         (maker, compliance): (ResidualMaker, f64),
         [e_driven, rate_driven]: [StateRow; 2],
     ) -> Moved {
@@ -81,8 +80,7 @@ impl Tangent {
         // A rigid stop has no stiffness that varies.
         let by_stiffness = |dk: f64| if compliance == 0.0 { 0.0 } else { -compliance * compliance * dk };
         let stop = |stop: usize, whole: [StateRow; 2]| {
-            let made = made_stops(d, Some(along)).into_iter().nth(stop);
-            let (gap, dk) = made.map_or((0.0, 0.0), |made| match made.law {
+            let (gap, dk) = stops.get(stop).map_or((0.0, 0.0), |made| match made.law {
                 StopLaw::Compliant { stiffness, .. } => (made.gap, stiffness),
                 StopLaw::Rigid { .. } => (made.gap, 0.0),
             });
@@ -112,18 +110,21 @@ impl Tangent {
     }
 
     /// The derivative of the force of a part on residual flexibility.
-    pub(super) fn residual_force(&self, system: &System, part: Part) -> Option<&StateRow> {
-        let place = system.residual.as_ref()?.place(part)?;
-        Some(&self.residual.as_ref()?.forces[place])
+    pub(super) fn residual_force(&self, system: &System, part: Part) -> Option<StateRow> {
+        let (c, _, _, varied) = self.component(system, part)?;
+        Some(varied.forces[c].clone())
+    }
+
+    /// The index of a part among the forces on residual flexibility, with the rows and their
+    /// derivatives; `None` for a part that acts elsewhere.
+    fn component<'a>(&'a self, system: &'a System, part: Part) -> Option<Component<'a>> {
+        let own = system.residual.as_deref()?;
+        Some((own.place(part)?, own, system.configuration.as_ref()?, self.residual.as_ref()?))
     }
 
     /// Replaces the derivatives of a stop's rows if it acts on residual flexibility.
     pub(super) fn residual_stop(&self, system: &System, i: usize, by: StopTangent) -> StopTangent {
-        let (Some(own), Some(rows), Some(varied)) = (&system.residual, &system.configuration, &self.residual)
-        else {
-            return by;
-        };
-        let Some(c) = own.place(Part::Stop(i)) else { return by };
+        let Some((c, own, rows, varied)) = self.component(system, Part::Stop(i)) else { return by };
         let (alone, moved) = (own.components[c].compliance + own.between[(c, c)], &varied.moved[c]);
         let force = varied.forces[c].clone();
         if rows.acting[c] == Acting::On {
@@ -138,11 +139,7 @@ impl Tangent {
 
     /// Replaces the derivatives of a branch's rows if it acts on residual flexibility.
     pub(super) fn residual_branch(&self, system: &System, i: usize, mut by: BranchTangent) -> BranchTangent {
-        let (Some(own), Some(rows), Some(varied)) = (&system.residual, &system.configuration, &self.residual)
-        else {
-            return by;
-        };
-        let Some(c) = own.place(Part::Branch(i)) else { return by };
+        let Some((c, own, rows, varied)) = self.component(system, Part::Branch(i)) else { return by };
         let (component, moved) = (&own.components[c], &varied.moved[c]);
         let Some((normal, friction)) = component.limit else { return by };
         let Part::Stop(stop) = own.components[normal].part else { return by };

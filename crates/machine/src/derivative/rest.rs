@@ -129,8 +129,7 @@ fn put_borne(
                 0.0
             }
             Rest::AtLevel(direction) => {
-                // The limit of a contact follows the normal force.
-                if let (true, Some(level)) = (branch.stop().is_some(), &branch.level) {
+                if let Some(level) = branch.followed_level() {
                     forces.ger(-direction, w, level, 1.0);
                 }
                 direction * by.level.dot(at.z)
@@ -169,7 +168,7 @@ fn follow(machine: &Machine, p: usize, delta: &mut DVector<f64>, at: &Instant) {
             Rest::Relaxed | Rest::Open => 0.0,
             Rest::AtLevel(direction) => direction,
         };
-        let rows = branch.stop().and(branch.level.as_ref()).map_or(0.0, |level| level.dot(delta));
+        let rows = branch.followed_level().map_or(0.0, |level| level.dot(delta));
         let stretch = (direction * (rows + by.level.dot(at.z)) - by.force.dot(at.z)) / branch.stiffness;
         let e = &branch.elongation.e;
         delta[branch.place] = e.dot(delta) + by.elongation.e.dot(at.z) - stretch;

@@ -243,7 +243,7 @@ impl Tangent {
             let mut force = dk * &*e.e + rows.stiffness * &own.e + dc * &*e.rate + rows.damping * &own.rate;
             force[system.signals.one] += preload;
             if let Some(by) = self.residual_force(system, Part::Spring(self.springs.len())) {
-                force = by.clone();
+                force = by;
             }
             if let Some(by) = self.put_formula((rows, &own), formulas.get(self.springs.len())) {
                 force += &*by;

@@ -88,6 +88,12 @@ impl BranchRows {
         !matches!(self.law, BranchLaw::Dashpot(_))
     }
 
+    /// The slider's limit if it follows a stop's force, as a contact's does; `None` for a constant
+    /// limit and for a dashpot.
+    pub(crate) fn followed_level(&self) -> Option<&Functional> {
+        self.stop().and(self.level.as_ref())
+    }
+
     /// The rate of `whole`.
     pub(crate) fn rate_of_whole(&self) -> &Functional {
         if self.is_slider() { &self.rate } else { &self.elongation.rate }
