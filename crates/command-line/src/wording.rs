@@ -11,7 +11,7 @@ const PREFIXED: [&str; 8] = ["m", "rad", "s", "N", "N.m", "m/s", "J", "W"];
 /// Sizes below which values are shown with the prefix milli, and below which with micro.
 const MILLI: f64 = 0.1;
 const MICRO: f64 = 1e-4;
-/// Size from which forces and torques are shown with the prefix kilo.
+/// Forces and torques of this size and larger ones are shown with the prefix kilo.
 const KILO: f64 = 1e4;
 
 /// Unit of display of SI values up to `largest` in size: its factor from SI and its symbol, `1` for

@@ -1,30 +1,13 @@
 //! Contacts with a normal stiffness and friction along a tangent.
 
+use crate::common::contacts::*;
 use crate::common::*;
 use std::f64::consts::{PI, TAU};
-use vibro_machine::derivative::Gradient;
 use vibro_machine::mode::SliderState;
-use vibro_machine::motion::{Event, EventKind};
 use vibro_machine::{Differentiated, Motion, Quantity, What};
 
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
-
-/// The words of a contact's events, with their times.
-fn words(events: &[Event]) -> Vec<(&'static str, f64)> {
-    let word = |event: &Event| {
-        let word = match event.kind {
-            EventKind::Press { .. } => "press",
-            EventKind::Free { .. } => "free",
-            EventKind::Yield { direction, .. } if direction > 0.0 => "slip+",
-            EventKind::Yield { .. } => "slip-",
-            EventKind::Hold { .. } => "stick",
-            _ => return None,
-        };
-        Some((word, event.time))
-    };
-    events.iter().filter_map(word).collect()
-}
 
 /// Compares events with exact ones.
 fn agree(found: &[(&str, f64)], exact: &[(&str, f64)], allowed: f64) {
@@ -231,11 +214,6 @@ fn published_sdnd100_friction_pad() {
     }
 }
 
-/// A column: numbers of a row of the data.
-fn numbers(text: &str) -> Vec<f64> {
-    text.split_whitespace().map(|x| x.parse().expect("a number")).collect()
-}
-
 /// Roundings of numbers of order one over some ten events, before they are magnified.
 const DIGITS: f64 = 2e-13;
 
@@ -295,37 +273,13 @@ fn second_method_random_machines_in_40_digits() {
     assert!(met > 500, "{met}");
 }
 
-/// Relative rounding of derivatives over some ten events.
-const BY: f64 = 1e-9;
-
 /// Derivatives by stiffnesses, friction, gap and preload in 40 digits, through stick, slip and
 /// lift-off; the gradient has the same.
 #[test]
 fn second_method_derivatives_in_40_digits() {
-    let mut count = 0;
-    for row in include_str!("data/frictional_by.txt").lines() {
-        let fields: Vec<&str> = row.split(';').collect();
-        let assembly = assembled(&fields[0].replace('|', "\n"));
-        let (end, name, exact) = (numbers(fields[1])[0], fields[2], numbers(fields[3]));
-        let mut by = Differentiated::new(assembly.clone(), &[name]).unwrap();
-        by.advance_to(end).unwrap();
-        let size = exact.iter().fold(1e-3, |most: f64, x| most.max(x.abs()));
-        let bodies = assembly.description.bodies.len();
-        let mut sum = Gradient::new(assembly.clone(), by.columns()).unwrap();
-        sum.advance_to(end).unwrap();
-        let mut total = 0.0;
-        for (k, x) in exact.iter().enumerate() {
-            let quantity = Quantity::of_body(k % bodies, [What::S, What::V][k / bodies]);
-            let found = by.derivative(quantity, 0).unwrap();
-            assert!((found - x).abs() < BY * size, "{found} {x} by {name} in {row}");
-            let weight = 1.0 - 0.3 * k as f64;
-            sum.add(quantity, weight);
-            total += weight * x;
-        }
-        let found = sum.gradient().unwrap().remove(0).unwrap();
-        assert!((found - total).abs() < 10.0 * BY * size, "{found} {total} by {name} in {row}");
-        count += 1;
-    }
+    let count = compare_derivatives(include_str!("data/frictional_by.txt"), |d, k| {
+        Quantity::of_body(k % d.bodies.len(), [What::S, What::V][k / d.bodies.len()])
+    });
     assert!(count > 20, "{count}");
 }
 

@@ -1,36 +1,16 @@
 //! Residual flexibility of bodies in modal coordinates (docs/assembly-law.md, section 25).
 
+use crate::common::contacts::*;
 use crate::common::*;
 use std::f64::consts::{PI, SQRT_2};
 use std::sync::Arc;
-use vibro_machine::derivative::{By, Extremes, Gradient};
-use vibro_machine::motion::{Event, EventKind, Reached};
+use vibro_machine::derivative::{By, Extremes};
+use vibro_machine::description::Description;
+use vibro_machine::motion::{Event, Reached};
 use vibro_machine::{Assembly, Differentiated, Motion, Quantity, What};
 
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
-
-/// The words of contacts' events, with their times.
-fn words(events: &[Event]) -> Vec<(&'static str, f64)> {
-    let word = |event: &Event| {
-        let word = match event.kind {
-            EventKind::Press { .. } => "press",
-            EventKind::Free { .. } => "free",
-            EventKind::Yield { direction, .. } if direction > 0.0 => "slip+",
-            EventKind::Yield { .. } => "slip-",
-            EventKind::Hold { .. } => "stick",
-            _ => return None,
-        };
-        Some((word, event.time))
-    };
-    events.iter().filter_map(word).collect()
-}
-
-fn observed(m: &mut Motion, end: f64) -> Vec<Event> {
-    let mut all = Vec::new();
-    m.advance_observed(end, &mut |event| all.push(event.clone())).unwrap();
-    all
-}
 
 /// A free bar with its rigid motion and `n` modes.
 struct Bar {
@@ -88,7 +68,7 @@ fn closed_form_a_bar_leaves_a_wall_with_the_wave_and_without_loss() {
     for n in [5, 10, 20, 40] {
         let bar = Bar { n, mass: 1.0, length: 1.0, c: 2.0 };
         let mut m = moving(&(bar.text([0.0, 1.0], &bar.flexible()) + WALL));
-        let all = words(&observed(&mut m, 1.5));
+        let all = words(&events(&mut m, 1.5));
         assert!(matches!(all[..], [("free", time)] if (time - 1.0).abs() < 0.06 / n as f64), "{all:?}");
         let (kinetic, stored) = m.kinetic_and_stored();
         assert!((kinetic + stored - 0.5).abs() < ROUNDING);
@@ -169,7 +149,7 @@ fn second_method_a_force_alone_is_a_softer_element() {
     ] {
         let mut one = moving(&format!("{other}{residual}{flexible}{load}"));
         let mut two = moving(&format!("{other}{plain}{load}"));
-        let [first, second] = [&mut one, &mut two].map(|m| words(&observed(m, 8.0)));
+        let [first, second] = [&mut one, &mut two].map(|m| words(&events(m, 8.0)));
         assert!(first.len() > 10 && first.len() == second.len(), "{first:?}\n{second:?}");
         for (a, b) in first.iter().zip(&second) {
             assert!(a.0 == b.0 && (a.1 - b.1).abs() < 1e-12 * 8.0, "{a:?} {b:?}");
@@ -178,11 +158,6 @@ fn second_method_a_force_alone_is_a_softer_element() {
             assert!((one.coordinate(k) - two.coordinate(k)).abs() < 1e-12);
         }
     }
-}
-
-/// A column: numbers of a row of the data.
-fn numbers(text: &str) -> Vec<f64> {
-    text.split_whitespace().map(|x| x.parse().expect("a number")).collect()
 }
 
 /// Roundings of numbers of order one over some ten events, before they are magnified.
@@ -204,7 +179,7 @@ fn second_method_random_bodies_in_40_digits() {
             let begin = unaccounted(&m);
             let (mut all, mut lost) = (Vec::new(), vec![0.0; m.energy().branches.len()]);
             for k in 1..=20 {
-                all.extend(observed(&mut m, end * f64::from(k) / 20.0));
+                all.extend(events(&mut m, end * f64::from(k) / 20.0));
                 for (lost, now) in lost.iter_mut().zip(&m.energy().branches) {
                     assert!(now.value() >= *lost - 1e-14, "{row}");
                     *lost = now.value();
@@ -312,7 +287,7 @@ fn invariant_columns_obey_the_law_of_each_element() {
         assert!((value(a, What::E) - (an - m.coordinate(body("base")))).abs() < ROUNDING);
         // Rates, if no event is near.
         let mut later = m.clone();
-        let events = observed(&mut later, m.time() + h);
+        let events = events(&mut later, m.time() + h);
         for (i, pairs) in [(a, 2), (b, 2), (c, 1), (ab, 1)].into_iter().filter(|_| events.is_empty()) {
             let both = [(What::E, What::Rate), (What::Slider, What::SliderRate)];
             for (e, rate) in both.into_iter().take(pairs) {
@@ -418,89 +393,61 @@ fn closed_form_a_start_beyond_the_limit_of_friction() {
     }
 }
 
-/// Relative rounding of derivatives over some twenty events.
-const BY: f64 = 1e-9;
-
 /// Derivatives by gaps, stiffnesses, friction, preloads and loads in 40 digits, through every event of
 /// coupled contacts; the gradient has the same.
 #[test]
 fn second_method_derivatives_in_40_digits() {
-    let mut count = 0;
-    for row in include_str!("data/residual_by.txt").lines() {
-        let fields: Vec<&str> = row.split(';').collect();
-        let assembly = assembled(&fields[0].replace('|', "\n"));
-        let (end, name, exact) = (numbers(fields[1])[0], fields[2], numbers(fields[3]));
-        let mut by = Differentiated::new(assembly.clone(), &[name]).unwrap();
-        by.advance_to(end).unwrap();
-        let size = exact.iter().fold(1e-3, |most: f64, x| most.max(x.abs()));
-        let modal = &assembly.description.modals[0];
-        let modes = modal.frequencies.len();
-        let mut sum = Gradient::new(assembly.clone(), by.columns()).unwrap();
-        sum.advance_to(end).unwrap();
-        let mut total = 0.0;
-        for (k, x) in exact.iter().enumerate() {
-            let quantity = Quantity::of_body(modal.first + k % modes, [What::S, What::V][k / modes]);
-            let found = by.derivative(quantity, 0).unwrap();
-            assert!((found - x).abs() < BY * size, "{found} {x} by {name} in {row}");
-            let weight = 1.0 - 0.3 * k as f64;
-            sum.add(quantity, weight);
-            total += weight * x;
-        }
-        let found = sum.gradient().unwrap().remove(0).unwrap();
-        assert!((found - total).abs() < 10.0 * BY * size, "{found} {total} by {name} in {row}");
-        count += 1;
-    }
+    let count = compare_derivatives(include_str!("data/residual_by.txt"), |d, k| {
+        let modes = d.modals[0].frequencies.len();
+        Quantity::of_body(d.modals[0].first + k % modes, [What::S, What::V][k / modes])
+    });
     assert!(count > 10, "{count}");
 }
 
-/// Derivatives of all columns, of all event times and of largest values by all numbers, also with the
-/// signals of a varied frequency, are differences of motions.
+/// Derivatives of all values at the end, of all event times and of largest values by all numbers, also
+/// with the signals of a varied frequency, are differences of motions.
 #[test]
 fn second_method_derivatives_are_differences() {
-    let assembly = assembled(SHARED);
-    let (names, quantities) = (assembly.description.parameters(), assembly.description.named_quantities());
-    let columns: Vec<&str> = names.iter().map(|own| own.name.as_str()).collect();
-    let end = 1.5;
-    let mut by = Differentiated::new(assembly.clone(), &columns).unwrap();
-    let mut times = Vec::new();
-    let largest = || quantities.iter().map(|own| Extremes::new(own.quantity)).collect::<Vec<_>>();
-    let mut extremes = largest();
-    by.advance_with_extremes(end, &mut extremes, &mut |event, by| times.push((event.time, by.to_vec())))
-        .unwrap();
-    let (mut is_refused, mut at_two_times) = (0, 0);
-    for (p, own) in names.iter().enumerate() {
-        let h = 1e-6 * own.value.abs().max(1e-2);
-        let side = |sign: f64| {
-            let changed = assembly.description.with([(own.name.as_str(), own.value + sign * h)]).ok()?;
-            let changed = Arc::new(Assembly::new(changed).unwrap());
-            let (mut m, mut events, mut extremes) =
-                (Differentiated::new(changed, &[""; 0]).unwrap(), Vec::new(), largest());
-            m.advance_with_extremes(end, &mut extremes, &mut |event, _| events.push(event.time)).unwrap();
-            let values = quantities.iter().map(|own| m.motion().value(own.quantity));
-            let highest = extremes.iter().map(|own| own.highest().unwrap().value);
-            Some(values.chain(highest).chain(events).collect::<Vec<f64>>())
-        };
-        // A dashpot on residual flexibility, for example, is refused.
-        let (Some(above), Some(below)) = (side(1.0), side(-1.0)) else {
-            is_refused += 1;
-            continue;
-        };
-        let values = quantities.iter().map(|own| by.derivative(own.quantity, p));
-        let highest = extremes.iter().map(|own| own.highest().unwrap().by[p].clone().ok());
-        let found = values.chain(highest).chain(times.iter().map(|own| own.1[p]));
-        for (k, (found, (above, below))) in found.zip(above.iter().zip(&below)).enumerate() {
-            let exact = (above - below) / (2.0 * h);
-            // A largest value at two times, such as 0 of a stop, has none.
-            if found.is_none() && (quantities.len()..2 * quantities.len()).contains(&k) {
-                at_two_times += 1;
-                continue;
+    let (d, end) = (machine(SHARED), 1.5);
+    // A dashpot on residual flexibility is refused, so that it has no differences.
+    let (names, met) = differences::compare(&d, end);
+    assert!(met > 10 && names.len() > 40, "{met} {names:?}");
+    let columns: Vec<&str> = names.iter().map(String::as_str).collect();
+    let followed = |d: Description, columns: &[&str]| {
+        let mut largest: Vec<Extremes> = d.quantities().map(Extremes::new).collect();
+        let (mut times, mut m) =
+            (Vec::new(), Differentiated::new(Arc::new(Assembly::new(d).unwrap()), columns).unwrap());
+        let mut note = |event: &Event, by: &[Option<f64>]| times.push((event.time, by.to_vec()));
+        m.advance_with_extremes(end, &mut largest, &mut note).unwrap();
+        let largest: Vec<_> = largest.iter().map(|own| own.highest().unwrap().clone()).collect();
+        (largest, times)
+    };
+    let (largest, times) = followed(d.clone(), &columns);
+    let mut at_two_times = 0;
+    for (p, name) in names.iter().enumerate() {
+        let (value, near) = (d.get(name).unwrap(), DIFFERENCE);
+        let h = 1e-6 * value.abs().max(1e-2);
+        let [above, below] = [h, -h].map(|h| followed(d.with([(name.as_str(), value + h)]).unwrap(), &[]));
+        for (k, own) in largest.iter().enumerate() {
+            let exact = (above.0[k].value - below.0[k].value) / (2.0 * h);
+            // A largest value at two times, such as 0 of a stop, has no derivative.
+            match &own.by[p] {
+                Err(_) => at_two_times += 1,
+                Ok(found) => {
+                    assert!(
+                        (found - exact).abs() < near * (1.0 + exact.abs()),
+                        "{k} by {name}: {found} {exact}"
+                    );
+                }
             }
-            let is_near = found.is_some_and(|x| (x - exact).abs() < DIFFERENCE * (1.0 + exact.abs()));
-            assert!(is_near, "{k} by {}: {found:?} {exact}", own.name);
+        }
+        for (k, (time, by)) in times.iter().enumerate() {
+            let exact = (above.1[k].0 - below.1[k].0) / (2.0 * h);
+            let found = by[p].unwrap();
+            assert!((found - exact).abs() < near * (1.0 + exact.abs()), "{time} by {name}: {found} {exact}");
         }
     }
-    assert!(is_refused == 1 && times.len() > 10, "{is_refused} {}", times.len());
-    assert!(10 * at_two_times < quantities.len() * names.len(), "{at_two_times}");
+    assert!(10 * at_two_times < largest.len() * names.len(), "{at_two_times}");
 }
 
 /// The derivatives of a motion under way, by numbers and by its state, are those from its state.

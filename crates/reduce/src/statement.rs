@@ -61,7 +61,7 @@ pub fn labels(interfaces: &[Interface]) -> Vec<String> {
     interfaces.iter().flat_map(of).collect()
 }
 
-/// The damping ratios by a damping matrix, and what they leave out.
+/// Line about the damping ratios of a damping matrix and the damping between modes, which is left out.
 pub fn damping(of: &Projected) -> String {
     let elastic = of.ratios.iter().copied().filter(|ratio| *ratio > 0.0);
     let [least, most] = [elastic.clone().fold(f64::INFINITY, f64::min), elastic.fold(0.0, f64::max)];

@@ -115,6 +115,43 @@ fn second_method_a_body_with_all_its_modes_moves_as_its_masses() {
     }
 }
 
+/// A file with α M + β K, in kN, mm, ms, names its dofs in the order of CalculiX and includes a clamped
+/// one: the body is that of `--rayleigh`, with α and β in seconds.
+#[test]
+fn closed_form_a_file_of_proportional_damping_is_rayleigh() {
+    let folder = tempfile::tempdir().unwrap();
+    let (alpha, beta) = (0.3, 2e-7);
+    let of = |damping: Damping, matrix: bool| {
+        let mut own = job(chain(folder.path()), &["end=30"], Method::MacNeal, 8);
+        (own.units, own.clamp, own.damping) = ("kN,mm,kg,ms".into(), vec!["7".into()], damping);
+        if matrix {
+            // α in 1/ms and β in ms.
+            let (alpha, beta) = (1e-3 * alpha, 1e3 * beta);
+            let k = |i: usize| if i + 1 == MASSES { 100.0 } else { 200.0 };
+            let own_entries = (1..=MASSES).map(|i| (i, i, alpha * 2e-4 + beta * k(i - 1)));
+            let others = (2..=MASSES).map(|i| (i, i - 1, -100.0 * beta));
+            let lines: Vec<String> =
+                own_entries.chain(others).map(|(i, j, x)| format!("{i} {j} {x:.17e}\n")).collect();
+            let path = folder.path().join("c.sti");
+            std::fs::write(&path, lines.concat()).unwrap();
+            own.sources.damping = Some(path);
+        }
+        own.run().unwrap()
+    };
+    let [one, other] = [of(Damping::Rayleigh(alpha, beta), false), of(Damping::Ratio(0.0), true)];
+    let ratios = |made: &Made| {
+        let text = parse(&format!("{}\n", made.toml), "rod.toml", &no_records).unwrap();
+        text.modals[0].damping_ratios.clone()
+    };
+    let (rayleigh, by_file) = (ratios(&one), ratios(&other));
+    assert_eq!(by_file.len(), 8);
+    for (a, b) in rayleigh.iter().zip(&by_file) {
+        assert!(*a > 1e-3 && (a - b).abs() < SAME * a, "{a} {b}");
+    }
+    let said = other.said.last().unwrap();
+    assert!(said.starts_with("damping ratios: 0.0") && other.report.contains(said.as_str()), "{said}");
+}
+
 /// A cantilever of steel in N, mm, t, clamped by the option.
 fn cantilever(folder: &Path) -> (Solid, Job) {
     let solid = Solid::steel([10, 2, 2], [0.2, 0.03, 0.02]);

@@ -123,7 +123,7 @@ fn samples(record: &MotionRecord, quantity: Quantity) -> Option<Path> {
     Some(record.rows.iter().step_by(stride).map(|row| (row[0], row[1 + column])).collect())
 }
 
-/// The curve of a quantity by its samples and its extremes, so that no peak between samples is lost.
+/// The curve of a quantity by its samples and its extremes, so that peaks between samples are drawn.
 fn curve(record: &MotionRecord, name: String, quantity: Quantity) -> Option<MotionCurve> {
     let extreme: &Extreme = record.extreme(quantity)?;
     let mut points = samples(record, quantity)?;

@@ -152,8 +152,8 @@ fn panels(machine: &Machine, orbit: &Orbit) -> Result<Vec<Panel>> {
 /// Time and columns at an instant.
 type Sample = (f64, Vec<f64>);
 
-/// The columns at instants of each flight of a period. Each flight is followed from its beginning, so that
-/// instability has no time to grow.
+/// The columns at instants of each flight of a period. Each flight is followed from its beginning,
+/// so that instability has no time to grow.
 fn samples(orbit: &Orbit) -> Result<Vec<Vec<Sample>>> {
     let mut legs = Vec::new();
     for leg in orbit.legs() {

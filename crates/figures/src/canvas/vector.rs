@@ -77,8 +77,8 @@ fn outline(piece: &[CanvasPoint], data: &mut String) {
     }
 }
 
-/// Cap on the circles and rectangles of a layer that are single elements. A larger number becomes an
-/// image: the file stays small, and a browser displays it quickly.
+/// Largest number of circles and rectangles of a layer that are single elements. More of them become
+/// an image: the file stays small, and a browser displays it quickly.
 const MOST: usize = 20_000;
 /// Largest side of such an image, in units.
 const LARGEST: f64 = 8000.0;

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod both_laws;
+pub mod contacts;
 pub mod differences;
 pub mod machines;
 

@@ -70,6 +70,31 @@ fn moduli_by_motion(orbit: &Orbit) -> Vec<f64> {
     own
 }
 
+/// Largest errors of an orbit that is examined: of the moduli of multipliers and of a simulation of
+/// the orbit, and of the columns of parameters, relative.
+struct Allowed {
+    rounding: f64,
+    apart: f64,
+}
+
+/// Examines an orbit by the motion: the orbit itself, the moduli of its multipliers, and the columns
+/// of parameters, which vary by a tenth of their values.
+fn examine(machine: &Machine, orbit: &Orbit, parameters: &[&str], allowed: &Allowed) {
+    let words = orbit.word().in_words(&orbit.place().assembly);
+    assert!(orbit.check_by_motion().unwrap() < allowed.rounding, "{words}");
+    let mut moduli: Vec<f64> = orbit.multipliers().iter().map(|m| m.norm()).collect();
+    moduli.sort_by(|a, b| b.total_cmp(a));
+    let by_motion = moduli_by_motion(orbit);
+    for (own, other) in moduli.iter().zip(&by_motion) {
+        assert!((own - other).abs() < allowed.rounding, "{words}: {moduli:?} {by_motion:?}");
+    }
+    for parameter in parameters {
+        let present = machine.description.get(parameter).unwrap();
+        let apart = column_apart(machine, orbit, (parameter, 0.1 * present));
+        assert!(apart < allowed.apart, "{words}, {parameter}: {apart:e}");
+    }
+}
+
 /// Relative error of the parameter's column at an orbit, against a difference of the equations.
 fn column_apart(machine: &Machine, orbit: &Orbit, (parameter, span): (&str, f64)) -> f64 {
     let present = machine.description.get(parameter).unwrap_or_else(|e| panic!("{parameter}: {e:?}"));

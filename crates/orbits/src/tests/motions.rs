@@ -1,13 +1,8 @@
 //! Orbits against the machines' own motions.
 
 use super::*;
-use crate::curve::Equations;
-use crate::problem::Problem;
-use std::sync::Arc;
-use vibro_machine::Differentiated;
 use vibro_machine::Motion;
 use vibro_machine::Start;
-use vibro_machine::derivative::By;
 
 /// Largest difference of an event's time, in periods: rounding of a flight.
 const TIME: f64 = 1e-11;
@@ -153,9 +148,8 @@ fn invariant_a_branch_ends_where_the_parameters_values_end() {
     }
 }
 
-/// Step of the differences, in the parameter's unit, and their tolerance: a stiff contact
-/// magnifies rounding over a period.
-const DIFFERENCE: (f64, f64) = (1e-5, 1e-5);
+/// Tolerance of a parameter's column, relative: a stiff contact magnifies rounding over a period.
+const COLUMN: f64 = 1e-5;
 
 #[test]
 fn second_method_the_parameters_column_is_that_of_differences_of_the_equations() {
@@ -171,19 +165,8 @@ fn second_method_the_parameters_column_is_that_of_differences_of_the_equations()
     ] {
         let machine = example(name);
         let orbit = Orbit::settled(&machine, &Start::default(), 500).unwrap();
-        let present = machine.description.get(parameter).unwrap_or_else(|e| panic!("{name}: {e:?}"));
-        let family = Family::new(&machine, parameter, (present - span, present + span)).unwrap();
-        let problem = Problem { family: Arc::new(family), ..orbit.problem.clone() };
-        let u = problem.point(orbit.place(), &problem.numbers(orbit.place(), &orbit.u), present);
-        let own = problem.linearize(&u, None).unwrap().matrix.column(problem.size()).into_owned();
-        let at = |by: f64| {
-            let mut moved = u.clone();
-            moved[problem.size()] += by;
-            problem.residual(&problem.place(&moved).unwrap(), &moved, false).unwrap().value
-        };
-        let (step, left) = DIFFERENCE;
-        let apart = ((at(step) - at(-step)) / (2.0 * step) - &own).norm() / own.norm();
-        assert!(apart < left, "{name}, {parameter}: {apart:e}");
+        let apart = column_apart(&machine, &orbit, (parameter, span));
+        assert!(apart < COLUMN, "{name}, {parameter}: {apart:e}");
     }
 }
 
@@ -241,15 +224,7 @@ fn second_method_multipliers_are_those_of_the_motions_own_transition() {
         example("damper_with_buffer.toml"),
     ] {
         let orbit = Orbit::settled(&machine, &Start::default(), 500).unwrap();
-        let (assembly, (time, state)) = (orbit.place().assembly.clone(), orbit.middle_state());
-        let columns: Vec<By> = (0..state.len()).map(By::Start).collect();
-        let mut motion = Differentiated::from_state(assembly, time, &state, &columns).unwrap();
-        motion.advance_to(time + orbit.period()).unwrap();
-        let column = |p: usize| motion.state_derivative(p).unwrap_or_else(|| panic!("{:?}", motion.lost(p)));
-        let all: Vec<f64> = (0..state.len()).flat_map(|p| column(p)[..state.len()].to_vec()).collect();
-        let map = nalgebra::DMatrix::from_vec(state.len(), state.len(), all);
-        let mut own: Vec<f64> = map.complex_eigenvalues().iter().map(|m| m.norm()).collect();
-        own.sort_by(|a, b| b.total_cmp(a));
+        let own = moduli_by_motion(&orbit);
         for (a, b) in orbit.multipliers().iter().zip(&own) {
             assert!((a.norm() - b).abs() < TRANSITION, "{:?} {own:?}", orbit.multipliers());
         }

@@ -31,14 +31,7 @@ fn second_method_multipliers_and_columns_of_coupled_contacts() {
         let orbit = Orbit::settled(&machine, &Start::default(), 400).unwrap();
         let words = orbit.word().in_words(&orbit.place().assembly);
         assert!(words.contains("press wall") && words.contains("slip pad"), "{words}");
-        assert!(orbit.check_by_motion().unwrap() < ROUNDING);
-        let mut moduli: Vec<f64> = orbit.multipliers().iter().map(|m| m.norm()).collect();
-        moduli.sort_by(|a, b| b.total_cmp(a));
-        let by_motion = moduli_by_motion(&orbit);
-        for (own, other) in moduli.iter().zip(&by_motion) {
-            assert!((own - other).abs() < ROUNDING, "{moduli:?} {by_motion:?}");
-        }
-        for parameter in [
+        let parameters = [
             "contact.pad.friction",
             "contact.pad.stiffness",
             "contact.pad.tangential_stiffness",
@@ -46,11 +39,8 @@ fn second_method_multipliers_and_columns_of_coupled_contacts() {
             "stop.wall.gap",
             "load.f.amplitude",
             "load.f.frequency",
-        ] {
-            let present = machine.description.get(parameter).unwrap();
-            let apart = column_apart(&machine, &orbit, (parameter, 0.1 * present));
-            assert!(apart < APART, "{frequency} Hz, {parameter}: {apart:e}");
-        }
+        ];
+        examine(&machine, &orbit, &parameters, &Allowed { rounding: ROUNDING, apart: APART });
     }
 }
 

@@ -12,8 +12,9 @@ use vibro_studies::paper::basin::InitialValueRange;
 use vibro_studies::paper::start::StartRule;
 use vibro_studies::paper::{Name, number};
 
-/// Options that do not affect the numbers of a result. `width` is of pictures, `figure` and `kind`
-/// choose which results are made, `folders` are the folders of `merge`, and `list` only prints names.
+/// Options that do not affect the numbers of a result. `width` is the width of pictures, `figure`
+/// and `kind` choose which results are made, `folders` are the folders of `merge`, and `list` only
+/// prints names.
 const APART: [&str; 6] = ["shard", "width", "figure", "kind", "folders", "list"];
 /// Options that a manifest's command line leaves out: destination, threads, share.
 const LEFT_OUT: [&str; 3] = ["--out", "--threads", "--shard"];
