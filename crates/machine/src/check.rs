@@ -21,6 +21,7 @@ use crate::elements::Element;
 use crate::polyline::slopes;
 use crate::refusal::{Problem, Refusal};
 use crate::slots::{of_sweep, slots};
+use crate::what::What;
 
 /// Largest number of bodies, of elements, and of harmonics and steps of a machine; checked before
 /// memory is allocated for them.
@@ -273,10 +274,11 @@ fn check_points(spring: &Spring, problems: &mut Vec<Problem>) {
         problems.push(Problem::new(&name, None, "expected at least two points"));
     }
     if let Some(i) = points.windows(2).position(|pair| pair[1].e <= pair[0].e) {
-        let text = format!("must be greater than {:?}, the e of the previous point", points[i].e);
+        let unit = What::E.unit(spring.arms.dimension);
+        let text = format!("must be greater than {:?} {unit}, the e of the previous point", points[i].e);
         problems.push(refused(format!("{name}[{}].e", i + 1), points[i + 1].e, text));
     } else if let Some(i) = slopes(points).iter().position(|slope| !slope.is_finite()) {
-        let text = "the slope from the previous point must be finite";
+        let text = "must be nearer to the force of the previous point: the slope between them is not finite";
         problems.push(refused(format!("{name}[{}].f", i + 1), points[i + 1].f, text));
     }
     if (spring.stiffness, spring.preload) != (0.0, 0.0) {

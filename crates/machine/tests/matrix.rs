@@ -277,7 +277,11 @@ fn errors_of_matrices_name_the_entry() {
             "[0, 0, 0]",
             "matrix.chain.mass: row 2, counted from 0, is zero: the coordinate has no mass",
         ),
-        ("[0, 0, 0.5]", "[0, 0, -0.5]", "matrix.chain.mass: is not positive definite"),
+        (
+            "[0, 0, 0.5]",
+            "[0, 0, -0.5]",
+            "matrix.chain.mass: is not positive definite: its smallest eigenvalue is -0.5; expected",
+        ),
         ("[0, -300, 300]", "[0, -300, -300]", "matrix.chain.stiffness: its smallest eigenvalue is -"),
         (
             "damping = [[3, -2, 0], [-2, 2, 0], [0, 0, 0]]",

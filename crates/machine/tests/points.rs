@@ -224,7 +224,7 @@ fn golden_points_in_files() {
         (
             "[\"20 mm\", \"-2 N\"]",
             "[\"-20 mm\", \"-2 N\"]",
-            "m.toml:11: spring.membrane.points[2].e = -0.02: must be greater than -0.01, the e of the previous point",
+            "m.toml:11: spring.membrane.points[2].e = \"-20 mm\": must be greater than -0.01 m, the e of the previous point",
         ),
         (
             "damping = 0.2",

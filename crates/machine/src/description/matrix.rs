@@ -236,7 +236,11 @@ fn not_negative(name: &str, values: &mut [f64]) -> Result<(), Problem> {
 fn normal(name: &str, first: usize, given: Given) -> Result<(DMatrix<f64>, Matrix), Problem> {
     let of = format!("matrix.{name}");
     let Some(factor) = Cholesky::new(given.mass.clone()) else {
-        let text = "is not positive definite; expected a matrix with positive kinetic energy for all rates";
+        let least = eigen(given.mass).0.iter().copied().fold(f64::INFINITY, f64::min);
+        let text = format!(
+            "is not positive definite: its smallest eigenvalue is {least:?}; expected a matrix with positive \
+             kinetic energy for all rates"
+        );
         return Err(Problem::new(format!("{of}.mass"), None, text));
     };
     let lower = factor.l();

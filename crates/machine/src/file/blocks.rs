@@ -403,12 +403,12 @@ pub(super) fn follow(
             if !is_known && !reading.problems.is_empty() && reading.has_read(&format!("block.{block}")) {
                 return None;
             }
-            reading.refuse_name(
-                from,
-                &name,
-                "no block has this output",
-                all.iter().map(|own| own.0.as_str()),
-            );
+            if all.is_empty() {
+                reading.refuse(from, "no block has this output: the machine has no block");
+                return None;
+            }
+            let names = all.iter().map(|own| own.0.as_str());
+            reading.refuse_name(from, &name, "no block has this output", names);
             None
         }
     }

@@ -24,6 +24,8 @@ use vibro_numerics::sorting::sort_by_key;
 
 /// Message for a name that no body has.
 pub(super) const NO_BODY: &str = "no body has this name";
+/// Message on the ground where only a body can stand.
+const GROUND: &str = "the ground does not move";
 
 /// Reads the elements. An element with problems is left out: the file is refused anyway.
 pub(super) fn read(reading: &mut Reading, root: &FileTable, names: &Names, machine: &mut Description) {
@@ -305,7 +307,8 @@ fn body(reading: &mut Reading, entry: &Entry, names: &Names) -> Option<(usize, O
     let name = reading.string(entry, "expected the name of a body")?;
     let found = names.find(&name);
     if found.is_none() {
-        reading.refuse_body(entry, &name, NO_BODY, names.all());
+        let said = if name == "ground" { GROUND } else { NO_BODY };
+        reading.refuse_body(entry, &name, said, names.all());
     }
     found
 }

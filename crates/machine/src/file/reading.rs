@@ -28,6 +28,18 @@ impl Lines {
     }
 }
 
+/// The name of an item of a list of pairs, such as `points[2,0]`, by the name of its number,
+/// `points[2].e`.
+fn of_pair(name: &str) -> Option<String> {
+    let (pair, number) = name.rsplit_once("].")?;
+    let place = match number {
+        "e" | "time" => 0,
+        "f" | "height" => 1,
+        _ => return None,
+    };
+    Some(format!("{pair},{place}]"))
+}
+
 /// Returns the first line of a span of the text, shortened to [`QUOTED`] letters.
 pub(super) fn quoted(text: &str, span: &Range<usize>) -> String {
     let whole = text.get(span.clone()).unwrap_or("").trim();
@@ -229,7 +241,8 @@ impl<'a> Reading<'a> {
     /// Adds a problem of the whole machine, with the value as written. Its line is the line of its
     /// name, or of the longest part of the name that is in the file.
     pub fn place(&mut self, mut problem: Problem) {
-        if let Some(written) = self.written.get(&problem.name) {
+        let item = of_pair(&problem.name);
+        if let Some(written) = self.written.get(item.as_deref().unwrap_or(&problem.name)) {
             problem.line = Some(written.line);
             problem.value = problem.value.and_then(|value| written.value.clone().or(Some(value)));
         } else {
