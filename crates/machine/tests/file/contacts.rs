@@ -99,7 +99,7 @@ fn closed_form_directions_of_nodes_are_their_rows() {
     let place = |name: &str| machine.bodies.iter().position(|body| body.name == name).expect("a node");
     let contact = &machine.contacts[0];
     assert_eq!(contact.normal.terms, [(place("blade.tip.y"), 1.0)]);
-    let tangent = contact.tangent.as_ref().expect("a tangent");
+    let tangent = &contact.tangents[0];
     assert_eq!(tangent.arms.terms, [(place("blade.tip.x"), 1.0)]);
     assert_eq!(tangent.arms.dimension, Dimension::Translation);
     let turned = parse(&BLADE.replace("normal = \"y\"", "normal = \"-y\""), "b.toml", &no_records);
