@@ -343,8 +343,8 @@ fn invariant_contacts_at_rest_hold_or_have_slipped_from_zero() {
             assert!(v == 0.0 && a.abs() < 100.0 * ROUNDING, "{weight} {pull} {i} {v} {a}");
         }
         for (k, friction) in [(4, 0.35), (5, 0.6)] {
-            let [n, t, e, w] =
-                [What::F, What::TangentF(None), What::TangentE(None), What::Slider(None)].map(|what| of(&m, k, what));
+            let [n, t, e, w] = [What::F, What::TangentF(None), What::TangentE(None), What::Slider(None)]
+                .map(|what| of(&m, k, what));
             let place = if n == 0.0 { 0 } else { 1 + usize::from(w != 0.0) };
             met[place] += 1;
             match place {

@@ -272,7 +272,8 @@ fn invariant_columns_obey_the_law_of_each_element() {
             }
             let slider = value(i, What::Slider(None));
             assert!(
-                (value(i, What::TangentF(None)) - kt * (value(i, What::TangentE(None)) - slider)).abs() < 1e2 * ROUNDING
+                (value(i, What::TangentF(None)) - kt * (value(i, What::TangentE(None)) - slider)).abs()
+                    < 1e2 * ROUNDING
             );
         }
         let (e, f) = (value(c, What::E), value(c, What::F));

@@ -301,9 +301,8 @@ impl Writing<'_> {
         }
         let each = |key: &str, number: fn(&Tangent) -> f64| {
             let own = contact.tangents.iter().enumerate();
-            let own = own.map(|(k, own)| {
-                self.number(&format!("{of}.{key}{}", contact.index_of(k)), number(own))
-            });
+            let own =
+                own.map(|(k, own)| self.number(&format!("{of}.{key}{}", contact.index_of(k)), number(own)));
             let own = own.collect::<Vec<_>>().join(", ");
             if is_box { format!("{key} = [{own}]") } else { format!("{key} = {own}") }
         };
