@@ -221,7 +221,6 @@ fn invariant_each_tangent_has_the_whole_limit() {
     let (mut met, mut lost) = ([0; 3], vec![0.0; 4]);
     for time in 1..=1200 {
         m.advance_to(0.005 * f64::from(time)).unwrap();
-        let mut at_limit = [0, 0];
         for (i, friction) in [(0, 0.35), (1, 0.6)] {
             let limit = friction * of(&m, FIRST + i, What::F);
             for k in 0..2 {
@@ -236,7 +235,6 @@ fn invariant_each_tangent_has_the_whole_limit() {
                     }
                     _ => {
                         met[2] += 1;
-                        at_limit[i] += 1;
                         assert!(rate * force >= -ROUNDING, "{rate} {force}");
                     }
                 }

@@ -36,6 +36,9 @@ const OTHERS: [(&str, &str); 3] = [
     ("tangential_damping", "is not supported in a contact; use a [damper.NAME] along the tangent"),
 ];
 
+/// The cone of friction with two tangents.
+const BOX: &str = "box";
+
 /// The forms of a normal or tangent.
 const ROW: &str = "expected a direction of the nodes in `between`, such as \"y\" or \"-y\"; two names, such as \
                    [\"ground\", \"box\"]; or { arms = { A = 1.0, B = -1.0 } }";
@@ -117,6 +120,10 @@ fn rubbing(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<(f
     if !own.iter().chain(&others).any(|key| table.has(key)) {
         return Some((0.0, Vec::new()));
     }
+    // A cone can be completed before the other keys are written.
+    if let Some(entry) = reading.optional(table, "cone") {
+        reading.note_names(entry.value.as_str().unwrap_or_default(), [BOX].into_iter());
+    }
     let missing: Vec<String> =
         own.into_iter().filter(|key| !table.has(key)).map(|key| format!("`{key}`")).collect();
     if !missing.is_empty() {
@@ -149,24 +156,24 @@ fn rubbing(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<(f
 
 /// Reads the cone of friction, which two tangents require; `None` if it is refused.
 fn cone(reading: &mut Reading, table: &FileTable) -> Option<()> {
-    const BOX: &str = "with two tangents, \"box\" limits the force along each of them by friction times the \
-                       normal force";
+    const MEANING: &str =
+        "with two tangents, \"box\" limits the force along each of them by friction times the normal force";
     let second = reading.optional(table, "second_tangent");
     let Some(entry) = reading.optional(table, "cone") else {
         let Some(second) = second else { return Some(()) };
-        reading.refuse(&second, format!("requires `cone = \"box\"`: {BOX}"));
+        reading.refuse(&second, format!("requires `cone = \"box\"`: {MEANING}"));
         return None;
     };
     match entry.value.as_str() {
-        Some("box") if second.is_none() => {
-            reading.refuse(&entry, format!("requires `second_tangent`: {BOX}"));
+        Some(BOX) if second.is_none() => {
+            reading.refuse(&entry, format!("requires `second_tangent`: {MEANING}"));
         }
-        Some("box") => return Some(()),
+        Some(BOX) => return Some(()),
         Some("circle") => reading.refuse(&entry, "is not piecewise linear; use `cone = \"box\"`"),
         None if entry.value.is_integer() || entry.value.is_float() => {
             reading.refuse(&entry, "a polygon is not supported; use `cone = \"box\"`");
         }
-        _ => _ = reading.word(&entry, &[((), "box")]),
+        _ => _ = reading.word(&entry, &[((), BOX)]),
     }
     None
 }
