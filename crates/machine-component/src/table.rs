@@ -241,8 +241,8 @@ impl VariableTable {
         }
     }
 
-    /// Adds the rate of a contact's slider, which follows its place, and the slider's state; `k` is
-    /// the index of one of two tangents.
+    /// Adds the rate of a contact's slider, and the slider's state; `k` is the index of one of two
+    /// tangents.
     fn slider_of_contact(&mut self, (i, element): (usize, Element), k: Option<usize>, slider: usize) {
         let what = What::SliderRate(k);
         let name = format!("{}.{}", element.name(), what.word());

@@ -173,8 +173,8 @@ fn compare(one: &Motion, other: &Motion, allowed: f64) {
     near(a.1, b.1, allowed);
 }
 
-/// A contact with two tangents is two contacts with one tangent each, half the normal stiffness and
-/// twice the coefficient of friction: the same events, states, forces and losses.
+/// A contact with two tangents is two contacts with one tangent each, half the normal stiffness
+/// and twice the coefficient of friction: the same events, states, forces and losses.
 #[test]
 fn second_method_two_tangents_are_two_contacts_in_parallel() {
     let [mut one, mut other] = [boxed(), halved()].map(|text| moving(&text));

@@ -21,8 +21,9 @@ pub struct QuantityName {
     /// The body or element.
     pub of: String,
     /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `slider` of a spring in series;
-    /// `et`, `ft`, `slider` of a contact with friction, `et[0]`, … with two tangents; `f` of a load; `Value` of a signal that blocks read, and of an output of a block, whose
-    /// whole name is `of`.
+    /// `et`, `ft`, `slider` of a contact with friction, `et[0]`, … with two tangents; `f` of a
+    /// load; `Value` of a signal that blocks read, and of an output of a block, whose whole name
+    /// is `of`.
     pub what: What,
 }
 

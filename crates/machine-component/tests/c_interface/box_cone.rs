@@ -12,9 +12,9 @@ const STEPS: (u32, f64) = (150, 0.01);
 /// Rounding of a derivative of a force relative to its largest terms.
 const ROUNDING: f64 = 1e-12;
 
-/// Values of both versions have the engine's bits. The force along a tangent has the derivatives of
-/// its spring by the tangent's own stiffness while the slider holds, and of the normal force by the
-/// coefficient of friction while it slips; none by the other tangent's stiffness.
+/// Values of both versions have the engine's bits. The force along a tangent has the derivative of
+/// its spring by the tangent's own stiffness while the slider holds, the normal force by the
+/// coefficient of friction while the slider slips, and none by the other tangent's stiffness.
 #[test]
 fn invariant_values_are_the_engines_and_closed_form_derivatives_of_forces() {
     let plan = Plan::new(include_str!("../common/box.toml").into(), FILE).unwrap();
@@ -46,7 +46,7 @@ fn invariant_values_are_the_engines_and_closed_form_derivatives_of_forces() {
         machine.step(point, size);
         unsafe { assert_eq!(fmi2DoStep(c, point, size, 1), OK) };
         own.advance_to(point + size).unwrap();
-        for tangent in 0..2 {
+        for (tangent, met) in met.iter_mut().enumerate() {
             for word in ["et", "ft", "slider"] {
                 let name = format!("pad.{word}[{tangent}]");
                 let exact = own.value(of(&name)) + 0.0;
@@ -57,7 +57,7 @@ fn invariant_values_are_the_engines_and_closed_form_derivatives_of_forces() {
             }
             // 1 off, 2 slips upwards, 3 slips downwards, 4 holds.
             let state = machine.state(&format!("pad.slider[{tangent}].state"));
-            met[tangent][state as usize] += 1;
+            met[state as usize] += 1;
             let (force, stiffness) = (format!("pad.ft[{tangent}]"), "contact.pad.tangential_stiffness");
             let stretch =
                 machine.get(&format!("pad.et[{tangent}]")) - machine.get(&format!("pad.slider[{tangent}]"));

@@ -146,8 +146,8 @@ fn golden_parameters_of_a_contact() {
     assert_eq!(columns, ["tip.e", "tip.rate", "tip.f", "tip.et", "tip.ft", "tip.slider"]);
 }
 
-/// Numbers and columns of two tangents have the index of the tangent; one number is in one place of
-/// the file.
+/// Numbers and columns of two tangents have the index of the tangent; one number is in one place
+/// of the file.
 #[test]
 fn golden_parameters_of_two_tangents() {
     let text = boxed();
