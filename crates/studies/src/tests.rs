@@ -358,6 +358,8 @@ fn golden_names_of_quantities_have_their_owners_and_kinds() {
     ] {
         let found = named(text);
         assert_eq!(found, QuantityName { of: of.into(), what }, "{text}");
-        assert_eq!(named(&found.to_string()).what, what, "{found}");
+        // A signal's name alone does not say that it is a signal.
+        let is_value = what == What::Value;
+        assert!(is_value || named(&found.to_string()) == found, "{found}");
     }
 }
