@@ -52,6 +52,12 @@ fn second_method_an_orbit_with_two_tangents_is_that_of_two_contacts() {
     for word in ["press pad", "free pad", "slip pad[0]", "slip pad[1]", "stick pad[0]", "stick pad[1]"] {
         assert!(words.contains(word), "{word}: {words}");
     }
+    // The word is found by its text, and without the events of the second tangent it is another.
+    let (assembly, letters) = (&orbit.place().assembly, words.split(", ").collect::<Vec<_>>());
+    assert!(WantedWord::parse(&words, assembly).unwrap().is(orbit.word(), assembly));
+    let fewer: Vec<&str> = letters.iter().copied().filter(|own| !own.contains("pad[1]")).collect();
+    assert!(fewer.len() < letters.len());
+    assert!(!WantedWord::parse(&fewer.join(", "), assembly).unwrap().is(orbit.word(), assembly));
     let moduli = |orbit: &Orbit| {
         let mut own: Vec<f64> = orbit.multipliers().iter().map(|m| m.norm()).collect();
         own.sort_by(|a, b| b.total_cmp(a));
