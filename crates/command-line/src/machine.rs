@@ -282,10 +282,10 @@ pub(crate) fn is_contact(element: Element) -> bool {
     matches!(element, Element::Stop(_) | Element::Friction(_) | Element::Contact(_) | Element::Freewheel(_))
 }
 
-/// The forces of an element that is a contact: against its elongation, and along its tangent.
+/// The forces of an element that is a contact: against its elongation, and along its tangents.
 pub(crate) fn forces_of(i: usize, element: Element) -> impl Iterator<Item = Quantity> {
-    let tangent = matches!(element, Element::Contact(own) if own.tangent.is_some()).then_some(What::TangentF);
-    [What::F].into_iter().chain(tangent).map(move |what| Quantity::of_element(i, what))
+    let tangents = element.branches().map(What::TangentF);
+    [What::F].into_iter().chain(tangents).map(move |what| Quantity::of_element(i, what))
 }
 
 /// Kind, element and value of an event, and the number of stops that took part: the columns of

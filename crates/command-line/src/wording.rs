@@ -97,6 +97,9 @@ pub fn with_capital(words: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
+/// Words for the two tangents of a contact.
+pub(crate) const ORDINALS: [&str; 2] = ["first", "second"];
+
 /// The noun for a quantity.
 fn noun(what: What, element: Option<Element>, dimension: Dimension) -> &'static str {
     let turns = dimension == Dimension::Rotation;
@@ -116,9 +119,15 @@ fn noun(what: What, element: Option<Element>, dimension: Dimension) -> &'static 
         (What::F, Some(Element::Friction(_))) => of("friction force", "friction torque"),
         (What::F, Some(Element::Spring(_))) => of("spring force", "spring torque"),
         (What::F, _) => of("force", "torque"),
-        (What::TangentE, _) => "tangential displacement",
-        (What::TangentF, _) => "tangential force",
-        (What::Slider, _) => of("inner displacement", "inner angle"),
+        (What::TangentE(None), _) => "tangential displacement",
+        (What::TangentE(Some(0)), _) => "first tangential displacement",
+        (What::TangentE(Some(_)), _) => "second tangential displacement",
+        (What::TangentF(None), _) => "tangential force",
+        (What::TangentF(Some(0)), _) => "first tangential force",
+        (What::TangentF(Some(_)), _) => "second tangential force",
+        (What::Slider(Some(0)), _) => "first slider displacement",
+        (What::Slider(Some(_)), _) => "second slider displacement",
+        (What::Slider(None), _) => of("inner displacement", "inner angle"),
         _ => "",
     }
 }

@@ -14,7 +14,7 @@ mod knowns;
 mod signals;
 
 use crate::plan::Plan;
-use crate::table::{Quantity, Role, slides};
+use crate::table::{Quantity, Role, SLIDERS, slides};
 use fmi_doors::DependencyKind;
 use fmi_doors::DependencyKind::{Constant, Dependent, Discrete, Fixed, Tunable};
 use fmi_doors::description::Unknown;
@@ -120,7 +120,7 @@ impl<'a> Structure<'a> {
     /// Adds the parameters of a section except start values.
     fn of_section(&self, section: &str, into: &mut Knowns) {
         let all = self.parameters.get(section).into_iter().flatten();
-        all.filter(|(_, rest)| !rest.starts_with(".start") && *rest != ".slider")
+        all.filter(|(_, rest)| !rest.starts_with(".start") && !SLIDERS.contains(rest))
             .for_each(|(reference, _)| put(into, *reference, Dependent));
     }
 
@@ -195,10 +195,10 @@ impl<'a> Structure<'a> {
         self.along(element, arms, order, knowns);
     }
 
-    /// Adds the knowns of a contact's elongation along its tangent, or of its rate.
-    fn tangent(&self, element: Element, order: usize, knowns: &mut Knowns) {
-        if let Some(arms) = element.all_arms().nth(1) {
-            self.along(element, arms, order, knowns);
+    /// Adds the knowns of a contact's elongation along a tangent, or of its rate.
+    fn tangent(&self, element: Element, k: Option<usize>, order: usize, knowns: &mut Knowns) {
+        if let Some(tangent) = element.tangents().get(k.unwrap_or_default()) {
+            self.along(element, &tangent.arms, order, knowns);
         }
     }
 
@@ -243,14 +243,24 @@ impl<'a> Structure<'a> {
     /// Returns the knowns of a force that depends on elongation and rate; `times` is the kind of
     /// its derivatives.
     fn elastic(&self, element: Element, times: DependencyKind) -> Knowns {
+        self.elastic_along(element, element.branches(), times)
+    }
+
+    /// As [`elastic`](Self::elastic), with some of the element's inner places.
+    fn elastic_along(
+        &self,
+        element: Element,
+        branches: impl Iterator<Item = Option<usize>> + Clone,
+        times: DependencyKind,
+    ) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         // The force of a damper does not depend on its elongation.
         let first = usize::from(matches!(element, Element::Damper(_)));
         for order in first..2 {
             self.elongation(element, order, &mut own);
-            self.tangent(element, order, &mut own);
+            branches.clone().for_each(|k| self.tangent(element, k, order, &mut own));
         }
-        self.slider(element, &mut own);
+        branches.for_each(|k| self.slider(element, k, &mut own));
         join(&mut knowns, &own, times);
         self.of_section(&element.dotted(), &mut knowns);
         knowns
@@ -266,27 +276,26 @@ impl<'a> Structure<'a> {
     }
 
     /// Adds the inner place of a spring in series or of a contact.
-    fn slider(&self, element: Element, knowns: &mut Knowns) {
-        let place = self.elements.iter().position(|own| *own == element);
-        if let (Some(i), true) = (place, element.is_branch()) {
-            put(knowns, self.references[&slider_of(i)], Constant);
+    fn slider(&self, element: Element, k: Option<usize>, knowns: &mut Knowns) {
+        if let Some(i) = self.elements.iter().position(|own| *own == element) {
+            put(knowns, self.references[&slider_of(i, k)], Constant);
         }
     }
 
     /// Returns the knowns of an inner place's rate: with a dashpot, the knowns of the spring's
     /// force; with a slider, the knowns of e', which the place follows while the slider slips.
-    fn slider_rate(&self, element: Element) -> Knowns {
+    fn slider_rate(&self, element: Element, k: Option<usize>) -> Knowns {
         let (mut own, mut knowns) = (Knowns::new(), Knowns::new());
         if slides(element) {
             self.elongation(element, 1, &mut own);
-            self.tangent(element, 1, &mut own);
+            self.tangent(element, k, 1, &mut own);
             join(&mut knowns, &own, Discrete);
             // These parameters determine whether the slider slips.
             self.of_section(&element.dotted(), &mut knowns);
             return knowns;
         }
         self.elongation(element, 0, &mut own);
-        self.slider(element, &mut own);
+        self.slider(element, k, &mut own);
         join(&mut knowns, &own, Tunable);
         self.of_section(&element.dotted(), &mut knowns);
         knowns
@@ -341,8 +350,9 @@ impl<'a> Structure<'a> {
                 self.of_section(&self.elements[i].dotted(), &mut knowns);
             }
             Quantity::SliderState(i) => {
-                let spring = self.nth(|element| element.is_branch(), i);
-                let all = spring.into_iter().flat_map(|own| (0..3).map(move |k| self.of_element(own, k)));
+                let place = self.plan.assembly.system().element_of(Part::Branch(i));
+                let own = self.elements.get(place).copied();
+                let all = own.into_iter().flat_map(|own| (0..3).map(move |k| self.of_element(own, k)));
                 all.for_each(|of| join(&mut knowns, &of, Dependent));
             }
             Quantity::Energy(energy) => self.energy(energy, &mut knowns),
@@ -377,17 +387,20 @@ impl<'a> Structure<'a> {
             (Owner::Body(body), what) => self.coordinate(body, usize::from(what == What::V)),
             (Owner::Element(i), What::E) => self.of_element(self.elements[i], 0),
             (Owner::Element(i), What::Rate) => self.of_element(self.elements[i], 1),
-            (Owner::Element(i), What::TangentE) => {
+            (Owner::Element(i), What::TangentE(k)) => {
                 let mut knowns = Knowns::new();
-                self.tangent(self.elements[i], 0, &mut knowns);
+                self.tangent(self.elements[i], k, 0, &mut knowns);
                 knowns
             }
-            (Owner::Element(i), What::Slider) => {
+            (Owner::Element(i), What::TangentF(k)) => {
+                self.elastic_along(self.elements[i], std::iter::once(k), Discrete)
+            }
+            (Owner::Element(i), What::Slider(k)) => {
                 let mut knowns = Knowns::new();
-                self.slider(self.elements[i], &mut knowns);
+                self.slider(self.elements[i], k, &mut knowns);
                 knowns
             }
-            (Owner::Element(i), What::SliderRate) => self.slider_rate(self.elements[i]),
+            (Owner::Element(i), What::SliderRate(k)) => self.slider_rate(self.elements[i], k),
             (Owner::Element(i), What::Value) => self.signals(self.elements[i]),
             (Owner::Element(i), What::Output(_) | What::State(_) | What::StateRate(_)) => {
                 self.of_block(i, column.what)
@@ -403,9 +416,9 @@ impl<'a> Structure<'a> {
     }
 }
 
-/// Returns the inner place of an element, by its index.
-fn slider_of(i: usize) -> Quantity {
-    Quantity::Column(vibro_machine::Quantity::of_element(i, What::Slider))
+/// Returns an inner place of an element, by the element's index.
+fn slider_of(i: usize, k: Option<usize>) -> Quantity {
+    Quantity::Column(vibro_machine::Quantity::of_element(i, What::Slider(k)))
 }
 
 /// Returns the variables of some roles, in the table's order.

@@ -207,7 +207,7 @@ impl VariableTable {
                     wheels += 1;
                 }
                 Element::Spring(spring) if spring.series.is_some() => {
-                    let what = What::SliderRate;
+                    let what = What::SliderRate(None);
                     let name = format!("{}.{}", spring.name, what.word());
                     let unit = what.unit(spring.arms.dimension);
                     let quantity = vibro_machine::Quantity::of_element(i, what);
@@ -220,8 +220,8 @@ impl VariableTable {
                     sliders += 1;
                 }
                 Element::Contact(contact) => {
-                    if contact.tangent.is_some() {
-                        self.slider_of_contact((i, element), sliders);
+                    for k in element.branches() {
+                        self.slider_of_contact((i, element), k, sliders);
                         sliders += 1;
                     }
                     let state = Quantity::StopState(machine.stops.len() + contacts);
@@ -241,14 +241,16 @@ impl VariableTable {
         }
     }
 
-    /// Adds the rate of a contact's slider, which follows its place, and the slider's state.
-    fn slider_of_contact(&mut self, (i, element): (usize, Element), slider: usize) {
-        let what = What::SliderRate;
+    /// Adds the rate of a contact's slider, and the slider's state; `k` is the index of one of two
+    /// tangents.
+    fn slider_of_contact(&mut self, (i, element): (usize, Element), k: Option<usize>, slider: usize) {
+        let what = What::SliderRate(k);
         let name = format!("{}.{}", element.name(), what.word());
         let quantity = Quantity::Column(vibro_machine::Quantity::of_element(i, what));
         let meaning = vibro_machine::quantity::meaning(what, Some(element));
         self.push(name, meaning, what.unit(Dimension::Translation), Role::Output, quantity);
-        let (name, state) = (format!("{}.slider.state", element.name()), Quantity::SliderState(slider));
+        let name = format!("{}.{}.state", element.name(), What::Slider(k).word());
+        let state = Quantity::SliderState(slider);
         self.push(name, "State of the slider", "1", Role::Discrete, state);
     }
 
@@ -385,18 +387,21 @@ fn when_sampled(block: &Block) -> String {
     text
 }
 
-/// Whether a spring's partner is a slider: in series, or along a contact's tangent.
+/// Whether a spring's partner is a slider: in series, or along the tangents of a contact.
 pub(crate) fn slides(element: Element) -> bool {
     match element {
-        Element::Contact(contact) => contact.tangent.is_some(),
+        Element::Contact(contact) => !contact.tangents.is_empty(),
         _ => element.series().is_some_and(|series| matches!(series.law, SeriesLaw::Slider { .. })),
     }
 }
 
+/// Ends of the names of start values of inner places.
+pub(crate) const SLIDERS: [&str; 3] = [".slider", ".slider[0]", ".slider[1]"];
+
 /// Whether a number is a start value of a body, of a block, of a spring in series or of a contact.
 pub(crate) fn is_start(name: &str) -> bool {
     let is_branch = name.starts_with("spring.") || name.starts_with("contact.");
-    let is_slider = is_branch && name.ends_with(".slider");
+    let is_slider = is_branch && SLIDERS.iter().any(|end| name.ends_with(end));
     let is_block = name.starts_with("block.") && name.contains(".start[");
     name.contains(".start.") || is_block || (is_slider && !name.contains(".arms."))
 }

@@ -159,9 +159,9 @@ impl Assembly {
         let of_bodies = |whats: [What; 2]| {
             system.bodies_of.iter().map(move |&body| whats.map(|what| Quantity::of_body(body, what)))
         };
-        let sliders = (0..system.branches.len()).map(|i| {
-            let element = system.element_of(Part::Branch(i));
-            [What::Slider, What::SliderRate].map(|what| Quantity::of_element(element, what))
+        let sliders = self.description.elements().enumerate().flat_map(|(i, element)| {
+            let of = move |k| [What::Slider(k), What::SliderRate(k)];
+            element.branches().map(move |k| of(k).map(|what| Quantity::of_element(i, what)))
         });
         let own = of_bodies([What::S, What::V]).chain(of_bodies([What::V, What::A])).chain(sliders);
         let first = self.description.elements().count() - system.blocks.len();
@@ -173,7 +173,7 @@ impl Assembly {
     }
 
     /// Name of the state with index `place` in the augmented state: `body.NAME.s`, `body.NAME.v`,
-    /// `spring.NAME.slider`, `contact.NAME.slider`, `block.NAME.x[0]`.
+    /// `spring.NAME.slider`, `contact.NAME.slider`, `contact.NAME.slider[0]`, `block.NAME.x[0]`.
     pub(crate) fn name_of_state(&self, place: usize) -> String {
         let (n, own) = (self.system.coordinates, |k: usize| self.system.bodies_of[k]);
         let body = |k: usize| &self.description.bodies[own(k)].name;
@@ -187,8 +187,8 @@ impl Assembly {
             }
             _ => {
                 let branch = self.system.branches.iter().position(|own| own.place == place);
-                let element = self.name_of_part(Part::Branch(branch.unwrap_or_default()));
-                format!("{element}.slider")
+                let own = in_series(&self.description).nth(branch.unwrap_or_default());
+                own.map_or_else(String::new, |own| format!("{}.{}", own.section, own.name_of_slider()))
             }
         }
     }
@@ -203,9 +203,11 @@ impl Assembly {
         self.name_of_part(Part::Friction(i))
     }
 
-    /// Dotted name of the element that has a branch, by the branch's index.
+    /// Dotted name of the element that has a branch, by the branch's index; for one of the two
+    /// tangents of a contact, with the tangent's index: `contact.NAME[0]`.
     pub fn name_of_branch(&self, i: usize) -> String {
-        self.name_of_part(Part::Branch(i))
+        let own = in_series(&self.description).nth(i);
+        own.map_or_else(String::new, |own| format!("{}.{}{}", own.section, own.name, own.index))
     }
 
     /// Dotted name of the element of a contact or a slider.

@@ -8,7 +8,7 @@ mod inputs;
 
 use crate::description::{
     Arms, Block, Body, BodyKind, Contact, Damper, Description, Dimension, Freewheel, Friction, Integrated,
-    Link, Load, Matrix, Modal, Series, Signal, Source, Spring, Stop, StopLaw,
+    Link, Load, Matrix, Modal, Series, Signal, Source, Spring, Stop, StopLaw, Tangent,
 };
 use crate::formula::Formula;
 use crate::what::What;
@@ -48,7 +48,7 @@ pub enum Element<'a> {
     Stop(&'a Stop),
     /// Coulomb friction.
     Friction(&'a Friction),
-    /// A contact with a normal stiffness, and friction in one tangent.
+    /// A contact with a normal stiffness, and friction along one or two tangents.
     Contact(&'a Contact),
     /// A freewheel.
     Freewheel(&'a Freewheel),
@@ -74,7 +74,7 @@ pub enum Action {
     Hitting,
     /// A given friction level while slipping, a constraint force while sticking.
     Rubbing,
-    /// A normal force while a contact is closed; along its tangent a spring with a slider.
+    /// A normal force while a contact is closed; along each tangent a spring with a slider.
     Pressing,
     /// Forces among the coordinates of one body.
     Flexing,
@@ -163,13 +163,14 @@ impl<'a> Element<'a> {
         }
     }
 
-    /// All arms: of the elongation, and of a contact's tangent.
+    /// All arms: of the elongation, and of a contact's tangents.
     pub fn all_arms(self) -> impl Iterator<Item = &'a Arms> {
-        let tangent = match self {
-            Self::Contact(contact) => contact.tangent.as_ref().map(|tangent| &tangent.arms),
-            _ => None,
-        };
-        self.arms().into_iter().chain(tangent)
+        self.arms().into_iter().chain(self.tangents().iter().map(|tangent| &tangent.arms))
+    }
+
+    /// The tangents of a contact; empty for other elements.
+    pub fn tangents(self) -> &'a [Tangent] {
+        if let Self::Contact(contact) = self { &contact.tangents } else { &[] }
     }
 
     /// Dimension of force and elongation.
@@ -237,13 +238,11 @@ impl<'a> Element<'a> {
         if let Self::Spring(spring) = self { spring.series.as_ref() } else { None }
     }
 
-    /// Whether the element has a spring with an inner place: in series with a dashpot or slider,
-    /// or along a contact's tangent.
-    pub fn is_branch(self) -> bool {
-        match self {
-            Self::Contact(contact) => contact.tangent.is_some(),
-            _ => self.series().is_some(),
-        }
+    /// The element's springs with an inner place, in series with a dashpot or slider or along a
+    /// contact's tangents: the index of each among two, `None` for the only one.
+    pub fn branches(self) -> impl Iterator<Item = Option<usize>> + Clone {
+        let count = self.tangents().len() + usize::from(self.series().is_some());
+        (0..count).map(move |k| (count > 1).then_some(k))
     }
 
     /// Signals, each with the key after the element's dotted name; this key is empty for loads and

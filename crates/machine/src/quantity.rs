@@ -163,11 +163,11 @@ impl Element<'_> {
             Action::Giving => vec![What::Value],
             Action::Computing => self.outputs().map(What::Output).collect(),
             Action::Pressing => {
-                let tangent = [What::TangentE, What::TangentF, What::Slider];
-                let count = if self.is_branch() { tangent.len() } else { 0 };
-                [What::E, What::Rate, What::F].into_iter().chain(tangent.into_iter().take(count)).collect()
+                let tangents = self.branches();
+                let tangents = tangents.flat_map(|k| [What::TangentE(k), What::TangentF(k), What::Slider(k)]);
+                [What::E, What::Rate, What::F].into_iter().chain(tangents).collect()
             }
-            _ if self.series().is_some() => vec![What::E, What::Rate, What::F, What::Slider],
+            _ if self.series().is_some() => vec![What::E, What::Rate, What::F, What::Slider(None)],
             _ => vec![What::E, What::Rate, What::F],
         }
     }
@@ -188,10 +188,18 @@ pub fn meaning(what: What, element: Option<Element>) -> &'static str {
         What::Rate => "Rate of the elongation",
         What::F if element.is_some_and(|e| e.action() == Action::Driving) => "Force or torque",
         What::F => "Force against the elongation",
-        What::TangentE => "Elongation along the tangent",
-        What::TangentF => "Force against the elongation along the tangent",
-        What::Slider => "Inner place between spring and partner",
-        What::SliderRate => "Rate of the inner place",
+        What::TangentE(None) => "Elongation along the tangent",
+        What::TangentE(Some(0)) => "Elongation along the first tangent",
+        What::TangentE(Some(_)) => "Elongation along the second tangent",
+        What::TangentF(None) => "Force against the elongation along the tangent",
+        What::TangentF(Some(0)) => "Force against the elongation along the first tangent",
+        What::TangentF(Some(_)) => "Force against the elongation along the second tangent",
+        What::Slider(None) => "Inner place between spring and partner",
+        What::Slider(Some(0)) => "Place of the slider along the first tangent",
+        What::Slider(Some(_)) => "Place of the slider along the second tangent",
+        What::SliderRate(None) => "Rate of the inner place",
+        What::SliderRate(Some(0)) => "Rate of the slider along the first tangent",
+        What::SliderRate(Some(_)) => "Rate of the slider along the second tangent",
         What::Value => "Value of the signal",
         What::Output(_) => "Output of the block",
         What::State(_) => "State of the block",

@@ -175,7 +175,7 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
 /// Refuses the friction of a contact: its limit follows the normal force, which the friction itself
 /// changes, and the two do not settle.
 fn rubbing(d: &Description) -> Result<(), Error> {
-    let rubs = |own: &Contact| Some((own.name.clone(), own.tangent.as_ref()?.friction));
+    let rubs = |own: &Contact| (!own.tangents.is_empty()).then(|| (own.name.clone(), own.friction));
     let Some((name, value)) = d.contacts.iter().find_map(rubs) else { return Ok(()) };
     let allowed = "a smaller coefficient, or a start of each body instead of `start = \"rest\"`: friction and normal \
                    force at rest do not settle";

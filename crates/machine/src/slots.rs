@@ -2,7 +2,7 @@
 
 use crate::description::{
     Arms, Block, Body, BodyKind, Closing, Contact, ContactLaw, Description, Dimension, Free, Integrated,
-    Level, Modal, OddPower, SeriesLaw, Signal, Spring, StopLaw,
+    Level, Modal, OddPower, SeriesLaw, Signal, Spring, StopLaw, Tangent,
 };
 use crate::formula::Formula;
 use crate::kinds::{self, NumberKind};
@@ -15,6 +15,9 @@ pub(crate) struct Slot<'a> {
     pub dimension: Dimension,
     pub value: &'a mut f64,
 }
+
+/// Keys of the tangents of a contact.
+pub(crate) const TANGENTS: [&str; 2] = ["tangent", "second_tangent"];
 
 /// End of the name of an exponent.
 pub(crate) const EXPONENT: &str = ".exponent";
@@ -197,6 +200,7 @@ impl<'a> Slots<'a> {
     /// Collects the numbers of a contact with a normal stiffness.
     fn pressing(&mut self, contact: &'a mut Contact, bodies: &[(String, Dimension)], at_rest: bool) {
         let of = format!("contact.{}", contact.name);
+        let indices: Vec<&str> = (0..contact.tangents.len()).map(|k| contact.index_of(k)).collect();
         self.element(&of, "normal", &mut contact.normal, bodies);
         match &mut contact.closing {
             Closing::Gap(gap) => self.push(format!("{of}.gap"), kinds::GAP, gap),
@@ -207,15 +211,20 @@ impl<'a> Slots<'a> {
         if contact.stiffness.is_finite() {
             self.push(format!("{of}.stiffness"), kinds::NORMAL_STIFFNESS, &mut contact.stiffness);
         }
-        let Some(tangent) = &mut contact.tangent else {
+        if contact.tangents.is_empty() {
             return self.push(format!("{of}.damping"), kinds::DAMPING, &mut contact.damping);
-        };
-        self.element(&of, "tangent", &mut tangent.arms, bodies);
-        let stiffness = &mut tangent.stiffness;
-        self.push(format!("{of}.tangential_stiffness"), kinds::TANGENTIAL_STIFFNESS, stiffness);
-        self.push(format!("{of}.friction"), kinds::FRICTION_OF_CONTACT, &mut tangent.friction);
-        if !at_rest {
-            self.push(format!("{of}.slider"), kinds::SLIDER, &mut tangent.slider);
+        }
+        let mut sliders = Vec::new();
+        for ((key, index), own) in TANGENTS.into_iter().zip(indices).zip(&mut contact.tangents) {
+            let Tangent { arms, stiffness, slider } = own;
+            self.element(&of, key, arms, bodies);
+            let name = format!("{of}.tangential_stiffness{index}");
+            self.push(name, kinds::TANGENTIAL_STIFFNESS, stiffness);
+            sliders.push((format!("{of}.slider{index}"), slider));
+        }
+        self.push(format!("{of}.friction"), kinds::FRICTION_OF_CONTACT, &mut contact.friction);
+        for (name, slider) in sliders.into_iter().filter(|_| !at_rest) {
+            self.push(name, kinds::SLIDER, slider);
         }
     }
 

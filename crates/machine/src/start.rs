@@ -62,7 +62,8 @@ pub struct Start {
     pub bodies: BTreeMap<String, BodyStart>,
     /// Given inner displacements of springs in series, m or rad, by the spring's name.
     pub sliders: BTreeMap<String, f64>,
-    /// Given places of the sliders of contacts, m, by the contact's name.
+    /// Given places of the sliders of contacts, m, by the contact's name; for one of two tangents
+    /// with the tangent's index: `tip[0]`.
     pub contacts: BTreeMap<String, f64>,
     /// Given states of blocks, by names such as `pid.x[0]`.
     pub blocks: BTreeMap<String, f64>,
@@ -120,7 +121,7 @@ impl Start {
         let (mut sliders, mut contacts) = (BTreeMap::new(), BTreeMap::new());
         for (own, place) in in_series(&assembly.description).zip(places) {
             let all = if own.law.is_of_contact() { &mut contacts } else { &mut sliders };
-            all.insert(own.name.to_owned(), place);
+            all.insert(own.key(), place);
         }
         let kept = motion.state().as_slice()[2 * system.coordinates + system.branches.len()..].iter();
         let blocks = assembly.names_of_blocks().into_iter().zip(kept.map(|x| x + 0.0)).collect();
@@ -139,8 +140,14 @@ impl Start {
             }
         }
         for (section, all) in [("spring", &self.sliders), ("contact", &self.contacts)] {
-            for (name, slider) in all {
-                let _ = writeln!(text, "\n[{section}.{name}]\nslider = {slider:?}");
+            let mut last = None;
+            for (key, slider) in all {
+                let [name, word] = named_slider(key);
+                if last.replace(name.clone()).as_ref() != Some(&name) {
+                    let _ = writeln!(text, "\n[{section}.{name}]");
+                }
+                let quoted = if word.contains('[') { format!("{word:?}") } else { word };
+                let _ = writeln!(text, "{quoted} = {slider:?}");
             }
         }
         if !self.blocks.is_empty() {
@@ -192,7 +199,7 @@ impl Start {
             Place::Slider(k) => {
                 let Some(own) = in_series(d).nth(k) else { return };
                 let all = if own.law.is_of_contact() { &mut self.contacts } else { &mut self.sliders };
-                all.insert(own.name.to_owned(), value);
+                all.insert(own.key(), value);
             }
             Place::Kept(k) => {
                 let name = d.names_of_blocks().swap_remove(k);
@@ -208,7 +215,7 @@ impl Start {
         };
         let bodies = self.bodies.iter().flat_map(of).flatten();
         let sliders = self.sliders.iter().chain(&self.contacts);
-        let sliders = sliders.map(|(name, x)| (format!("{name}.slider"), *x));
+        let sliders = sliders.map(|(key, x)| (named_slider(key).join("."), *x));
         std::iter::once(("time".into(), self.time))
             .chain(bodies)
             .chain(sliders)
@@ -225,7 +232,7 @@ impl Start {
     /// `mount.slider`, …, `pid.x[0]`, ….
     pub fn names(assembly: &Assembly) -> Vec<String> {
         let bodies = || assembly.system.bodies_of.iter().map(|&i| &assembly.description.bodies[i].name);
-        let sliders = in_series(&assembly.description).map(|own| format!("{}.slider", own.name));
+        let sliders = in_series(&assembly.description).map(|own| own.name_of_slider());
         let rates = bodies().map(|name| format!("{name}.v"));
         let own = bodies().map(|name| format!("{name}.s")).chain(rates).chain(sliders);
         own.chain(assembly.names_of_blocks()).collect()
@@ -315,6 +322,13 @@ fn in_words(assembly: &Assembly, begin: f64, error: Error) -> Error {
     Refusal::one(Problem::new(gap, value, text)).into()
 }
 
+/// Name of an element and word of its inner place, by the inner place's key: `tip` and `slider`,
+/// or of `tip[0]`, for one of two tangents, `tip` and `slider[0]`.
+fn named_slider(key: &str) -> [String; 2] {
+    let (name, index) = key.split_at(key.find('[').unwrap_or(key.len()));
+    [name.into(), format!("slider{index}")]
+}
+
 /// The word for the machine's own start in serialized form.
 const OWN: &str = "File";
 
@@ -337,7 +351,9 @@ impl TryFrom<String> for Start {
             match number.map(|(name, x)| (name.rsplit_once('.'), x)) {
                 Some((Some((body, "s")), x)) => start.bodies.entry(body.into()).or_default().s = Some(x),
                 Some((Some((body, "v")), x)) => start.bodies.entry(body.into()).or_default().v = Some(x),
-                Some((Some((spring, "slider")), x)) => _ = start.sliders.insert(spring.into(), x),
+                Some((Some((of, word)), x)) if word.starts_with("slider") => {
+                    start.sliders.insert(word.replacen("slider", of, 1), x);
+                }
                 Some((Some((of, what)), x)) if what.contains(['[', 'h', 'n']) => {
                     start.blocks.insert(format!("{of}.{what}"), x);
                 }
@@ -365,12 +381,12 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
     if name.trim() == "time" {
         return Ok(Place::Time);
     }
-    if let Some(spring) = name.trim().strip_suffix(".slider") {
-        let (section, name) = spring.split_once('.').map_or((None, spring), |own| (Some(own.0), own.1));
-        let is_own = |own: InSeries| own.name == name && section.is_none_or(|section| section == own.section);
-        if let Some(k) = in_series(d).position(is_own) {
-            return Ok(Place::Slider(k));
-        }
+    let is_own = |own: InSeries| {
+        let plain = name.trim().strip_prefix(own.section).and_then(|rest| rest.strip_prefix('.'));
+        [Some(name.trim()), plain].contains(&Some(own.name_of_slider().as_str()))
+    };
+    if let Some(k) = in_series(d).position(is_own) {
+        return Ok(Place::Slider(k));
     }
     let kept = name.trim().strip_prefix("block.").unwrap_or(name.trim());
     if let Some(k) = d.names_of_blocks().iter().position(|own| own == kept) {
@@ -399,7 +415,7 @@ fn place(d: &Description, name: &str) -> Result<Place, Refusal> {
         None => {
             let names =
                 d.bodies.iter().filter(free).flat_map(|b| ["s", "v"].map(|k| format!("{}.{k}", b.name)));
-            let sliders = in_series(d).map(|own| format!("{}.slider", own.name));
+            let sliders = in_series(d).map(|own| own.name_of_slider());
             let names: Vec<String> = std::iter::once("time".into())
                 .chain(names)
                 .chain(sliders)

@@ -17,15 +17,17 @@ pub enum What {
     Rate,
     /// An element's force, which resists its elongation; a load's force on its body.
     F,
-    /// A contact's elongation along its tangent.
-    TangentE,
-    /// A contact's force along its tangent, which resists this elongation.
-    TangentF,
+    /// A contact's elongation along its tangent; the index of one of two tangents, `None` for the
+    /// only one.
+    TangentE(Option<usize>),
+    /// A contact's force along its tangent, which resists this elongation; the index as for
+    /// [`TangentE`](Self::TangentE).
+    TangentF(Option<usize>),
     /// Inner displacement of a spring in series, or of a contact's slider, in the unit of its
-    /// elongation.
-    Slider,
+    /// elongation; the index as for [`TangentE`](Self::TangentE).
+    Slider(Option<usize>),
     /// Rate of the inner displacement: a derivative in FMUs, not a column.
-    SliderRate,
+    SliderRate(Option<usize>),
     /// The value of a signal that blocks read.
     Value,
     /// Output of a block, by its index.
@@ -38,17 +40,23 @@ pub enum What {
 }
 
 impl What {
-    /// All kinds whose [`word`](Self::word) has one part, unlike `slider.rate`.
-    pub const ALL: [Self; 9] = [
+    /// All kinds of columns of bodies and elements, whose [`word`](Self::word) has one part.
+    pub const ALL: [Self; 15] = [
         Self::S,
         Self::V,
         Self::A,
         Self::E,
         Self::Rate,
         Self::F,
-        Self::TangentE,
-        Self::TangentF,
-        Self::Slider,
+        Self::TangentE(None),
+        Self::TangentF(None),
+        Self::Slider(None),
+        Self::TangentE(Some(0)),
+        Self::TangentF(Some(0)),
+        Self::Slider(Some(0)),
+        Self::TangentE(Some(1)),
+        Self::TangentF(Some(1)),
+        Self::Slider(Some(1)),
     ];
 
     /// The kinds that bodies have.
@@ -64,10 +72,18 @@ impl What {
             Self::E => "e",
             Self::Rate => "rate",
             Self::F => "f",
-            Self::TangentE => "et",
-            Self::TangentF => "ft",
-            Self::Slider => "slider",
-            Self::SliderRate => "slider.rate",
+            Self::TangentE(None) => "et",
+            Self::TangentE(Some(0)) => "et[0]",
+            Self::TangentE(Some(_)) => "et[1]",
+            Self::TangentF(None) => "ft",
+            Self::TangentF(Some(0)) => "ft[0]",
+            Self::TangentF(Some(_)) => "ft[1]",
+            Self::Slider(None) => "slider",
+            Self::Slider(Some(0)) => "slider[0]",
+            Self::Slider(Some(_)) => "slider[1]",
+            Self::SliderRate(None) => "slider.rate",
+            Self::SliderRate(Some(0)) => "slider[0].rate",
+            Self::SliderRate(Some(_)) => "slider[1].rate",
             Self::Value | Self::Output(_) | Self::State(_) | Self::StateRate(_) => "",
         }
     }
@@ -75,10 +91,10 @@ impl What {
     /// SI unit.
     pub fn unit(self, dimension: Dimension) -> &'static str {
         let units = match self {
-            Self::S | Self::E | Self::TangentE | Self::Slider => ["m", "rad"],
-            Self::V | Self::Rate | Self::SliderRate => ["m/s", "rad/s"],
+            Self::S | Self::E | Self::TangentE(_) | Self::Slider(_) => ["m", "rad"],
+            Self::V | Self::Rate | Self::SliderRate(_) => ["m/s", "rad/s"],
             Self::A => ["m/s2", "rad/s2"],
-            Self::F | Self::TangentF => ["N", "N.m"],
+            Self::F | Self::TangentF(_) => ["N", "N.m"],
             Self::Value | Self::Output(_) | Self::State(_) => ["1"; 2],
             Self::StateRate(_) => ["1/s"; 2],
         };

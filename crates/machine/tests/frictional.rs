@@ -259,7 +259,7 @@ fn second_method_random_machines_in_40_digits() {
         }
         for (contact, x) in exact[2 * bodies..].iter().enumerate() {
             let element = m.assembly().description.springs.len() + contact;
-            let off = (of(&m, element, What::Slider) - x).abs() / factor;
+            let off = (of(&m, element, What::Slider(None)) - x).abs() / factor;
             assert!(off < 10.0 * DIGITS, "{off:e} of the slider {x} in {row}");
         }
         let off = (unaccounted(&m) - begin).abs();
@@ -343,8 +343,8 @@ fn invariant_contacts_at_rest_hold_or_have_slipped_from_zero() {
             assert!(v == 0.0 && a.abs() < 100.0 * ROUNDING, "{weight} {pull} {i} {v} {a}");
         }
         for (k, friction) in [(4, 0.35), (5, 0.6)] {
-            let [n, t, e, w] =
-                [What::F, What::TangentF, What::TangentE, What::Slider].map(|what| of(&m, k, what));
+            let [n, t, e, w] = [What::F, What::TangentF(None), What::TangentE(None), What::Slider(None)]
+                .map(|what| of(&m, k, what));
             let place = if n == 0.0 { 0 } else { 1 + usize::from(w != 0.0) };
             met[place] += 1;
             match place {
@@ -442,9 +442,9 @@ fn closed_form_steps_of_prescribed_ends() {
         m.advance_to(time).unwrap();
         assert!((of(&m, 1, What::F) - normal).abs() < 1e-12, "{time}: {}", of(&m, 1, What::F));
         assert!(
-            (of(&m, 1, What::TangentF) - tangential).abs() < 1e-12,
+            (of(&m, 1, What::TangentF(None)) - tangential).abs() < 1e-12,
             "{time}: {}",
-            of(&m, 1, What::TangentF)
+            of(&m, 1, What::TangentF(None))
         );
         let found = m.energy().branches[0].value();
         assert!((found - lost).abs() < 1e-12, "{time}: {found} {lost}");
@@ -471,8 +471,8 @@ fn closed_form_without_friction_the_slider_follows() {
     for k in 1..=40 {
         m.advance_to(0.1 * f64::from(k)).unwrap();
         for element in [4, 5] {
-            assert!(of(&m, element, What::TangentF).abs() < 1e-12);
-            let off = of(&m, element, What::TangentE) - of(&m, element, What::Slider);
+            assert!(of(&m, element, What::TangentF(None)).abs() < 1e-12);
+            let off = of(&m, element, What::TangentE(None)) - of(&m, element, What::Slider(None));
             assert!(off.abs() < 1e-12, "{off:e}");
         }
     }
@@ -527,19 +527,19 @@ fn closed_form_derivatives_over_steps_of_prescribed_ends() {
         |by: &Differentiated, what| (0..3).map(|p| by.derivative(quantity(what), p)).collect::<Vec<_>>();
     by.advance_to(0.15).unwrap();
     // T = μ N = 0.2 · 10 N; the slider is at 0.1 m - T/k_t.
-    assert_eq!(column(&by, What::TangentF), [0.0, 0.0, 10.0].map(Some));
-    let slider = column(&by, What::Slider);
+    assert_eq!(column(&by, What::TangentF(None)), [0.0, 0.0, 10.0].map(Some));
+    let slider = column(&by, What::Slider(None));
     for (found, exact) in slider.iter().zip([1.0, 0.0, -0.2]) {
         assert!((found.unwrap() - exact).abs() < ROUNDING, "{slider:?}");
     }
     // The normal elongation falls by 0.06 m: N = 4 N and T = 0.8 N.
     by.advance_to(0.3).unwrap();
-    let force = column(&by, What::TangentF);
+    let force = column(&by, What::TangentF(None));
     for (found, exact) in force.iter().zip([0.0, 20.0, 4.0]) {
         assert!((found.unwrap() - exact).abs() < 1e-11, "{force:?}");
     }
     by.advance_to(0.6).unwrap();
-    assert!(by.derivative(quantity(What::TangentF), 0).is_none());
+    assert!(by.derivative(quantity(What::TangentF(None)), 0).is_none());
     assert!(by.lost(0).unwrap().to_string().contains("contact.c is closed by a step"), "{:?}", by.lost(0));
 }
 

@@ -5,6 +5,7 @@
 mod accounts;
 mod blocks;
 mod blocks_rest;
+mod box_cone;
 mod closed_forms;
 mod common;
 mod contacts;

@@ -270,9 +270,10 @@ fn invariant_columns_obey_the_law_of_each_element() {
             } else {
                 assert!(e <= gap + ROUNDING, "{k}: {e}");
             }
-            let slider = value(i, What::Slider);
+            let slider = value(i, What::Slider(None));
             assert!(
-                (value(i, What::TangentF) - kt * (value(i, What::TangentE) - slider)).abs() < 1e2 * ROUNDING
+                (value(i, What::TangentF(None)) - kt * (value(i, What::TangentE(None)) - slider)).abs()
+                    < 1e2 * ROUNDING
             );
         }
         let (e, f) = (value(c, What::E), value(c, What::F));
@@ -289,7 +290,7 @@ fn invariant_columns_obey_the_law_of_each_element() {
         let mut later = m.clone();
         let events = events(&mut later, m.time() + h);
         for (i, pairs) in [(a, 2), (b, 2), (c, 1), (ab, 1)].into_iter().filter(|_| events.is_empty()) {
-            let both = [(What::E, What::Rate), (What::Slider, What::SliderRate)];
+            let both = [(What::E, What::Rate), (What::Slider(None), What::SliderRate(None))];
             for (e, rate) in both.into_iter().take(pairs) {
                 let by = (of(&later, i, e) - value(i, e)) / h;
                 assert!((by - 0.5 * (value(i, rate) + of(&later, i, rate))).abs() < 1e-7, "{k} {i} {by}");
@@ -377,15 +378,15 @@ fn closed_form_a_start_beyond_the_limit_of_friction() {
     // Slip: (1/kn + Gnn + mu Gnt) N = 0.1. Stick: the slider stays.
     for (slider, is_slipping) in [(0.0, true), (0.29, false)] {
         let m = moving(&text(slider));
-        let (normal, tangential) = (of(&m, 1, What::F), of(&m, 1, What::TangentF));
+        let (normal, tangential) = (of(&m, 1, What::F), of(&m, 1, What::TangentF(None)));
         if is_slipping {
             let exact = 0.1 / (5e-3 + 1e-2 + 0.5 * 4e-3);
             assert!((normal - exact).abs() < 1e-12 && (tangential - 0.5 * exact).abs() < 1e-12);
             // e_t = 0.3 - G_tn N - G_tt T, and T = k_t (e_t - w).
             let place = 0.3 - 4e-3 * exact - 3e-2 * 0.5 * exact;
-            assert!((of(&m, 1, What::Slider) - place).abs() < 1e-14);
+            assert!((of(&m, 1, What::Slider(None)) - place).abs() < 1e-14);
         } else {
-            assert!((of(&m, 1, What::Slider) - slider).abs() < 1e-15);
+            assert!((of(&m, 1, What::Slider(None)) - slider).abs() < 1e-15);
             let det = 1.5e-2 * 3e-2 - 4e-3 * 4e-3;
             assert!((normal - (0.1 * 3e-2 - 0.01 * 4e-3) / det).abs() < 1e-12);
             assert!((tangential - (1.5e-2 * 0.01 - 4e-3 * 0.1) / det).abs() < 1e-12);

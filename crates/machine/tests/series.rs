@@ -39,7 +39,7 @@ fn closed_form_a_spring_that_is_held_relaxes() {
     m.advance_to(0.07).unwrap();
     let (k, c, b) = (100.0, 5.0, 15.0 * (-100.0 * 0.07 / 5.0f64).exp());
     assert!((of(&m, 0, What::F) - b).abs() < ROUNDING * 15.0);
-    assert!((of(&m, 0, What::Slider) - (0.2 - b / k)).abs() < ROUNDING);
+    assert!((of(&m, 0, What::Slider(None)) - (0.2 - b / k)).abs() < ROUNDING);
     let lost = m.energy().branches[0].value();
     assert!((lost - (15.0 * 15.0 - b * b) / (2.0 * k)).abs() < ROUNDING * 2.0, "{lost} {c}");
 }
@@ -99,7 +99,7 @@ fn second_method_a_body_on_a_zener_element_is_the_matrix_exponential() {
     (a[(2, 0)], a[(2, 2)]) = (k / c, -k / c);
     (a[(4, 5)], a[(5, 4)]) = (-omega, omega);
     let exact = (a * 2.3).exp() * DVector::from_vec(vec![0.1, -0.3, 0.02, 1.0, 1.0, 0.0]);
-    let found = [m.coordinate(1), m.rate(1), of(&m, 1, What::Slider)];
+    let found = [m.coordinate(1), m.rate(1), of(&m, 1, What::Slider(None))];
     for (found, exact) in found.iter().zip(exact.iter()) {
         assert!((found - exact).abs() < 10.0 * ROUNDING, "{found} {exact}");
     }
@@ -128,7 +128,7 @@ fn second_method_a_ball_bounces_on_a_zener_buffer() {
     let times = [0.202_236_791_098_460_23, 0.207_425_972_037_103_5, 0.211_582_231_453_655_25];
     assert!(found.iter().zip(times).all(|(event, exact)| (event.time - exact).abs() < MAGNIFIED));
     assert!((found[36].time - 0.578_144_297_479_613_6).abs() < MAGNIFIED);
-    let found = [m.coordinate(0), m.coordinate(1), m.rate(0), m.rate(1), of(&m, 1, What::Slider)];
+    let found = [m.coordinate(0), m.coordinate(1), m.rate(0), m.rate(1), of(&m, 1, What::Slider(None))];
     let exact = [
         0.206_868_860_280_023_46,
         0.006_626_684_355_588_402,
@@ -150,7 +150,7 @@ fn second_method_series_of_actual_states_are_the_tables() {
         let [found, exact] = [&mut other, &mut one].map(|m| events(m, end).len());
         assert_eq!(found, exact);
         assert!((one.coordinate(1) - other.coordinate(1)).abs() < zero);
-        let slider = |m: &Motion| of(m, 1, What::Slider);
+        let slider = |m: &Motion| of(m, 1, What::Slider(None));
         assert!((slider(&one) - slider(&other)).abs() < zero, "{} {}", slider(&one), slider(&other));
         assert!((unaccounted(&other) - begin).abs() < zero);
     }
@@ -246,7 +246,7 @@ fn second_method_gradients_are_columns_and_variations_are_columns_by_the_start()
         let mut exact = Differentiated::new(assembly.clone(), &columns).unwrap();
         let mut sizes = vec![[0.0; 2]; columns.len()];
         let quantities: Vec<_> = d.quantities().collect();
-        let rate = Quantity::of_element(1, What::SliderRate);
+        let rate = Quantity::of_element(1, What::SliderRate(None));
         for k in 1..=3 {
             let time = end * f64::from(k) / 3.0;
             sum.advance_to(time).unwrap();
@@ -290,7 +290,7 @@ fn closed_form_a_start_at_rest_has_relaxed() {
     let names = ["spring.soft.stiffness", "spring.mount.stiffness", "spring.mount.series_damping", "gravity"];
     let m = Differentiated::new(assembly, &names).unwrap();
     let plate = 0.55 * 9.81 / 800.0;
-    let slider = Quantity::of_element(1, What::Slider);
+    let slider = Quantity::of_element(1, What::Slider(None));
     assert!((m.motion().value(slider) - plate).abs() < ROUNDING);
     assert!(of(m.motion(), 1, What::F).abs() < ROUNDING * 100.0);
     for (p, exact) in [-plate / 800.0, 0.0, 0.0, plate / 9.81].iter().enumerate() {
@@ -317,7 +317,7 @@ fn invariant_starts_name_inner_places() {
     let mut on = read.motion(assembly.clone()).unwrap();
     on.advance_to(1.3).unwrap();
     m.advance_to(1.3).unwrap();
-    assert!((of(&on, 1, What::Slider) - of(&m, 1, What::Slider)).abs() < ROUNDING);
+    assert!((of(&on, 1, What::Slider(None)) - of(&m, 1, What::Slider(None))).abs() < ROUNDING);
     let mut one = Start::default();
     one.set_text(&assembly.description, "spring.mount.slider", "30 mm").unwrap();
     assert_eq!(one.motion(assembly.clone()).unwrap().states()[2], 0.03);

@@ -97,7 +97,7 @@ fn published_an_elastic_perfectly_plastic_oscillator_under_a_suddenly_applied_fo
     let mut m = motion(m.assembly().description.clone());
     m.advance_to(turn + PI / omega).unwrap();
     assert!((m.coordinate(0) - least).abs() < 1e3 * ROUNDING && m.rate(0).abs() < 1e-10);
-    assert!((of(&m, 0, What::Slider) - (most - yield_ / k)).abs() < 1e3 * ROUNDING);
+    assert!((of(&m, 0, What::Slider(None)) - (most - yield_ / k)).abs() < 1e3 * ROUNDING);
 }
 
 /// An Iwan joint: four parallel sliders on one body, with a wall and a spring.
@@ -153,7 +153,7 @@ fn second_method_series_of_actual_states_and_the_general_law_are_the_tables_and_
         }
         assert!((m.coordinate(0) - one.coordinate(0)).abs() < 1e-9);
         for i in 0..4 {
-            assert!((of(m, i, What::Slider) - of(&one, i, What::Slider)).abs() < 1e-9);
+            assert!((of(m, i, What::Slider(None)) - of(&one, i, What::Slider(None))).abs() < 1e-9);
         }
     }
 }
@@ -202,7 +202,7 @@ fn closed_form_a_step_of_a_prescribed_place_is_cut_off() {
         lost += 10.0 * f64::abs(place - slider);
         slider = place;
         assert!((of(&m, 0, What::F) - force).abs() < 1e-12, "{time}: {}", of(&m, 0, What::F));
-        assert!((of(&m, 0, What::Slider) - place).abs() < ROUNDING);
+        assert!((of(&m, 0, What::Slider(None)) - place).abs() < ROUNDING);
         assert!((m.energy().branches[0].value() - lost).abs() < 1e-12);
         assert!(unaccounted(&m).abs() < 1e-12);
     }
@@ -210,7 +210,7 @@ fn closed_form_a_step_of_a_prescribed_place_is_cut_off() {
     let names = ["body.foot.motion.steps[0].height", "spring.joint.stiffness", "spring.joint.slider"];
     let mut by = Differentiated::new(m.assembly().clone(), &names).unwrap();
     by.advance_to(0.15).unwrap();
-    let [f, slider] = [What::F, What::Slider].map(|what| Quantity::of_element(0, what));
+    let [f, slider] = [What::F, What::Slider(None)].map(|what| Quantity::of_element(0, what));
     for (p, exact) in [[100.0, 0.0], [0.05, 0.0], [-100.0, 1.0]].into_iter().enumerate() {
         for (quantity, exact) in [f, slider].into_iter().zip(exact) {
             assert!((by.derivative(quantity, p).unwrap() - exact).abs() < 100.0 * ROUNDING, "{p} {exact}");
@@ -239,7 +239,7 @@ fn closed_form_starts_are_moved_to_the_nearest_place() {
         [(100.0, 2.0, 0.0), (90.0, 4.0, 0.0), (80.0, 6.0, 0.0), (70.0, 8.0, 0.01)].into_iter().enumerate()
     {
         let x: f64 = if k * (0.1 - x) > slip { 0.1 - slip / k } else { x };
-        assert!((of(&m, i, What::Slider) - x).abs() < ROUNDING, "{i}");
+        assert!((of(&m, i, What::Slider(None)) - x).abs() < ROUNDING, "{i}");
     }
     assert_eq!(m.mode().sliders[0], SliderState::Held);
     let mut start = Start::default();
@@ -268,7 +268,7 @@ fn closed_form_a_start_at_rest_is_elastic_and_plastic() {
         for time in [0.0, 0.4] {
             m.advance_to(time).unwrap();
             assert!((m.motion().coordinate(0) - s).abs() < ROUNDING, "{}", m.motion().coordinate(0));
-            assert!((of(m.motion(), 1, What::Slider) - slider).abs() < ROUNDING);
+            assert!((of(m.motion(), 1, What::Slider(None)) - slider).abs() < ROUNDING);
         }
         let m = Differentiated::new(m.motion().assembly().clone(), &names).unwrap();
         for (p, exact) in [by_load, by_slip, by_k].into_iter().enumerate() {

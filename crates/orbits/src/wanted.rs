@@ -60,7 +60,11 @@ fn elements(kind: &str, assembly: &Assembly) -> Option<Vec<String>> {
             Some(names.into_iter().collect())
         }
         _ if FRICTION.contains(&kind) => {
-            Some((0..system.frictions.len()).map(|i| assembly.name_of_friction(i)).collect())
+            let frictions = (0..system.frictions.len()).map(|i| assembly.name_of_friction(i));
+            // Sliders of springs and of contacts have no level that begins to act.
+            let sliders = system.branches.iter().enumerate().filter(|own| own.1.level.is_some());
+            let sliders = sliders.filter(|_| kind != "level").map(|own| assembly.name_of_branch(own.0));
+            Some(frictions.chain(sliders).collect())
         }
         _ => None,
     }

@@ -60,8 +60,7 @@ pub(crate) fn drawn(machine: &Description) -> Description {
     stops.retain_mut(|own| moved(&mut own.arms));
     frictions.retain_mut(|own| moved(&mut own.arms));
     contacts.retain_mut(|own| {
-        let tangent = own.tangent.take();
-        own.tangent = tangent.and_then(|mut tangent| moved(&mut tangent.arms).then_some(tangent));
+        own.tangents.retain_mut(|tangent| moved(&mut tangent.arms));
         moved(&mut own.normal)
     });
     freewheels.retain_mut(|own| moved(&mut own.arms));

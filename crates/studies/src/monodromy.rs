@@ -46,9 +46,10 @@ pub fn metric(motion: &Motion, record: &ReturnRecord) -> Metric {
         Some(sizes[first + rotates]).filter(|size| *size > 0.0).unwrap_or(1.0)
     };
     let of = |first: usize| system.bodies_of.iter().map(move |body| unit(*body, first));
-    let inner = d.elements().filter(|element| element.is_branch()).map(|element| {
+    let inner = d.elements().flat_map(|element| {
         let rotates = usize::from(element.dimension(d) == Dimension::Rotation);
-        Some(sizes[rotates]).filter(|size| *size > 0.0).unwrap_or(1.0)
+        let size = Some(sizes[rotates]).filter(|size| *size > 0.0).unwrap_or(1.0);
+        element.branches().map(move |_| size)
     });
     let kept = record.sizes_of_blocks().map(|size| if size > 0.0 { size } else { 1.0 });
     Metric(of(0).chain(of(2)).chain(inner).chain(kept).collect())

@@ -21,8 +21,9 @@ pub struct QuantityName {
     /// The body or element.
     pub of: String,
     /// `s`, `v`, `a` of a body; `e`, `rate`, `f` of an element; `slider` of a spring in series;
-    /// `f` of a load; `Value` of a signal that blocks read, and of an output of a block, whose
-    /// whole name is `of`.
+    /// `et`, `ft`, `slider` of a contact with friction, `et[0]`, … with two tangents; `f` of a
+    /// load; `Value` of a signal that blocks read, and of an output of a block, whose whole name
+    /// is `of`.
     pub what: What,
 }
 
@@ -145,13 +146,14 @@ impl Flow {
         let mut sum = vec![0.0; system.signals.size];
         let mut add = |row: &[f64]| sum.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
         match quantity.what {
-            What::F | What::TangentF => parts
+            What::F | What::TangentF(_) => parts
                 .iter()
                 .for_each(|part| add(system.force_row(*part, &self.mode, &self.lambda).as_slice())),
-            What::Slider | What::SliderRate => {
-                let Some(branch) = system.branch_of(i) else { return sum };
+            What::Slider(k) | What::SliderRate(k) => {
+                let Some(branch) = system.branch_of(i, k) else { return sum };
                 let inner = system.branches[branch].inner.as_slice();
-                return if quantity.what == What::Slider { inner.to_vec() } else { self.rate_of(inner) };
+                let is_place = matches!(quantity.what, What::Slider(_));
+                return if is_place { inner.to_vec() } else { self.rate_of(inner) };
             }
             What::Value | What::Output(_) => {
                 add(system.block_row(i, quantity.what, &self.mode.stops).as_slice());
@@ -161,7 +163,7 @@ impl Flow {
                 unit[system.block_place(i, quantity.what)] = 1.0;
                 return if matches!(quantity.what, What::State(_)) { unit } else { self.rate_of(&unit) };
             }
-            What::E | What::TangentE => elongation().into_iter().for_each(|own| add(own[0].as_slice())),
+            What::E | What::TangentE(_) => elongation().into_iter().for_each(|own| add(own[0].as_slice())),
             _ => elongation().into_iter().for_each(|own| add(own[1].as_slice())),
         }
         sum

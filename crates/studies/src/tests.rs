@@ -341,7 +341,7 @@ fn a_diagram_of_what_does_not_repeat_is_refused_by_name_or_starts_anew() {
 }
 
 #[test]
-fn golden_bodies_called_block_or_signal_have_their_quantities() {
+fn golden_names_of_quantities_have_their_owners_and_kinds() {
     let named = |text: &str| text.parse::<QuantityName>().unwrap();
     for (text, of, what) in [
         ("block.s", "block", What::S),
@@ -352,7 +352,14 @@ fn golden_bodies_called_block_or_signal_have_their_quantities() {
         ("pid.u", "pid.u", What::Value),
         ("tube.tip.s", "tube.tip", What::S),
         ("block.tip.s", "block.tip", What::S),
+        ("tip.et[1]", "tip", What::TangentE(Some(1))),
+        ("contact.tip.slider[0]", "tip", What::Slider(Some(0))),
+        ("tip.ft", "tip", What::TangentF(None)),
     ] {
-        assert_eq!(named(text), QuantityName { of: of.into(), what }, "{text}");
+        let found = named(text);
+        assert_eq!(found, QuantityName { of: of.into(), what }, "{text}");
+        // A signal's name alone does not say that it is a signal.
+        let is_value = what == What::Value;
+        assert!(is_value || named(&found.to_string()) == found, "{found}");
     }
 }

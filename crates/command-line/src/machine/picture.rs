@@ -4,7 +4,7 @@
 mod loops;
 
 use super::{MotionRecord, forces_of, is_contact};
-use crate::wording::{self, axis, spoken};
+use crate::wording::{self, ORDINALS, axis, spoken};
 use vibro_figures::chart::{Axis, COLOURS, Figure, Layer, Mark, Panel, Path, STYLES, THIN, lettered, style};
 use vibro_machine::description::Dimension;
 use vibro_machine::motion::EventKind;
@@ -78,6 +78,9 @@ pub fn figure(record: &MotionRecord, caption: Vec<String>) -> Option<Figure> {
         let forces = these.flat_map(|(i, e)| forces_of(i, e).map(move |quantity| (e.name(), quantity)));
         let curves = forces.filter_map(|(name, quantity)| match quantity.what {
             What::F => curve(record, spoken(name), quantity),
+            What::TangentF(Some(k)) => {
+                curve(record, format!("{}, {} tangential", spoken(name), ORDINALS[k]), quantity)
+            }
             _ => curve(record, format!("{}, tangential", spoken(name)), quantity),
         });
         // A stop without a force at any time has no curve.

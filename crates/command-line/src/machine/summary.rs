@@ -225,7 +225,7 @@ fn equilibrium(assembly: &Assembly) -> String {
             block.name
         );
     }
-    if let Some(own) = assembly.description.contacts.iter().find(|own| own.tangent.is_some()) {
+    if let Some(own) = assembly.description.contacts.iter().find(|own| !own.tangents.is_empty()) {
         return format!(
             "equilibrium: not computed, because the force of friction of contact.{} depends on how the \
              loads have grown",

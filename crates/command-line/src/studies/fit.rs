@@ -274,7 +274,7 @@ fn figure(request: &FitRequest, fitted: &Fitted) -> Result<Figure> {
             (0..fitted.residuals.len()).step_by(every).map(|i| (measured.times[i], of(i))).collect()
         };
         // Only coordinates and elongations are continuous at an impact.
-        let jumps = !matches!(name.what, What::S | What::E | What::TangentE);
+        let jumps = !matches!(name.what, What::S | What::E | What::TangentE(_));
         let moved = path(&|i| values[i] + fitted.residuals[i][k]);
         let moved = if jumps { with_gaps(moved, &impacts) } else { moved };
         let drawn = [

@@ -31,8 +31,10 @@ impl Structure<'_> {
                     };
                     for &element in self.elements.iter().filter(stores) {
                         let mut own = self.of_element(element, 0);
-                        self.tangent(element, 0, &mut own);
-                        self.slider(element, &mut own);
+                        for k in element.branches() {
+                            self.tangent(element, k, 0, &mut own);
+                            self.slider(element, k, &mut own);
+                        }
                         self.steps(element, &mut own);
                         join(knowns, &own, Dependent);
                         self.of_section(&element.dotted(), knowns);

@@ -49,7 +49,8 @@ impl<'a> Structure<'a> {
         let wheels = all.clone().filter(is_wheel).flat_map(of_element);
         let frictions = all.clone().filter(|own| rubs(own) && !is_spring(own)).flat_map(of_element);
         let contacts = all.clone().filter(is_contact).flat_map(of_element);
-        let rubbing = all.clone().filter(|own| is_contact(own) && own.is_branch()).flat_map(of_element);
+        let of_tangents = |own: &Element<'a>| own.tangents().len() * 2;
+        let rubbing = all.clone().flat_map(|own| vec![(*own, 0); of_tangents(own)]);
         let sliders = all.filter(is_spring).flat_map(of_element).chain(rubbing);
         if let Some((element, first)) =
             stops.chain(contacts).chain(corners).chain(wheels).chain(frictions).chain(sliders).nth(place)

@@ -14,9 +14,9 @@ impl Structure<'_> {
     /// each state replaced by the knowns of its start.
     pub(super) fn initially(&self, quantity: Quantity) -> Knowns {
         let mut knowns = Knowns::new();
-        if let Quantity::Column(Column { owner: Owner::Element(i), what: What::SliderRate }) = quantity {
+        if let Quantity::Column(Column { owner: Owner::Element(i), what: What::SliderRate(k) }) = quantity {
             // The start of the slider decides whether the slider slips.
-            self.start_of_slider(i, &mut knowns);
+            self.start_of_slider(i, k, &mut knowns);
         }
         for (known, _) in self.of(quantity) {
             let quantity = self.plan.table.rows[known as usize - 1].quantity;
@@ -25,8 +25,8 @@ impl Structure<'_> {
                 (None, Quantity::Column(Column { what: What::State(_), .. })) => {
                     self.start_of_block(&mut knowns);
                 }
-                (None, Quantity::Column(Column { owner: Owner::Element(i), .. })) => {
-                    self.start_of_slider(i, &mut knowns);
+                (None, Quantity::Column(Column { owner: Owner::Element(i), what: What::Slider(k) })) => {
+                    self.start_of_slider(i, k, &mut knowns);
                 }
                 _ => put(&mut knowns, known, Dependent),
             }
@@ -36,19 +36,20 @@ impl Structure<'_> {
 
     /// Adds the knowns of an inner place's initial value: its start value, or the elongation in
     /// equilibrium.
-    fn start_of_slider(&self, i: usize, knowns: &mut Knowns) {
+    fn start_of_slider(&self, i: usize, k: Option<usize>, knowns: &mut Knowns) {
         if self.machine.starts_at_rest {
             return self.parameters.keys().for_each(|section| self.of_section(section, knowns));
         }
         let section = self.elements[i].dotted();
         let all = self.parameters.get(section.as_str()).into_iter().flatten();
-        all.filter(|(_, rest)| *rest == ".slider").for_each(|(known, _)| put(knowns, *known, Dependent));
+        let is_own = |rest: &str| rest.strip_prefix('.') == Some(What::Slider(k).word());
+        all.filter(|(_, rest)| is_own(rest)).for_each(|(known, _)| put(knowns, *known, Dependent));
         if slides(self.elements[i]) {
             // The slider is moved until the force does not exceed its level.
             self.of_section(&section, knowns);
             let mut of_elongation = Knowns::new();
             self.elongation(self.elements[i], 0, &mut of_elongation);
-            self.tangent(self.elements[i], 0, &mut of_elongation);
+            self.tangent(self.elements[i], k, 0, &mut of_elongation);
             for known in of_elongation.into_keys() {
                 match self.plan.table.rows[known as usize - 1].quantity.as_body() {
                     Some((body, order)) => self.start_alone(body, order, knowns),

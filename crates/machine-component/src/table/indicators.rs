@@ -2,7 +2,7 @@
 
 use super::{Quantity, Role, VariableTable, slides};
 use vibro_machine::description::StopLaw;
-use vibro_machine::{Description, Element};
+use vibro_machine::{Description, Element, What};
 
 impl VariableTable {
     /// Adds the event indicators in the order of `Motion::indicators`.
@@ -56,10 +56,12 @@ impl VariableTable {
             push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
             push(format!("{name}.down"), "Negative where slipping begins downwards");
         }
-        for contact in machine.contacts.iter().filter(|contact| contact.tangent.is_some()) {
-            let name = format!("{}.slider.indicator", contact.name);
-            push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
-            push(format!("{name}.down"), "Negative where slipping begins downwards");
+        for contact in &machine.contacts {
+            for k in Element::Contact(contact).branches() {
+                let name = format!("{}.{}.indicator", contact.name, What::Slider(k).word());
+                push(format!("{name}.up"), "Negative where slipping ends, or begins upwards");
+                push(format!("{name}.down"), "Negative where slipping begins downwards");
+            }
         }
     }
 }

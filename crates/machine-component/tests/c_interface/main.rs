@@ -2,6 +2,7 @@
 //! errors.
 #![allow(unsafe_code)] // the C interface
 
+mod box_cone;
 #[path = "../../../doors/tests/common/calls.rs"]
 mod calls;
 mod derivatives;

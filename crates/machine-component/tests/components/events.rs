@@ -69,7 +69,14 @@ fn invariant_every_state_that_changes_at_an_event_is_told_by_name() {
                 let turns = [was.min(is), was.max(is)] == [4.0, 7.0];
                 // A friction that follows a stop starts and stops acting with the stop's force.
                 let with_stop = name.starts_with("friction.rub") && was.min(is) == 1.0;
-                let is_told = is_told || with_stop && told.0.iter().any(|text| text.starts_with("stop.pad "));
+                // The sliders of two tangents are told with the contact that closes or opens (1).
+                let contact = name.split_once('[').map(|own| format!("{} ", own.0));
+                let with_contact = contact.filter(|_| was.min(is) == 1.0);
+                let with_contact =
+                    with_contact.is_some_and(|of| told.0.iter().any(|text| text.starts_with(&of)));
+                let is_told = is_told
+                    || with_contact
+                    || with_stop && told.0.iter().any(|text| text.starts_with("stop.pad "));
                 // A contact that leaves its gap (3) after its force has ended (5) was reported
                 // when the force ended.
                 let leaves = (was, is) == (5.0, 3.0);

@@ -4,8 +4,8 @@
 use crate::plans;
 use crate::solver::{Solver, get};
 use fmi_doors::Model;
-use vibro_machine::Element;
 use vibro_machine::description::{BodyKind, Description};
+use vibro_machine::{Element, What};
 use vibro_machine_component::Plan;
 
 /// Steps of a run; the states are displaced after each.
@@ -33,8 +33,10 @@ fn unbalanced(plan: &Plan, solver: &mut Solver, body: usize) -> Option<[f64; 2]>
         match element {
             Element::Load(load) if load.body == body => terms.push(-value(format!("{}.f", load.name))),
             _ => {
-                // A contact has a second force along its tangent.
-                for (arms, what) in element.all_arms().zip(["f", "ft"]) {
+                // A contact has a further force along each tangent.
+                let forces = std::iter::once(What::F).chain(element.branches().map(What::TangentF));
+                for (arms, what) in element.all_arms().zip(forces) {
+                    let what = what.word();
                     for (_, arm) in arms.terms.iter().filter(|term| term.0 == body) {
                         terms.push(arm * value(format!("{}.{what}", element.name())));
                     }

@@ -32,6 +32,7 @@ fn plans() -> Vec<Arc<Plan>> {
         include_str!("../common/flexible.toml"),
         include_str!("../common/joint.toml"),
         include_str!("../common/contacts.toml"),
+        include_str!("../common/box.toml"),
         include_str!("../common/residual.toml"),
         include_str!("../common/freewheels.toml"),
         include_str!("../common/signals.toml"),

@@ -7,6 +7,7 @@ use crate::description::{
 };
 use crate::kinds::EXPONENT;
 use crate::refusal::Problem;
+use crate::slots::TANGENTS;
 use std::collections::BTreeMap;
 
 /// Adds the problems of exponents, and of what cannot be combined with a curved contact.
@@ -35,23 +36,36 @@ pub(super) fn check(machine: &Description, problems: &mut Vec<Problem>) {
 
 /// Adds the problems of contacts with friction.
 fn check_friction(machine: &Description, contact: &Contact, problems: &mut Vec<Problem>) {
-    let Some(tangent) = &contact.tangent else { return };
+    if contact.tangents.is_empty() {
+        return;
+    }
     let of = format!("contact.{}", contact.name);
     if contact.damping != 0.0 {
         let text = "cannot be combined with `friction`: the limit of friction would jump when the contact \
                     closes; use the damping of the bodies";
         problems.push(refused(format!("{of}.damping"), contact.damping, text));
     }
-    let [normal, along] = [&contact.normal, &tangent.arms].map(|arms| on_coordinates(machine, arms));
-    if is_parallel(&normal, &along) {
-        let text = "has the same direction as `normal`; expected another direction of the bodies";
-        problems.push(Problem::new(format!("{of}.tangent"), None, text));
+    let tangents = contact.tangents.iter().map(|tangent| &tangent.arms);
+    let arms: Vec<&Arms> = std::iter::once(&contact.normal).chain(tangents).collect();
+    let rows: Vec<_> = arms.iter().map(|arms| on_coordinates(machine, arms)).collect();
+    let keys: Vec<&str> = std::iter::once("normal").chain(TANGENTS).collect();
+    for i in 1..rows.len() {
+        if let Some(j) = (0..i).find(|&j| is_parallel(&rows[j], &rows[i])) {
+            let text =
+                format!("has the same direction as `{}`; expected another direction of the bodies", keys[j]);
+            problems.push(Problem::new(format!("{of}.{}", keys[i]), None, text));
+        }
     }
-    let is_flexible = |arms: &Arms| arms.terms.iter().any(|term| machine.has_residual(term.0));
-    if machine.starts_at_rest && (is_flexible(&contact.normal) || is_flexible(&tangent.arms)) {
+    let is_flexible = arms.iter().flat_map(|arms| &arms.terms).any(|term| machine.has_residual(term.0));
+    if is_flexible && contact.tangents.len() > 1 {
+        let text = "a contact with two tangents is not supported on residual flexibility: remove \
+                    `second_tangent` and `cone`, or take the nodes out of `residual`";
+        problems.push(Problem::new(format!("{of}.second_tangent"), None, text));
+    }
+    if machine.starts_at_rest && is_flexible {
         let text = "cannot be combined with `start = \"rest\"` on residual flexibility; give the start of each \
                     body, or take the nodes out of `residual`";
-        problems.push(Problem::new(format!("{of}.friction"), Some(format!("{:?}", tangent.friction)), text));
+        problems.push(refused(format!("{of}.friction"), contact.friction, text));
     }
 }
 

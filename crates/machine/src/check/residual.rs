@@ -169,7 +169,7 @@ fn elements(machine: &Description, on_nodes: &dyn Fn(&Arms) -> Option<usize>, pr
                 refuse(key("damping", own.damping), node, "a dashpot")
             }
             Element::Contact(own) => {
-                let missing = own.tangent.is_some() && on_nodes(&own.normal).is_none();
+                let missing = !own.tangents.is_empty() && on_nodes(&own.normal).is_none();
                 if missing {
                     let name = format!("{}.tangent", element.dotted());
                     refuse((name, None), node, "the tangent without the normal of a contact");
@@ -259,7 +259,7 @@ fn jumps(machine: &Description, forces: &ResidualForces, problems: &mut Vec<Prob
 }
 
 fn friction_of(machine: &Description, contact: usize) -> f64 {
-    machine.contacts[contact].tangent.as_ref().map_or(0.0, |tangent| tangent.friction)
+    machine.contacts[contact].friction
 }
 
 /// Refuses the start at rest of forces that depend on one another.

@@ -176,15 +176,16 @@ impl<'a> Adjoint<'a> {
         let machine = self.machine;
         match quantity.owner {
             Owner::Body(i) => self.add_body(mode, z, (i, quantity.what), factor),
-            Owner::Element(i) if matches!(quantity.what, What::F | What::TangentF) => {
+            Owner::Element(i) if matches!(quantity.what, What::F | What::TangentF(_)) => {
                 let parts = machine.system.parts_of(i, quantity.what);
                 parts.iter().for_each(|&part| self.add_force(mode, z, part, factor));
             }
-            Owner::Element(i) if matches!(quantity.what, What::Slider | What::SliderRate) => {
-                let Some(branch) = machine.system.branch_of(i) else { return };
+            Owner::Element(i) if matches!(quantity.what, What::Slider(_) | What::SliderRate(_)) => {
+                let (What::Slider(k) | What::SliderRate(k)) = quantity.what else { return };
+                let Some(branch) = machine.system.branch_of(i, k) else { return };
                 let own = &machine.system.branches[branch];
                 let by = &mut self.weights.branches[branch].elongation;
-                if quantity.what == What::Slider {
+                if matches!(quantity.what, What::Slider(_)) {
                     self.state.axpy(factor, &own.inner, 1.0);
                     return by.e.axpy(factor, z, 1.0);
                 }
@@ -208,7 +209,7 @@ impl<'a> Adjoint<'a> {
                     Part::Branch(i) => &mut self.weights.branches[i].elongation,
                     Part::Load(_) => return,
                 };
-                let is_place = matches!(quantity.what, What::E | What::TangentE);
+                let is_place = matches!(quantity.what, What::E | What::TangentE(_));
                 self.state.axpy(factor, if is_place { &rows.e } else { &rows.rate }, 1.0);
                 if is_place { &mut own.e } else { &mut own.rate }.axpy(factor, z, 1.0);
             }

@@ -98,13 +98,14 @@ impl Tangent {
                 stop(system.first_contact + i, whole(&d.contacts[i].normal, &along.contacts[i].normal))
             }
             ResidualMaker::Tangent(i) => {
-                let tangents = [d, along].map(|of| of.contacts[i].tangent.as_ref());
+                // The check refuses two tangents on residual flexibility.
+                let tangents = [d, along].map(|of| of.contacts[i].tangents.first());
                 let [Some(own), Some(by)] = tangents else {
                     let whole = [e_driven, rate_driven];
                     return Moved { compliance: 0.0, friction: 0.0, x: 0.0 * &one, whole };
                 };
                 let (whole, dc) = (whole(&own.arms, &by.arms), by_stiffness(by.stiffness));
-                Moved { compliance: dc, friction: by.friction, x: 0.0 * &one, whole }
+                Moved { compliance: dc, friction: along.contacts[i].friction, x: 0.0 * &one, whole }
             }
         }
     }
@@ -180,7 +181,7 @@ impl Point<'_> {
         let c = own.place(part)?;
         let [e, rate] = self.system.seen_elongation(part)?;
         let by = self.tangent.residual.as_ref()?.elongation(own, c);
-        let is_place = matches!(what, What::E | What::TangentE);
+        let is_place = matches!(what, What::E | What::TangentE(_));
         Some(if is_place { self.of(e, &by[0]) } else { self.of(rate, &by[1]) })
     }
 }
@@ -203,11 +204,11 @@ pub(super) fn residual_row(system: &System, mode: &Arc<VariedMode>, quantity: Qu
                 }
             }
         }
-        (Owner::Element(i), What::E | What::TangentE | What::Rate) => {
+        (Owner::Element(i), What::E | What::TangentE(_) | What::Rate) => {
             let part = *system.parts_of(i, quantity.what).first()?;
             system.residual.as_ref()?.place(part)?;
             let [e, rate] = system.seen_elongation(part)?;
-            if matches!(quantity.what, What::E | What::TangentE) { row(e) } else { row(rate) }
+            if matches!(quantity.what, What::E | What::TangentE(_)) { row(e) } else { row(rate) }
         }
         _ => None,
     }

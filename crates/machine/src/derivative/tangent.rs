@@ -67,8 +67,8 @@ fn direction(d: &Description, name: &str) -> Description {
     let stops = along.stops.iter_mut().map(|s| &mut s.arms);
     let frictions = along.frictions.iter_mut().map(|s| &mut s.arms);
     let normals = along.contacts.iter_mut().flat_map(|own| {
-        let tangent = own.tangent.as_mut().map(|tangent| &mut tangent.arms);
-        std::iter::once(&mut own.normal).chain(tangent)
+        let tangents = own.tangents.iter_mut().map(|tangent| &mut tangent.arms);
+        std::iter::once(&mut own.normal).chain(tangents)
     });
     let links = along.links.iter_mut().map(|s| &mut s.arms);
     let wheels = along.freewheels.iter_mut().map(|s| &mut s.arms);

@@ -42,11 +42,11 @@ impl Point<'_> {
         };
         let parts = self.system.parts_of(i, quantity.what);
         match quantity.what {
-            What::F | What::TangentF => parts.iter().map(|&part| self.force(part)).sum(),
-            What::Slider | What::SliderRate => self.system.branch_of(i).map_or(0.0, |i| {
+            What::F | What::TangentF(_) => parts.iter().map(|&part| self.force(part)).sum(),
+            What::Slider(k) | What::SliderRate(k) => self.system.branch_of(i, k).map_or(0.0, |i| {
                 let (own, by) = (&self.system.branches[i], &self.tangent.branches[i].elongation);
                 match quantity.what {
-                    What::Slider => self.of(&own.inner, &by.e),
+                    What::Slider(_) => self.of(&own.inner, &by.e),
                     _ if own.is_slider() && self.mode.mode.sliders[i] == SliderState::Held => 0.0,
                     _ => {
                         let stretch = self.mode.rates_by(self.p, self.z, self.delta)[own.place];
@@ -99,7 +99,7 @@ impl Point<'_> {
             return value;
         }
         let Some(own) = self.system.elongation_of_part(part) else { return 0.0 };
-        if matches!(what, What::E | What::TangentE) {
+        if matches!(what, What::E | What::TangentE(_)) {
             self.of(&own.e, &by.e)
         } else {
             self.of(&own.rate, &by.rate)

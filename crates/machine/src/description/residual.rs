@@ -77,7 +77,8 @@ impl ResidualForces {
         }
         for (i, contact) in d.contacts.iter().enumerate() {
             put(ResidualMaker::Normal(i), &contact.normal, contact.stiffness);
-            if let Some(tangent) = &contact.tangent {
+            // The check refuses two tangents.
+            for tangent in contact.tangents.iter().take(1) {
                 put(ResidualMaker::Tangent(i), &tangent.arms, tangent.stiffness);
             }
         }

@@ -5,14 +5,17 @@ use super::elements::{End, NO_BODY, between, joined, levers};
 use super::reading::{Entry, FileTable, Reading};
 use crate::check::RIGID;
 use crate::description::{Arms, Closing, Contact, Description, Dimension, Tangent};
-use crate::kinds;
+use crate::kinds::{self, NumberKind};
 use crate::refusal::Problem;
+use crate::slots::TANGENTS;
 
 /// Keys of a contact.
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 12] = [
     "between",
     "normal",
     "tangent",
+    "second_tangent",
+    "cone",
     "gap",
     "preload",
     "stiffness",
@@ -23,7 +26,7 @@ const KEYS: [&str; 10] = [
 ];
 
 /// Keys that a contact does not have, with the reason.
-const OTHERS: [(&str, &str); 4] = [
+const OTHERS: [(&str, &str); 3] = [
     (
         "restitution",
         "is not supported in a contact: laws of rigid contact with friction disagree (Newton, Poisson, Routh); \
@@ -31,8 +34,10 @@ const OTHERS: [(&str, &str); 4] = [
     ),
     ("static_friction", "is not supported: the tangential force would jump; use `friction` alone"),
     ("tangential_damping", "is not supported in a contact; use a [damper.NAME] along the tangent"),
-    ("cone", "is not supported: a contact has friction along one `tangent`"),
 ];
+
+/// The cone of friction with two tangents.
+const BOX: &str = "box";
 
 /// The forms of a normal or tangent.
 const ROW: &str = "expected a direction of the nodes in `between`, such as \"y\" or \"-y\"; two names, such as \
@@ -55,28 +60,23 @@ fn contact(reading: &mut Reading, name: String, table: &FileTable, names: &Names
     let closing = closing(reading, table);
     let stiffness = stiffness(reading, table);
     let damping = reading.number_or(table, "damping", kinds::DAMPING, Dimension::Translation, 0.0);
-    let tangent = tangent(reading, table, names);
+    let rubbing = rubbing(reading, table, names);
     let is_direction = |key: &str| table.entries.get(key).is_some_and(|own| own.get_ref().is_str());
-    if !is_direction("normal") && !is_direction("tangent") && table.has("normal") {
+    if !["normal", "tangent", "second_tangent"].into_iter().any(is_direction) && table.has("normal") {
         let text =
             "requires a direction in `normal`, such as \"y\"; remove it if `normal` names its own ends";
         reading.excluded(table, "between", text);
     }
-    // The normal and the tangent have the same ends.
+    // The normal and the tangents have the same ends.
     for problem in reading.problems.split_off(before) {
         let is_same = |own: &Problem| (&own.name, &own.text) == (&problem.name, &problem.text);
         if !reading.problems[before..].iter().any(is_same) {
             reading.problems.push(problem);
         }
     }
-    Some(Contact {
-        name,
-        normal: normal?,
-        closing: closing?,
-        stiffness: stiffness?,
-        damping: damping?,
-        tangent: tangent?,
-    })
+    let (friction, tangents) = rubbing?;
+    let (normal, closing, stiffness, damping) = (normal?, closing?, stiffness?, damping?);
+    Some(Contact { name, normal, closing, stiffness, damping, friction, tangents })
 }
 
 fn stiffness(reading: &mut Reading, table: &FileTable) -> Option<f64> {
@@ -112,16 +112,22 @@ fn closing(reading: &mut Reading, table: &FileTable) -> Option<Closing> {
     }
 }
 
-/// Reads the friction along the tangent; the outer `None` if it is refused.
-fn tangent(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Option<Tangent>> {
+/// Reads the coefficient of friction and the tangents; none for a contact without friction, `None`
+/// if they are refused.
+fn rubbing(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<(f64, Vec<Tangent>)> {
     let own = ["friction", "tangential_stiffness", "tangent"];
-    if !own.iter().chain(&["slider"]).any(|key| table.has(key)) {
-        return Some(None);
+    let others = ["slider", "second_tangent", "cone"];
+    if !own.iter().chain(&others).any(|key| table.has(key)) {
+        return Some((0.0, Vec::new()));
+    }
+    // A cone can be completed before the other keys are written.
+    if let Some(entry) = reading.optional(table, "cone") {
+        reading.note_names(entry.value.as_str().unwrap_or_default(), [BOX].into_iter());
     }
     let missing: Vec<String> =
         own.into_iter().filter(|key| !table.has(key)).map(|key| format!("`{key}`")).collect();
     if !missing.is_empty() {
-        let given = own.into_iter().chain(["slider"]).filter(|key| table.has(key));
+        let given = own.into_iter().chain(others).filter(|key| table.has(key));
         for entry in given.filter_map(|key| reading.optional(table, key)).collect::<Vec<_>>() {
             let text = format!(
                 "requires {}: friction acts along a tangent through a stiffness",
@@ -131,16 +137,68 @@ fn tangent(reading: &mut Reading, table: &FileTable, names: &Names) -> Option<Op
         }
         return None;
     }
+    let is_box = cone(reading, table);
+    let count = if table.has("second_tangent") { 2 } else { 1 };
+    let keys = TANGENTS.iter().take(count);
+    let arms: Vec<Option<Arms>> = keys.map(|key| row(reading, table, key, names)).collect();
+    let stiffness = each(reading, table, ("tangential_stiffness", kinds::TANGENTIAL_STIFFNESS), count);
     let line = Dimension::Translation;
-    let arms = row(reading, table, "tangent", names);
-    let stiffness = reading.required_number(table, "tangential_stiffness", kinds::TANGENTIAL_STIFFNESS, line);
     let friction = reading.required_number(table, "friction", kinds::FRICTION_OF_CONTACT, line);
-    let slider = reading.number_or(table, "slider", kinds::SLIDER, line, 0.0);
-    let (arms, stiffness, friction, slider) = (arms?, stiffness?, friction?, slider?);
-    Some(Some(Tangent { arms, stiffness, friction, slider }))
+    let slider = match table.has("slider") {
+        true => each(reading, table, ("slider", kinds::SLIDER), count),
+        false => Some(vec![0.0; count]),
+    };
+    let (_, friction, stiffness, slider) = (is_box?, friction?, stiffness?, slider?);
+    let tangent = |(arms, (stiffness, slider))| Some(Tangent { arms: arms?, stiffness, slider });
+    let all = arms.into_iter().zip(stiffness.into_iter().zip(slider)).map(tangent);
+    Some((friction, all.collect::<Option<_>>()?))
 }
 
-/// Reads the elongation along the normal or the tangent, which is a length.
+/// Reads the cone of friction, which two tangents require; `None` if it is refused.
+fn cone(reading: &mut Reading, table: &FileTable) -> Option<()> {
+    const MEANING: &str =
+        "with two tangents, \"box\" limits the force along each of them by friction times the normal force";
+    let second = reading.optional(table, "second_tangent");
+    let Some(entry) = reading.optional(table, "cone") else {
+        let Some(second) = second else { return Some(()) };
+        reading.refuse(&second, format!("requires `cone = \"box\"`: {MEANING}"));
+        return None;
+    };
+    match entry.value.as_str() {
+        Some(BOX) if second.is_none() => {
+            reading.refuse(&entry, format!("requires `second_tangent`: {MEANING}"));
+        }
+        Some(BOX) => return Some(()),
+        Some("circle") => reading.refuse(&entry, "is not piecewise linear; use `cone = \"box\"`"),
+        None if entry.value.is_integer() || entry.value.is_float() => {
+            reading.refuse(&entry, "a polygon is not supported; use `cone = \"box\"`");
+        }
+        _ => _ = reading.word(&entry, &[((), BOX)]),
+    }
+    None
+}
+
+/// Reads a number of each tangent: a number for one tangent, a list of two for two.
+fn each(
+    reading: &mut Reading,
+    table: &FileTable,
+    (key, kind): (&str, NumberKind),
+    count: usize,
+) -> Option<Vec<f64>> {
+    let line = Dimension::Translation;
+    if count == 1 {
+        return Some(vec![reading.required_number(table, key, kind, line)?]);
+    }
+    let entry = reading.optional(table, key)?;
+    let Some(items) = reading.items(&entry).filter(|items| items.len() == count) else {
+        reading.refuse(&entry, "expected two numbers, one for each tangent, such as [1.0, 2.0]");
+        return None;
+    };
+    let all: Vec<Option<f64>> = items.iter().map(|item| reading.number(item, kind, line)).collect();
+    all.into_iter().collect()
+}
+
+/// Reads the elongation along the normal or a tangent, which is a length.
 fn row(reading: &mut Reading, table: &FileTable, key: &str, names: &Names) -> Option<Arms> {
     let entry = reading.required(table, key, ROW)?;
     let arms = if entry.value.is_str() {

@@ -111,9 +111,18 @@ fn sliders(
         let Some(table) = reading.table(&entry, "expected a table such as { slider = 0.0 }") else {
             continue;
         };
-        reading.known(&table, &["slider"]);
-        let slider = reading.required_number(&table, "slider", kinds::SLIDER, own.arms.dimension);
-        all.extend(slider.map(|slider| (own.name.to_owned(), slider)));
+        // A contact with two tangents has two sliders, any of which may be given.
+        let is_same = |other: &InSeries| (other.section, other.name) == (own.section, own.name);
+        let these: Vec<InSeries> = known.filter(is_same).collect();
+        let words: Vec<String> = these.iter().map(|own| format!("slider{}", own.index)).collect();
+        reading.known(&table, &words.iter().map(String::as_str).collect::<Vec<_>>());
+        for (own, word) in these.iter().zip(&words) {
+            if these.len() > 1 && !table.has(word) {
+                continue;
+            }
+            let slider = reading.required_number(&table, word, kinds::SLIDER, own.arms.dimension);
+            all.extend(slider.map(|slider| (own.key(), slider)));
+        }
     }
     all
 }

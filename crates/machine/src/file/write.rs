@@ -3,12 +3,12 @@
 use crate::description::{
     Arms, Block, Body, BodyKind, Closing, Contact, Description, Dimension, Feed, ForcePoint, Free, Friction,
     Given, Level, MatrixDamping, Modal, OddPower, SeriesLaw, Signal, Spring, Stop, StopLaw, Stribeck,
-    StribeckExponent,
+    StribeckExponent, Tangent,
 };
 use crate::elements::Element;
 use crate::formula::Formula;
 use crate::kinds;
-use crate::slots::{of_harmonic, of_sweep};
+use crate::slots::{TANGENTS, of_harmonic, of_sweep};
 use nalgebra::{DMatrix, DVector, RowDVector};
 use std::fmt::Write;
 use std::ops::Range;
@@ -286,17 +286,30 @@ impl Writing<'_> {
         if !is_rigid {
             self.line(text, of, "stiffness", stiffness);
         }
-        let Some(tangent) = &contact.tangent else {
+        if contact.tangents.is_empty() {
             if !is_rigid {
                 self.line(text, of, "damping", damping);
             }
             return;
+        }
+        for (key, tangent) in TANGENTS.into_iter().zip(&contact.tangents) {
+            line!(text, "{}", row(key, &tangent.arms));
+        }
+        let is_box = contact.tangents.len() > 1;
+        if is_box {
+            line!(text, "cone = \"box\"");
+        }
+        let each = |key: &str, number: fn(&Tangent) -> f64| {
+            let own = contact.tangents.iter().enumerate();
+            let own =
+                own.map(|(k, own)| self.number(&format!("{of}.{key}{}", contact.index_of(k)), number(own)));
+            let own = own.collect::<Vec<_>>().join(", ");
+            if is_box { format!("{key} = [{own}]") } else { format!("{key} = {own}") }
         };
-        line!(text, "{}", row("tangent", &tangent.arms));
-        self.line(text, of, "tangential_stiffness", tangent.stiffness);
-        self.line(text, of, "friction", tangent.friction);
+        line!(text, "{}", each("tangential_stiffness", |own| own.stiffness));
+        self.line(text, of, "friction", contact.friction);
         if !self.machine.starts_at_rest {
-            self.line(text, of, "slider", tangent.slider);
+            line!(text, "{}", each("slider", |own| own.slider));
         }
     }
 

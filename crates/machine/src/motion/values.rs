@@ -162,8 +162,9 @@ impl Motion {
         };
         let (parts, z) = (self.assembly.system.parts_of(i, quantity.what), &self.hybrid.z);
         let elongation = || parts.first().and_then(|part| self.assembly.system.seen_elongation(*part));
+        let branch = |k| self.assembly.system.branch_of(i, k);
         match quantity.what {
-            What::F | What::TangentF => {
+            What::F | What::TangentF(_) => {
                 let force = |part: &Part| match *part {
                     Part::Spring(i) => self.assembly.system.springs[i].force.dot(z),
                     Part::Stop(i) => stop_force(i),
@@ -173,8 +174,8 @@ impl Motion {
                 };
                 parts.iter().map(force).sum()
             }
-            What::Slider => self.assembly.system.branch_of(i).map_or(0.0, |i| self.inner_place(i)),
-            What::SliderRate => self.assembly.system.branch_of(i).map_or(0.0, |i| self.inner_rate(i)),
+            What::Slider(k) => branch(k).map_or(0.0, |i| self.inner_place(i)),
+            What::SliderRate(k) => branch(k).map_or(0.0, |i| self.inner_rate(i)),
             What::Value | What::Output(_) => {
                 self.assembly.system.block_row(i, quantity.what, &self.hybrid.mode.stops).dot(z)
             }
@@ -185,7 +186,7 @@ impl Motion {
                     _ => z[place],
                 }
             }
-            What::E | What::TangentE => elongation().map_or(0.0, |own| own[0].dot(z)),
+            What::E | What::TangentE(_) => elongation().map_or(0.0, |own| own[0].dot(z)),
             _ => elongation().map_or(0.0, |own| own[1].dot(z)),
         }
     }

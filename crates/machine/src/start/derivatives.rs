@@ -38,7 +38,7 @@ impl Start {
         let of_slider = name
             .strip_prefix("spring.")
             .or(name.strip_prefix("contact."))
-            .filter(|own| own.ends_with(".slider"));
+            .filter(|own| own.contains(".slider"));
         if let Some(place) = of_slider.filter(|_| !self.is_own()).and_then(place) {
             return Ok(By::Start(place));
         }

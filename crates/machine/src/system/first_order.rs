@@ -7,7 +7,7 @@
 //! have x ([`System::take_given`], [`System::given`]).
 
 use super::{Elongation, FirstOrder, Part, StopRows, System};
-use crate::description::{Arms, Description, SeriesLaw};
+use crate::description::{Arms, Description, SeriesLaw, Tangent};
 use crate::elements::Element;
 use crate::functional::Functional;
 use crate::kernel::SparseMatrix;
@@ -45,6 +45,9 @@ pub(crate) struct InSeries<'a> {
     /// Section and name of the element.
     pub section: &'static str,
     pub name: &'a str,
+    /// End of the names of the inner place, of events and of states: `[0]` or `[1]` for one of the
+    /// two tangents of a contact, else empty.
+    pub index: &'static str,
     /// The elongation of both together.
     pub arms: &'a Arms,
     /// Stiffness, N/m or N m/rad.
@@ -52,6 +55,18 @@ pub(crate) struct InSeries<'a> {
     pub law: BranchLaw,
     /// The inner place at time 0, m or rad.
     pub slider: f64,
+}
+
+impl InSeries<'_> {
+    /// Name of the inner place: `mount.slider`, or `tip.slider[0]` for one of two tangents.
+    pub fn name_of_slider(&self) -> String {
+        format!("{}.slider{}", self.name, self.index)
+    }
+
+    /// Key among the inner places of a start: `mount`, or `tip[0]` for one of two tangents.
+    pub fn key(&self) -> String {
+        format!("{}{}", self.name, self.index)
+    }
 }
 
 /// Rows of a spring in series with a dashpot or slider.
@@ -136,13 +151,16 @@ pub(crate) fn in_series(d: &Description) -> impl Iterator<Item = InSeries<'_>> +
             SeriesLaw::Slider { slip } => BranchLaw::Slider(slip),
         };
         let (section, name, arms) = ("spring", spring.name.as_str(), &spring.arms);
-        Some(InSeries { section, name, arms, stiffness: spring.stiffness, law, slider: series.slider })
+        let (index, stiffness, slider) = ("", spring.stiffness, series.slider);
+        Some(InSeries { section, name, index, arms, stiffness, law, slider })
     });
-    let contacts = d.contacts.iter().enumerate().filter_map(|(i, contact)| {
-        let own = contact.tangent.as_ref()?;
-        let law = BranchLaw::Contact { stop: d.stops.len() + i, friction: own.friction };
-        let (section, name, arms) = ("contact", contact.name.as_str(), &own.arms);
-        Some(InSeries { section, name, arms, stiffness: own.stiffness, law, slider: own.slider })
+    let contacts = d.contacts.iter().enumerate().flat_map(|(i, contact)| {
+        let law = BranchLaw::Contact { stop: d.stops.len() + i, friction: contact.friction };
+        contact.tangents.iter().enumerate().map(move |(k, own)| {
+            let (section, name, index) = ("contact", contact.name.as_str(), contact.index_of(k));
+            let Tangent { arms, stiffness, slider } = own;
+            InSeries { section, name, index, arms, stiffness: *stiffness, law, slider: *slider }
+        })
     });
     springs.chain(contacts)
 }
@@ -164,9 +182,11 @@ impl System {
         2 * self.coordinates..self.signals.one
     }
 
-    /// The branch of an element, by the index of the element.
-    pub fn branch_of(&self, element: usize) -> Option<usize> {
-        self.parts[element].iter().find_map(|part| if let Part::Branch(i) = *part { Some(i) } else { None })
+    /// The branch of an element, by the index of the element; `which` is the index among two.
+    pub fn branch_of(&self, element: usize, which: Option<usize>) -> Option<usize> {
+        let own = self.parts[element].iter();
+        let mut own = own.filter_map(|part| if let Part::Branch(i) = *part { Some(i) } else { None });
+        own.nth(which.unwrap_or_default())
     }
 
     /// The elongation of each branch in an augmented state.

@@ -16,13 +16,16 @@ impl System {
         self.parts.iter().position(|parts| parts.contains(&part)).unwrap_or_default()
     }
 
-    /// The parts of an element to which a quantity belongs: of a contact the stop, or along the
-    /// tangent the branch.
+    /// The parts of an element to which a quantity belongs: of a contact the stop, or along a
+    /// tangent the tangent's branch.
     pub fn parts_of(&self, element: usize, what: What) -> &[Part] {
         let parts = &self.parts[element][..];
         match (parts, what) {
-            ([Part::Stop(_), tangent @ ..], What::TangentE | What::TangentF) => tangent,
-            ([Part::Stop(_), Part::Branch(_)], What::E | What::Rate | What::F) => &parts[..1],
+            ([Part::Stop(_), tangents @ ..], What::TangentE(k) | What::TangentF(k)) => {
+                let k = k.unwrap_or_default();
+                tangents.get(k..=k).unwrap_or_default()
+            }
+            ([Part::Stop(_), Part::Branch(_), ..], What::E | What::Rate | What::F) => &parts[..1],
             _ => parts,
         }
     }

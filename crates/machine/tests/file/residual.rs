@@ -64,6 +64,7 @@ const CASES: &[(&str, &str, &str)] = &[
     ("[load.f]", "[block.b]\ninputs = [\"blade.tip.x.s\"]\noutputs = [\"y\"]\nd = [[1.0]]\n[load.f]", "b.toml:26: block.b.inputs: a block cannot read `blade.tip.x`, which has residual flexibility: its place depends on the contacts; REDUCE"),
     ("[body.box]", "[body.base]\nmotion = { steps = [[0.1, 0.001]] }\n[body.box]", "b.toml:20: contact.tip.friction = 0.3: friction on residual flexibility is not supported in a machine whose body.base jumps (input, steps or a held table); expected a continuous motion"),
     ("name = \"Blade\"", "name = \"Blade\"\nstart = \"rest\"", "b.toml:19: contact.tip.friction = 0.3: cannot be combined with `start = \"rest\"` on residual flexibility; give the start of each body, or take the nodes out of `residual`"),
+    ("tangential_stiffness = \"15 N/um\"", "second_tangent = [\"ground\", \"box\"]\ncone = \"box\"\ntangential_stiffness = [1e7, 1e7]", "b.toml:17: contact.tip.second_tangent: a contact with two tangents is not supported on residual flexibility: remove `second_tangent` and `cone`, or take the nodes out of `residual`"),
     ("friction = 0.3", "friction = 9.0", "b.toml:18: contact.tip.friction = 9.0: the force would not be unique: friction presses the contact through the residual flexibility; expected at most 8.000000, or a smaller `stiffness`"),
     ("gap = \"0.1 mm\"\nstiffness = \"20 N/um\"", "preload = 3.0", "b.toml:15: contact.tip.preload = 3.0: requires `stiffness`: use `gap` for a rigid contact"),
 ];

@@ -2,6 +2,7 @@
 //! orbits, and the machines' own motions.
 
 mod between;
+mod box_cone;
 mod closed_forms;
 mod closing;
 mod curved;

@@ -1,7 +1,7 @@
 //! Loops of force over displacement: springs with a slider, and contacts with friction.
 
 use super::super::MotionRecord;
-use crate::wording::{axis, spoken};
+use crate::wording::{ORDINALS, axis, spoken};
 use vibro_figures::chart::{Layer, Panel, Path, STYLES, THIN, style};
 use vibro_machine::description::{Arms, Dimension, SeriesLaw};
 use vibro_machine::{Element, Quantity, Start, What};
@@ -28,25 +28,31 @@ fn together(record: &MotionRecord) -> Vec<Together<'_>> {
     let mut all: Vec<Together> = Vec::new();
     for (i, element) in d.elements().enumerate() {
         let slides = element.series().is_some_and(|own| matches!(own.law, SeriesLaw::Slider { .. }));
-        let [e, f] = match element {
-            Element::Spring(_) if slides => [What::E, What::F],
-            Element::Contact(contact) if contact.tangent.is_some() => [What::TangentE, What::TangentF],
-            _ => continue,
-        };
-        let (name, arms) = (spoken(element.name()), element.arms().filter(|_| slides));
-        let force = Quantity::of_element(i, f);
-        match all.iter_mut().find(|own| arms.is_some() && own.arms == arms) {
+        let (name, dimension) = (spoken(element.name()), element.dimension(d));
+        if let Element::Contact(_) = element {
+            all.extend(element.branches().map(|k| Together {
+                name: k.map_or(name.clone(), |k| format!("{name}, {} tangent", ORDINALS[k])),
+                arms: None,
+                displacement: Quantity::of_element(i, What::TangentE(k)),
+                normal: Some(Quantity::of_element(i, What::F)),
+                forces: vec![Quantity::of_element(i, What::TangentF(k))],
+                dimension,
+            }));
+        }
+        let Some(arms) = element.arms().filter(|_| slides) else { continue };
+        let force = Quantity::of_element(i, What::F);
+        match all.iter_mut().find(|own| own.arms == Some(arms)) {
             Some(own) => {
                 own.name += &format!(" + {name}");
                 own.forces.push(force);
             }
             None => all.push(Together {
                 name,
-                arms,
-                displacement: Quantity::of_element(i, e),
-                normal: (!slides).then(|| Quantity::of_element(i, What::F)),
+                arms: Some(arms),
+                displacement: Quantity::of_element(i, What::E),
+                normal: None,
                 forces: vec![force],
-                dimension: element.dimension(d),
+                dimension,
             }),
         }
     }
