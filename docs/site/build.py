@@ -2,10 +2,13 @@
 
 The pages are the Markdown files of the repository, unchanged. Further pages are generated from
 the programs themselves: the help of every command, the variables of the FMU, and the docstrings of
-the Python package. The option `--execute` runs the notebooks.
+the Python package. The option `--execute` runs the notebooks. With `--workbench FILE` the site has
+the workbench, and each machine of docs/lessons/ a link that opens it there.
 """
 
 import argparse
+import base64
+import gzip
 import os
 import re
 import shutil
@@ -23,6 +26,25 @@ REQUIREMENTS = ["docs/site/requirements.txt", "tests/fmpy/requirements.txt", "te
 LINK = re.compile(r"\[([^\]]*)\]\(([^)#:\s]+)(#[^)\s]*)?\)")
 # A picture of HTML, which GitHub shows in a given width: its file, width and words.
 PICTURE = re.compile(r'<img src="([^":]+)" width="(\d+)" alt="([^"]*)">')
+
+
+# A machine in a page: its text.
+MACHINE = re.compile(r"^```toml \S+\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
+
+
+def opened(machine: str) -> str:
+    """The part of a link after `#` that opens this text in the workbench (web/workbench/page/src/link.js)."""
+    packed = gzip.compress(machine.encode(), mtime=0)
+    return "z=" + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def lessons(sources: Path, workbench: str) -> None:
+    """Adds the workbench, and below each machine of a lesson the link that opens it there."""
+    for page in (sources / "docs" / "lessons").glob("*.md"):
+        link = lambda found: f'{found[0]}\n<a href="../../workbench.html#{opened(found[1])}">Open this machine in the workbench</a>\n'
+        page.write_text(MACHINE.sub(link, page.read_text()))
+    (TARGET / "html").mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(workbench, TARGET / "html" / "workbench.html")
 
 
 def environment() -> Path:
@@ -134,6 +156,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--package", default=str(ROOT / "python"), help="wheel, sources, or folder with vibro_impact")
     parser.add_argument("--execute", action="store_true", help="run the notebooks; without it they are shown as text")
+    parser.add_argument("--workbench", help="the page that `web-build workbench` has made")
     chosen = parser.parse_args()
     python = environment()
     variables_of_process = package(python, chosen.package)
@@ -141,6 +164,8 @@ def main() -> None:
     shutil.rmtree(sources, ignore_errors=True)
     sources.mkdir(parents=True)
     gather(sources)
+    if chosen.workbench:
+        lessons(sources, chosen.workbench)
     commands(sources)
     variables(sources)
     classes(python, variables_of_process, sources)

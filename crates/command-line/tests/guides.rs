@@ -1,10 +1,12 @@
 //! The commands of the recipes of docs/paper-machine.md, unchanged, compared with closed forms and
-//! the library.
+//! the library, and the lessons.
 
 #[path = "common/mod.rs"]
 mod command;
 #[path = "common/guide.rs"]
 mod guide;
+#[path = "guides/lessons.rs"]
+mod lessons;
 
 use guide::Guide;
 use std::f64::consts::TAU;
