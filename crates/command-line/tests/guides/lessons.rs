@@ -61,7 +61,7 @@ fn closed_form_the_oscillator_of_the_lesson_has_two_motions() {
     let most = at("LP").into_iter().fold(0.0, f64::max);
     let least = touches.iter().copied().fold(f64::INFINITY, f64::min);
     let upper = touches.iter().copied().fold(0.0, f64::max);
-    [least, upper, most].map(|f| assert_stated(&page, f, 3, "Hz"));
+    [least, upper, most].into_iter().for_each(|f| assert_stated(&page, f, 3, "Hz"));
     let curve = rows("lesson-resonance", "response/response.csv");
     let heights = curve.iter().flat_map(|row| row.iter().copied());
     assert!(heights.clone().any(|x| (x - 0.045_514).abs() < 1e-6), "no point of 45.51 mm");
