@@ -213,29 +213,31 @@ const SHARED: &str = r#"
     body.base = { motion = { amplitude = 0.01, frequency = 0.7 } }
     body.box = { mass = 0.4 }
     spring.box = { between = ["ground", "box"], stiffness = 60.0, damping = 0.2 }
+    body.slide = { mass = 0.3, start = { v = 0.4 } }
+    spring.slide = { between = ["ground", "slide"], stiffness = 30.0, damping = 0.1 }
     [modal.m]
     frequencies = [0.7, 1.9, 3.4, 5.2]
     damping_ratio = 0.01
     nodes = { a = { n = [0.9, -0.4, 0.5, 0.8], t = [-0.2, 0.7, 0.3, 0.5] }, b = { n = [0.8, 0.6, -0.5, 0.2], t = [0.1, -0.3, 0.9, 0.4] } }
     residual = { nodes = ["a.n", "a.t", "b.n", "b.t"], flexibility = [[4e-3, 8e-4, 9e-4, 0.0], [8e-4, 3e-3, 2e-4, 5e-4], [9e-4, 2e-4, 5e-3, -6e-4], [0.0, 5e-4, -6e-4, 4e-3]] }
     [contact.a]
-    normal = ["base", "m.a.n"]
-    tangent = ["ground", "m.a.t"]
+    normal = { arms = { base = -1.0, "m.a.n" = 1.0 } }
+    tangent = { arms = { "m.a.t" = 1.0 } }
     gap = 0.01
     stiffness = 300.0
     tangential_stiffness = 200.0
     friction = 0.4
     [contact.b]
     normal = ["box", "m.b.n"]
-    tangent = ["ground", "m.b.t"]
+    tangent = ["ground", "slide"]
     gap = 0.02
     tangential_stiffness = 150.0
     friction = 0.3
     [stop.c]
-    between = ["m.a.n", "m.b.n"]
+    arms = { "m.a.n" = -1.0, "m.b.n" = 1.0 }
     gap = 0.03
     [spring.ab]
-    between = ["m.a.t", "m.b.t"]
+    arms = { "m.a.t" = -1.0, "m.b.t" = 1.0 }
     stiffness = 40.0
     preload = 0.3
     [load.f]
@@ -262,7 +264,8 @@ fn invariant_columns_obey_the_law_of_each_element() {
     for k in 1..=400 {
         m.advance_to(0.02 * f64::from(k)).unwrap();
         let value = |i: usize, what: What| of(&m, i, what);
-        for (place, i, kn, kt, gap) in [(0, a, 300.0, 200.0, 0.01), (1, b, f64::INFINITY, 150.0, 0.02)] {
+        let contacts = [(0, a, 300.0, 200.0, 0.01, 0.4), (1, b, f64::INFINITY, 150.0, 0.02, 0.3)];
+        for (place, i, kn, kt, gap, friction) in contacts {
             let (e, f) = (value(i, What::E), value(i, What::F));
             if f > 0.0 {
                 pressed[place] += 1;
@@ -271,6 +274,8 @@ fn invariant_columns_obey_the_law_of_each_element() {
                 assert!(e <= gap + ROUNDING, "{k}: {e}");
             }
             let slider = value(i, What::Slider(None));
+            let limit = friction * f + 1e2 * ROUNDING;
+            assert!(value(i, What::TangentF(None)).abs() <= limit, "{k}: beyond the limit {limit}");
             assert!(
                 (value(i, What::TangentF(None)) - kt * (value(i, What::TangentE(None)) - slider)).abs()
                     < 1e2 * ROUNDING

@@ -14,8 +14,18 @@ pub(super) struct Moved {
     pub friction: f64,
     /// Derivatives of the elongation and its rate.
     pub whole: [StateRow; 2],
+    /// Derivatives of the elongation by a unit of each force: by the arms.
+    pub between: Vec<f64>,
     /// Derivative of the displacement that the flexibilities take up, x of (A68).
     pub x: StateRow,
+}
+
+impl Moved {
+    /// Adds what the forces take from the elongation as the arms vary.
+    fn add_between(&self, forces: &[Functional], sum: &mut StateRow) {
+        let own = self.between.iter().zip(forces).filter(|own| *own.0 != 0.0);
+        own.for_each(|(by, force)| sum.axpy(*by, force, 1.0));
+    }
 }
 
 /// The derivatives of the rows of a [`Configuration`].
@@ -34,17 +44,18 @@ pub(super) struct ResidualTangent {
 impl ResidualTangent {
     /// The derivative of the elongation, or of its rate, that all forces take from an element: the
     /// sum of the flexibilities times the forces.
-    pub fn taken(&self, own: &Residual, c: usize, of_rates: bool) -> StateRow {
-        let forces = if of_rates { &self.rates } else { &self.forces };
+    pub fn taken(&self, own: &Residual, rows: &Configuration, c: usize, of_rates: bool) -> StateRow {
+        let (forces, at) = if of_rates { (&self.rates, &rows.rates) } else { (&self.forces, &rows.forces) };
         let mut sum = StateRow::zeros(forces[c].len());
         forces.iter().enumerate().for_each(|(j, force)| sum.axpy(own.between[(c, j)], force, 1.0));
+        self.moved[c].add_between(at, &mut sum);
         sum
     }
 
     /// The derivatives of an element's elongation and of its rate, with the forces.
-    pub fn elongation(&self, own: &Residual, c: usize) -> [StateRow; 2] {
+    pub fn elongation(&self, own: &Residual, rows: &Configuration, c: usize) -> [StateRow; 2] {
         let [e, rate] = &self.moved[c].whole;
-        [e - self.taken(own, c, false), rate - self.taken(own, c, true)]
+        [e - self.taken(own, rows, c, false), rate - self.taken(own, rows, c, true)]
     }
 }
 
@@ -62,7 +73,9 @@ pub(super) fn vary(
     let off: Vec<StateRow> = active
         .iter()
         .map(|&i| {
-            let mut row = x(&moved[i]) - moved[i].compliance * &*forces[i];
+            let mut taken = moved[i].compliance * &*forces[i];
+            moved[i].add_between(forces, &mut taken);
+            let mut row = x(&moved[i]) - taken;
             for (t, component) in own.components.iter().enumerate() {
                 if let Some((normal, _)) = component.limit {
                     let share = acting[t].direction() * moved[t].friction * own.between[(i, t)];

@@ -27,6 +27,7 @@ impl Tangent {
         let (own, rows, all) =
             (system.residual.as_ref()?, system.configuration.as_ref()?, ResidualForces::of(d)?);
         let loads: Vec<_> = all.loads.iter().map(|&(load, _)| self.driving(system, load)).collect();
+        let loads_at: Vec<_> = all.loads.iter().map(|&(load, _)| system.driving(load)).collect();
         let driven = |factors: &dyn Fn(usize) -> f64, which: usize| {
             let mut sum = StateRow::zeros(system.signals.size);
             let terms = all.loads.iter().zip(&loads);
@@ -34,9 +35,19 @@ impl Tangent {
             sum
         };
         let stops = made_stops(d, Some(along));
+        let (by_arms, between) = all.along(along);
+        let driving = |factors: &dyn Fn(usize) -> f64, which: usize| {
+            let terms = all.loads.iter().zip(&loads_at);
+            let terms = terms.map(|(&(_, node), rows)| (factors(node), &rows[which]));
+            Functional::sum(system.signals.size, terms.filter(|term| term.0 != 0.0))
+        };
         let moved = all.forces.iter().zip(&own.components).enumerate().map(|(c, (force, component))| {
-            let driven = [0, 1].map(|which| driven(&|node| own.nodes[node].by[c], which));
-            self.moved(system, (d, along, &stops), (force.by, component.compliance), driven)
+            let driven = [0, 1].map(|which| {
+                driven(&|node| own.nodes[node].by[c], which) + &*driving(&|node| by_arms[c][node], which)
+            });
+            let between = between.row(c).iter().copied().collect();
+            let moved = self.moved(system, (d, along, &stops), (force.by, component.compliance), driven);
+            Moved { between, ..moved }
         });
         let moved: Vec<Moved> = moved.collect();
         let forces = vary(own, rows, &rows.forces, &moved, |own| &own.x);
@@ -48,6 +59,8 @@ impl Tangent {
                 let mut row = place + driven(&|node| all.flexibility[(k, node)], which);
                 let taken = if which == 0 { &forces } else { &rates };
                 own.nodes[k].by.iter().zip(taken).for_each(|(arm, force)| row.axpy(-arm, force, 1.0));
+                let at = if which == 0 { &rows.forces } else { &rows.rates };
+                by_arms.iter().zip(at).for_each(|(by, force)| row.axpy(-by[k], force, 1.0));
                 row
             };
             [row(0), row(1)]
@@ -84,14 +97,15 @@ impl Tangent {
                 StopLaw::Compliant { stiffness, .. } => (made.gap, stiffness),
                 StopLaw::Rigid { .. } => (made.gap, 0.0),
             });
-            Moved { compliance: by_stiffness(dk), friction: 0.0, x: excess(&whole[0], gap, &one), whole }
+            let x = excess(&whole[0], gap, &one);
+            Moved { compliance: by_stiffness(dk), friction: 0.0, x, whole, between: Vec::new() }
         };
         match maker {
             ResidualMaker::Spring(i) => {
                 let (own, by) = (&d.springs[i], &along.springs[i]);
                 let (whole, dc) = (whole(&own.arms, &by.arms), by_stiffness(by.along()[0]));
                 let x = &whole[0] + (dc * own.preload + compliance * by.preload) * &one;
-                Moved { compliance: dc, friction: 0.0, whole, x }
+                Moved { compliance: dc, friction: 0.0, whole, x, between: Vec::new() }
             }
             ResidualMaker::Stop(i) => stop(i, whole(&d.stops[i].arms, &along.stops[i].arms)),
             ResidualMaker::Normal(i) => {
@@ -102,10 +116,17 @@ impl Tangent {
                 let tangents = [d, along].map(|of| of.contacts[i].tangents.first());
                 let [Some(own), Some(by)] = tangents else {
                     let whole = [e_driven, rate_driven];
-                    return Moved { compliance: 0.0, friction: 0.0, x: 0.0 * &one, whole };
+                    return Moved {
+                        compliance: 0.0,
+                        friction: 0.0,
+                        x: 0.0 * &one,
+                        whole,
+                        between: Vec::new(),
+                    };
                 };
                 let (whole, dc) = (whole(&own.arms, &by.arms), by_stiffness(by.stiffness));
-                Moved { compliance: dc, friction: along.contacts[i].friction, x: 0.0 * &one, whole }
+                let friction = along.contacts[i].friction;
+                Moved { compliance: dc, friction, x: 0.0 * &one, whole, between: Vec::new() }
             }
         }
     }
@@ -129,12 +150,16 @@ impl Tangent {
         let (alone, moved) = (own.components[c].compliance + own.between[(c, c)], &varied.moved[c]);
         let force = varied.forces[c].clone();
         if rows.acting[c] == Acting::On {
-            let excess = moved.compliance * &*rows.forces[c] + alone * &force;
+            let by_flexibility = moved.compliance + moved.between[c];
+            let excess = by_flexibility * &*rows.forces[c] + alone * &force;
             return StopTangent { excess, spring: force.clone(), force, ..by };
         }
-        let others = varied.taken(own, c, false) - own.between[(c, c)] * &force;
+        let others = varied.taken(own, rows, c, false)
+            - own.between[(c, c)] * &force
+            - moved.between[c] * &*rows.forces[c];
         let excess = &moved.x - others;
-        let force = (1.0 / alone) * &excess - (moved.compliance / (alone * alone)) * &*system.stops[i].excess;
+        let by_flexibility = (moved.compliance + moved.between[c]) / (alone * alone);
+        let force = (1.0 / alone) * &excess - by_flexibility * &*system.stops[i].excess;
         StopTangent { excess, spring: force.clone(), force, ..by }
     }
 
@@ -150,7 +175,9 @@ impl Tangent {
         by.level = moved.friction * &*system.stops[stop].force + friction * &self.stops[stop].force;
         let stretch = [(false, &rows.forces, &varied.forces), (true, &rows.rates, &varied.rates)];
         let stretch = stretch.map(|(of_rates, forces, moves)| {
-            varied.taken(own, c, of_rates) + component.compliance * &moves[c] + moved.compliance * &*forces[c]
+            varied.taken(own, rows, c, of_rates)
+                + component.compliance * &moves[c]
+                + moved.compliance * &*forces[c]
         });
         by.sliding = rows.acting[c].direction() * &stretch[1];
         by.slaved = (rows.acting[c] != Acting::On).then_some(stretch);
@@ -178,9 +205,9 @@ impl Point<'_> {
     /// for other parts.
     pub(super) fn residual_elongation(&self, part: Part, what: What) -> Option<f64> {
         let own = self.system.residual.as_ref()?;
-        let c = own.place(part)?;
+        let (c, rows) = (own.place(part)?, self.system.configuration.as_ref()?);
         let [e, rate] = self.system.seen_elongation(part)?;
-        let by = self.tangent.residual.as_ref()?.elongation(own, c);
+        let by = self.tangent.residual.as_ref()?.elongation(own, rows, c);
         let is_place = matches!(what, What::E | What::TangentE(_));
         Some(if is_place { self.of(e, &by[0]) } else { self.of(rate, &by[1]) })
     }

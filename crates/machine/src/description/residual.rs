@@ -56,41 +56,67 @@ impl ResidualForces {
         }
         // Rounding of a symmetric matrix.
         let flexibility = 0.5 * (&flexibility + flexibility.transpose());
-        let place = |body: usize| nodes.iter().position(|node| *node == body);
-        let on_nodes = |arms: &Arms| -> Vec<(usize, f64)> {
-            arms.terms.iter().filter_map(|&(body, arm)| Some((place(body)?, arm))).collect()
-        };
+        let on_nodes = |arms: &Arms| on_nodes(&nodes, arms);
         let mut forces = Vec::new();
-        let mut put = |by, arms: &Arms, stiffness: f64| {
+        let put = |forces: &mut Vec<ResidualForce>, by, arms: &Arms, stiffness: f64| {
             let arms = on_nodes(arms);
             if !arms.is_empty() {
                 forces.push(ResidualForce { by, arms, compliance: stiffness.recip() });
             }
         };
         for (i, spring) in d.springs.iter().enumerate() {
-            put(ResidualMaker::Spring(i), &spring.arms, spring.stiffness);
+            put(&mut forces, ResidualMaker::Spring(i), &spring.arms, spring.stiffness);
         }
         for (i, stop) in d.stops.iter().enumerate() {
             if let StopLaw::Compliant { stiffness, .. } = stop.law {
-                put(ResidualMaker::Stop(i), &stop.arms, stiffness);
+                put(&mut forces, ResidualMaker::Stop(i), &stop.arms, stiffness);
             }
         }
         for (i, contact) in d.contacts.iter().enumerate() {
-            put(ResidualMaker::Normal(i), &contact.normal, contact.stiffness);
-            // The check refuses two tangents.
-            for tangent in contact.tangents.iter().take(1) {
-                put(ResidualMaker::Tangent(i), &tangent.arms, tangent.stiffness);
+            let count = forces.len();
+            put(&mut forces, ResidualMaker::Normal(i), &contact.normal, contact.stiffness);
+            // The check refuses two tangents. A tangent whose limit follows a force on residual
+            // flexibility is one of these forces, even if it moves none of the nodes.
+            for tangent in contact.tangents.iter().take(usize::from(forces.len() > count)) {
+                let (arms, compliance) = (on_nodes(&tangent.arms), tangent.stiffness.recip());
+                forces.push(ResidualForce { by: ResidualMaker::Tangent(i), arms, compliance });
             }
         }
-        let loads = d.loads.iter().enumerate().filter_map(|(i, load)| Some((i, place(load.body)?)));
-        let loads = loads.collect();
+        let loads = d.loads.iter().enumerate();
+        let loads = loads.filter_map(|(i, load)| Some((i, place(&nodes, load.body)?))).collect();
         Some(Self { nodes, flexibility, forces, loads })
     }
 
     /// The displacement of each node by a unit of a force.
     pub fn moved(&self, force: &ResidualForce) -> Vec<f64> {
-        let by = |node: usize| force.arms.iter().map(|&(k, arm)| arm * self.flexibility[(node, k)]).sum();
+        self.moved_by(&force.arms)
+    }
+
+    fn moved_by(&self, arms: &[(usize, f64)]) -> Vec<f64> {
+        let by = |node: usize| arms.iter().map(|&(k, arm)| arm * self.flexibility[(node, k)]).sum();
         (0..self.nodes.len()).map(by).collect()
+    }
+
+    /// The derivatives of [`moved`](Self::moved) of each force and of [`between`](Self::between) by
+    /// the arms; `along` has the derivatives of the machine's numbers.
+    pub fn along(&self, along: &Description) -> (Vec<Vec<f64>>, DMatrix<f64>) {
+        let arms = |force: &ResidualForce| {
+            let arms = match force.by {
+                ResidualMaker::Spring(i) => Some(&along.springs[i].arms),
+                ResidualMaker::Stop(i) => Some(&along.stops[i].arms),
+                ResidualMaker::Normal(i) => Some(&along.contacts[i].normal),
+                ResidualMaker::Tangent(i) => along.contacts[i].tangents.first().map(|own| &own.arms),
+            };
+            arms.map_or_else(Vec::new, |arms| on_nodes(&self.nodes, arms))
+        };
+        let by_arms: Vec<_> = self.forces.iter().map(arms).collect();
+        let moved: Vec<_> = by_arms.iter().map(|arms| self.moved_by(arms)).collect();
+        // A half of each entry; the transpose has the other half.
+        let half = |i: usize, j: usize| -> f64 {
+            self.forces[i].arms.iter().map(|&(k, arm)| arm * moved[j][k]).sum()
+        };
+        let half = DMatrix::from_fn(self.forces.len(), self.forces.len(), half);
+        (moved, &half + half.transpose())
     }
 
     /// The elongation of each force's element by a unit of each other force.
@@ -107,6 +133,16 @@ impl ResidualForces {
         let ResidualMaker::Tangent(contact) = self.forces[force].by else { return None };
         self.forces.iter().position(|own| own.by == ResidualMaker::Normal(contact))
     }
+}
+
+/// The index of a body among nodes.
+fn place(nodes: &[usize], body: usize) -> Option<usize> {
+    nodes.iter().position(|node| *node == body)
+}
+
+/// The arms on these nodes.
+fn on_nodes(nodes: &[usize], arms: &Arms) -> Vec<(usize, f64)> {
+    arms.terms.iter().filter_map(|&(body, arm)| Some((place(nodes, body)?, arm))).collect()
 }
 
 impl Description {

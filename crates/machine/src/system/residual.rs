@@ -133,14 +133,7 @@ impl System {
     pub(super) fn add_residual(&mut self, d: &Description) {
         let Some(all) = ResidualForces::of(d) else { return };
         let size = self.signals.size;
-        let own_loads: Vec<[Functional; 2]> = all
-            .loads
-            .iter()
-            .map(|&(load, _)| {
-                let row = self.loads[load].clone();
-                [row.clone(), Functional::of(self.signals.derivative(&row))]
-            })
-            .collect();
+        let own_loads: Vec<[Functional; 2]> = all.loads.iter().map(|own| self.driving(own.0)).collect();
         // Displacement of a direction of the nodes by the loads.
         let driven = |factors: &dyn Fn(usize) -> f64, which: usize| {
             let terms =
@@ -202,6 +195,12 @@ impl System {
         let acting = residual.apart();
         self.residual = Some(Arc::new(residual));
         self.configure(acting);
+    }
+
+    /// The rows of a load and of its rate.
+    pub(crate) fn driving(&self, load: usize) -> [Functional; 2] {
+        let row = self.loads[load].clone();
+        [row.clone(), Functional::of(self.signals.derivative(&row))]
     }
 
     /// The machine with the rows of a mode.
