@@ -40,8 +40,10 @@ def opened(machine: str) -> str:
 
 def lessons(sources: Path, workbench: str) -> None:
     """Adds the workbench, and below each machine of a lesson the link that opens it there."""
-    for page in (sources / "docs" / "lessons").glob("*.md"):
-        link = lambda found: f'{found[0]}\n<a href="../../workbench.html#{opened(found[1])}">Open this machine in the workbench</a>\n'
+    folder = sources / "docs" / "lessons"
+    to = os.path.relpath(sources / "workbench.html", folder)
+    for page in folder.glob("*.md"):
+        link = lambda found: f'{found[0]}\n<a href="{to}#{opened(found[1])}">Open this machine in the workbench</a>\n'
         page.write_text(MACHINE.sub(link, page.read_text()))
     (TARGET / "html").mkdir(parents=True, exist_ok=True)
     shutil.copyfile(workbench, TARGET / "html" / "workbench.html")

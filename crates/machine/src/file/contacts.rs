@@ -26,13 +26,17 @@ const KEYS: [&str; 12] = [
 ];
 
 /// Keys that a contact does not have, with the reason.
-const OTHERS: [(&str, &str); 3] = [
+const OTHERS: [(&str, &str); 7] = [
     (
         "restitution",
         "is not supported in a contact: laws of rigid contact with friction disagree (Newton, Poisson, Routh); \
          use `stiffness`, or [stop.NAME] for a rigid stop without friction",
     ),
     ("static_friction", "is not supported: the tangential force would jump; use `friction` alone"),
+    ("static_coefficient", "is not supported: the tangential force would jump; use `friction` alone"),
+    ("coefficient", "is called `friction` in a contact"),
+    ("mu", "is called `friction` in a contact"),
+    ("tangents", "is not a key of a contact; use `tangent`, and `second_tangent` with `cone = \"box\"`"),
     ("tangential_damping", "is not supported in a contact; use a [damper.NAME] along the tangent"),
 ];
 

@@ -44,6 +44,8 @@ const CASES: &[(&str, &str, &str)] = &[
     ("friction = 0.3", "friction = 1e200", "b.toml:22: contact.tip.friction = 1e200: expected a number from 0 to 1e6"),
     ("friction = 0.3", "friction = 0.3\nrestitution = 0.5", "b.toml:23: contact.tip.restitution = 0.5: is not supported in a contact: laws of rigid contact with friction disagree (Newton, Poisson, Routh); use `stiffness`, or [stop.NAME] for a rigid stop without friction"),
     ("friction = 0.3", "friction = 0.3\nstatic_friction = 0.5", "b.toml:23: contact.tip.static_friction = 0.5: is not supported: the tangential force would jump; use `friction` alone"),
+    ("friction = 0.3", "friction = 0.3\ntangents = 2", "b.toml:23: contact.tip.tangents = 2: is not a key of a contact; use `tangent`, and `second_tangent` with `cone = \"box\"`"),
+    ("friction = 0.3", "friction = 0.3\nmu = 0.3", "b.toml:23: contact.tip.mu = 0.3: is called `friction` in a contact"),
     ("friction = 0.3", "friction = 0.3\ntangential_damping = 0.5", "b.toml:23: contact.tip.tangential_damping = 0.5: is not supported in a contact; use a [damper.NAME] along the tangent"),
     ("friction = 0.3", "friction = 0.3\ncone = \"box\"", "b.toml:23: contact.tip.cone = \"box\": requires `second_tangent`: with two tangents, \"box\" limits the force along each of them by friction times the normal force"),
     ("friction = 0.3", "friction = 0.3\ncone = \"circle\"", "b.toml:23: contact.tip.cone = \"circle\": is not piecewise linear; use `cone = \"box\"`"),
