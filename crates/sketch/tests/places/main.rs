@@ -1,0 +1,6 @@
+//! Places of the things in a sketch.
+
+mod marks;
+mod overlaps;
+mod random;
+mod upright;
