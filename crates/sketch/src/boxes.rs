@@ -1,9 +1,9 @@
 //! Marks of the boxes of bodies and blocks.
 
 use crate::blocks::{ARROW, BlockBox};
+use crate::hand::{HATCH, Hand};
 use crate::layout::{BodyBox, MARK};
 use crate::sizes::{ARM_FONT, BESIDE, BODY_FONT, FONT};
-use crate::symbols::{HATCH, Hand};
 use std::f64::consts::PI;
 use vibro_figures::canvas::palette::{GREY, WHITE};
 use vibro_figures::canvas::{Along, CanvasPoint, Colour, text_width};

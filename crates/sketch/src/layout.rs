@@ -53,7 +53,7 @@ pub(crate) struct Placed {
     pub to: f64,
     /// Height of the symbol's middle.
     pub y: f64,
-    /// Whether a stop is drawn as two facing plates; otherwise as a clasp.
+    /// Whether a stop is drawn as a nose before a plate; otherwise as two hooks.
     pub faces: bool,
     /// Texts of the lever arms at both ends.
     pub arms: [Option<String>; 2],

@@ -10,7 +10,7 @@
 //!             ─▶ ways          direction of the row: upright with gravity
 //!             ─▶ sorted        elements by region, each an item with its room
 //!             ─▶ layout        places of boxes, and of symbols in lanes
-//!             ─▶ symbols       marks on the canvas
+//!             ─▶ symbols       marks on the canvas, with boxes and stops, by one hand
 //! ```
 #![forbid(unsafe_code)]
 
@@ -18,6 +18,7 @@ mod blocks;
 mod boxes;
 mod connections;
 mod flexible;
+mod hand;
 mod items;
 mod lanes;
 mod layout;
@@ -25,6 +26,7 @@ mod moved;
 mod order;
 mod sizes;
 mod sorted;
+mod stops;
 mod symbols;
 mod ways;
 

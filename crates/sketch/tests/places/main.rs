@@ -3,4 +3,5 @@
 mod marks;
 mod overlaps;
 mod random;
+mod stops;
 mod upright;
