@@ -70,7 +70,7 @@ impl Hand<'_> {
         }
     }
 
-    /// Rotation, prescribed motion or gravity beside the name, for an upright row.
+    /// Rotation, prescribed motion or gravity to the right of the name, for an upright row.
     fn mark_beside(&mut self, body: &BodyBox, (x, y): CanvasPoint) {
         let BodyBox { prescribed, rotates, gravity, .. } = *body;
         match (rotates, prescribed) {

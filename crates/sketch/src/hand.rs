@@ -63,7 +63,7 @@ impl Hand<'_> {
         }
     }
 
-    /// Draws with `draw` in the coordinates of the picture instead of those of the row.
+    /// Draws with `draw` in the coordinates of the picture, not in the row's.
     pub(crate) fn plain(&mut self, draw: impl FnOnce(&mut Self)) {
         let way = std::mem::take(&mut self.way);
         draw(self);

@@ -46,7 +46,7 @@ impl Layout {
         self.placed.push(Placed { name, symbol, from, to, y, faces, arms, with, stretch, opening });
     }
 
-    /// Fills the lanes under the row, from `y` on. Returns the lowest edge of all.
+    /// Fills the lanes under the row, whose first begins at `top`. Returns the lowest edge of all.
     pub(crate) fn fill_under(&mut self, sorted: &Sorted, top: f64) -> f64 {
         let (way, mut lowest) = (self.way, if self.way.is_upright() { top - OFF } else { self.bottom });
         for (place, sides) in sorted.under.iter().enumerate() {

@@ -24,7 +24,7 @@ pub(crate) const OFF: f64 = 30.0;
 const BOX: (f64, f64) = (170.0, 190.0);
 /// Height of the box of a free body in an upright row, and of a prescribed one with its hatching.
 const UPRIGHT: (f64, f64) = (120.0, 150.0);
-/// Width of the mark of gravity or of a prescribed motion beside a name, in an upright row.
+/// Width of the mark of gravity or of a prescribed motion next to a name, in an upright row.
 pub(crate) const MARK: f64 = 70.0;
 /// Smallest distance between legs on a box.
 const LEGS: f64 = 46.0;
@@ -218,7 +218,8 @@ fn widest_arm(over: &[Long], place: Option<usize>) -> f64 {
     arms.map(|arm| text_width(&arm.1, ARM_FONT) + ROOM).fold(0.0, f64::max)
 }
 
-/// Smallest distance between the legs on a box: in a row to the right, lever arms are beside legs.
+/// Smallest distance between the legs on a box: in a row to the right, lever arms are next to
+/// legs.
 fn spacing(way: Way, over: &[Long], place: usize) -> f64 {
     let arm = if way.is_upright() { 0.0 } else { widest_arm(over, Some(place)) };
     LEGS.max(arm)

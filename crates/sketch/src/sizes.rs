@@ -8,7 +8,7 @@ pub(crate) const FONT: f64 = 40.0;
 pub(crate) const ARM_FONT: f64 = 34.0;
 /// Height of an element's name above its symbol.
 pub(crate) const NAME: f64 = 52.0;
-/// Distance between a symbol and the text beside it.
+/// Distance between a symbol and the text next to it.
 pub(crate) const BESIDE: f64 = 14.0;
 /// Space between a text and its neighbour.
 pub(crate) const ROOM: f64 = 24.0;

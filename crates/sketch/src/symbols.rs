@@ -25,7 +25,7 @@ pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool, scale: f64
         hand.tagged(tag, |hand| hand.plain(|hand| hand.block(block)));
     }
     for (at, text, _) in &layout.texts {
-        // Beside the leg, over the box; in an upright row above the leg, beside the box.
+        // Right of the leg, over the box; in an upright row above the leg, left of the box.
         let (by, along) = match layout.way {
             Way::Right => ((10.0, -0.7 * ARM_FONT), Along::Start),
             Way::Down | Way::Up => ((-BESIDE, -0.75 * ARM_FONT), Along::End),

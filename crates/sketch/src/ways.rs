@@ -8,8 +8,8 @@ use vibro_machine::description::BodyKind;
 /// Direction of the coordinates in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Way {
-    /// Without gravity; and with gravity along the coordinates of some bodies and against those of
-    /// others, for which no direction is right.
+    /// Without gravity; also if gravity acts along one body's coordinate and against another's:
+    /// then no direction is right.
     #[default]
     Right,
     /// Gravity along the coordinates.

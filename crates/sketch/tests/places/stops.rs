@@ -4,8 +4,8 @@ use crate::marks::Marks;
 use vibro_machine::file::{no_records, parse};
 use vibro_sketch::Sketch;
 
-/// The lines of the rigid stop between two bodies, from the middle of its symbol, in whole units and in
-/// order. `faces`: whether it limits an approach.
+/// The lines of the rigid stop between two bodies, from the middle of its symbol, in whole units
+/// and in order. `faces`: whether it limits an approach.
 fn lines(faces: bool) -> Vec<[i64; 4]> {
     let ends = if faces { "\"a\", \"b\"" } else { "\"b\", \"a\"" };
     // Springs to ground keep the order of the file.
