@@ -2,7 +2,7 @@
 //! that follow them on the right. Signals are named instead of connected to the machine by lines.
 
 use crate::connections::number;
-use crate::sizes::{ARM_FONT, BODY_FONT, FONT, MARGIN};
+use crate::sizes::{ARM_FONT, BESIDE, BODY_FONT, FONT, MARGIN};
 use vibro_figures::canvas::text_width;
 use vibro_machine::Description;
 use vibro_machine::description::Block;
@@ -11,8 +11,6 @@ use vibro_machine::description::Block;
 pub(crate) const LINE: f64 = 50.0;
 /// Length of the arrows into and out of a box.
 pub(crate) const ARROW: f64 = 90.0;
-/// Distance between a signal's name and its arrow.
-pub(crate) const BESIDE: f64 = 14.0;
 /// Smallest width and height of a box.
 const BOX: (f64, f64) = (190.0, 130.0);
 /// Distance between boxes.

@@ -11,8 +11,8 @@ pub(crate) enum Symbol {
     Spring { zigzag: bool, dashpot: bool, curved: bool },
     /// A zigzag in series with a dashpot or a slider; `dashpot`: one in parallel to both.
     Series { slides: bool, dashpot: bool },
-    /// Two plates with a gap; a zigzag behind one of them if it is compliant, with an arrow across
-    /// if it is `curved`.
+    /// A nose before a plate, or two hooks; a zigzag behind the plate or a hook if it is
+    /// compliant, with an arrow across if it is `curved`.
     Stop { compliant: bool, curved: bool },
     /// Two bars in sliding contact.
     Friction,

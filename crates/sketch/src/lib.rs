@@ -1,24 +1,34 @@
 //! Schematic sketch of a machine: bodies in a row along their coordinate, springs as zigzags,
 //! dashpots, stops with their gaps, friction, links as bars, loads as arrows, ground hatched.
-//! Blocks are boxes at the bottom.
+//! Bodies that feel gravity are above each other, with the floor below. Blocks are boxes at the
+//! bottom.
 //!
 //! ```text
 //! description ─▶ connections   elements with their ends
 //!             ─▶ order         bodies from left to right
 //!             ─▶ blocks        boxes with the names of their signals
-//!             ─▶ layout        places of boxes and symbols
-//!             ─▶ symbols       marks on the canvas
+//!             ─▶ ways          direction of the row: upright with gravity
+//!             ─▶ sorted        elements by region, each an item with its room
+//!             ─▶ layout        places of boxes, and of symbols in lanes
+//!             ─▶ symbols       marks on the canvas, with boxes and stops, by one hand
 //! ```
 #![forbid(unsafe_code)]
 
 mod blocks;
+mod boxes;
 mod connections;
 mod flexible;
+mod hand;
+mod items;
+mod lanes;
 mod layout;
 mod moved;
 mod order;
 mod sizes;
+mod sorted;
+mod stops;
 mod symbols;
+mod ways;
 
 use layout::Layout;
 use vibro_figures::canvas::{Canvas, Drawing};
@@ -58,8 +68,8 @@ impl Sketch {
         Self { layout: Layout::new(machine), icon: false }
     }
 
-    /// The sketch of the machine in motion: each body moved along the row by `shift`, and the
-    /// plates of each stop `opening` apart; both by name, in units of the drawing.
+    /// The sketch of the machine in motion: each body moved along its coordinate by `shift`, and
+    /// the plates of each stop `opening` apart; both by name, in units of the drawing.
     ///
     /// ```
     /// use vibro_machine::file::{no_records, parse};

@@ -6,8 +6,8 @@ use crate::layout::{Layout, With};
 const LEAST: f64 = 60.0;
 
 impl Layout {
-    /// The layout with each body moved along the row by `shift`, and the plates of each stop
-    /// `opening` apart; both by name, in units of the drawing.
+    /// The layout with each body moved along its coordinate by `shift`, and the plates of each
+    /// stop `opening` apart; both by name, in units of the drawing.
     pub(crate) fn moved(&self, shift: &dyn Fn(&str) -> f64, opening: &dyn Fn(&str) -> Option<f64>) -> Self {
         let mut moved = self.clone();
         let shifts: Vec<f64> = self.bodies.iter().map(|body| shift(&body.name)).collect();

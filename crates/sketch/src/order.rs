@@ -27,13 +27,14 @@ pub(crate) enum Side {
     Either,
 }
 
-/// The bodies from left to right.
-pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
-    let mut best: Vec<usize> = (0..count).collect();
+/// The bodies from left to right. Ground is preferred on the side of the floor, if there is one.
+pub(crate) fn order(count: usize, connections: &[Connection], floor: Option<Side>) -> Vec<usize> {
+    let files: Vec<usize> = (0..count).collect();
+    let cost = |order: &[usize]| cost(order, connections, floor);
     if count <= ALL_ORDERS {
-        let mut least = cost(&best, connections);
-        permute(&mut best.clone(), 0, &mut |order| {
-            let cost = cost(order, connections);
+        let (mut best, mut least) = (files.clone(), cost(&files));
+        permute(&mut files.clone(), 0, &mut |order| {
+            let cost = cost(order);
             if cost < least {
                 least = cost;
                 best = order.to_vec();
@@ -41,14 +42,24 @@ pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
         });
         return best;
     }
-    let mut least = cost(&best, connections);
+    // The search from one order may miss the reverse of the best one.
+    let reverse = files.iter().rev().copied().collect();
+    let found = [files, reverse].map(|start| exchanged(start, &cost));
+    let [(cost, best), (other, reverse)] = found;
+    if other < cost { reverse } else { best }
+}
+
+/// An order that no exchange of two bodies improves, from a first one, with its cost.
+fn exchanged(mut best: Vec<usize>, cost: &dyn Fn(&[usize]) -> usize) -> (usize, Vec<usize>) {
+    let count = best.len();
+    let mut least = cost(&best);
     for _ in 0..TURNS {
         let before = least;
         for i in 0..count {
             // For a large number of bodies only nearby ones are exchanged, which bounds the time.
             for j in i + 1..count.min(i + 1 + 2000 / count) {
                 best.swap(i, j);
-                let changed = cost(&best, connections);
+                let changed = cost(&best);
                 if changed < least {
                     least = changed;
                 } else {
@@ -60,7 +71,7 @@ pub(crate) fn order(count: usize, connections: &[Connection]) -> Vec<usize> {
             break;
         }
     }
-    best
+    (least, best)
 }
 
 fn permute(order: &mut Vec<usize>, from: usize, try_one: &mut dyn FnMut(&[usize])) {
@@ -75,8 +86,9 @@ fn permute(order: &mut Vec<usize>, from: usize, try_one: &mut dyn FnMut(&[usize]
 }
 
 /// Cost of an order: elements that cross bodies, stops whose plates do not face each other, ground
-/// at inner bodies and, with the smallest weight, inversions of the file's order.
-fn cost(order: &[usize], connections: &[Connection]) -> usize {
+/// at inner bodies or at the ceiling and, with the smallest weight, inversions of the file's
+/// order.
+fn cost(order: &[usize], connections: &[Connection], floor: Option<Side>) -> usize {
     let mut column = vec![0; order.len()];
     order.iter().enumerate().for_each(|(place, &body)| column[body] = place);
     let last = order.len() - 1;
@@ -90,6 +102,8 @@ fn cost(order: &[usize], connections: &[Connection]) -> usize {
             Some((body, Side::Left)) if column[body] != 0 => 400,
             Some((body, Side::Right)) if column[body] != last => 400,
             Some((body, Side::Either)) if column[body] != 0 && column[body] != last => 400,
+            Some((body, Side::Either)) if floor == Some(Side::Left) && column[body] != 0 => 200,
+            Some((body, Side::Either)) if floor == Some(Side::Right) && column[body] != last => 200,
             _ => 0,
         },
         Ends::Many(bodies) => {

@@ -1,32 +1,17 @@
 //! Marks of the symbols of a [`Layout`].
 
-use crate::blocks::{ARROW, BESIDE, BlockBox};
 use crate::connections::Symbol;
-use crate::layout::{BodyBox, Layout, Placed, WALL, height_of, room_of};
-use crate::sizes::{ARM_FONT, BODY_FONT, FONT, NAME};
-use std::f64::consts::PI;
-use vibro_figures::canvas::palette::{BLACK, GREY, WHITE};
-use vibro_figures::canvas::{Across, Along, Canvas, CanvasPoint, Colour, Pen, Writing};
-
-/// Fill of bodies.
-const BODY: Colour = Colour(214, 226, 242);
-/// Distance between strokes of a wall and of a body with prescribed motion.
-const HATCH: f64 = 26.0;
-/// Distance between a stop's plates.
-const GAP: f64 = 34.0;
-
-/// The canvas, whether names are written, and the scale from the layout to the drawing.
-struct Hand<'c> {
-    canvas: &'c mut Canvas,
-    named: bool,
-    scale: f64,
-    /// Extension of the current symbol compared with the layout.
-    stretch: f64,
-}
+use crate::hand::{HATCH, Hand};
+use crate::items::height_of;
+use crate::layout::{Layout, Placed, WALL};
+use crate::sizes::{ARM_FONT, BESIDE, FONT, NAME};
+use crate::ways::Way;
+use vibro_figures::canvas::palette::{BLACK, GREY};
+use vibro_figures::canvas::{Along, Canvas};
 
 /// Draws the machine.
 pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool, scale: f64) {
-    let mut hand = Hand { canvas, named, scale, stretch: 0.0 };
+    let mut hand = Hand { canvas, named, scale, way: layout.way, length: layout.length, stretch: 0.0 };
     layout.walls.iter().for_each(|wall| hand.wall(*wall));
     layout.lines.iter().for_each(|(line, _)| hand.line(line.to_vec()));
     for (tag, body) in (0..).zip(&layout.bodies) {
@@ -37,49 +22,39 @@ pub(crate) fn draw(canvas: &mut Canvas, layout: &Layout, named: bool, scale: f64
     }
     let first = layout.bodies.len() + layout.placed.len();
     for (tag, block) in (first as u32..).zip(&layout.blocks) {
-        hand.tagged(tag, |hand| hand.block(block));
+        hand.tagged(tag, |hand| hand.plain(|hand| hand.block(block)));
     }
-    layout.texts.iter().for_each(|(at, text, _)| hand.write(*at, text, ARM_FONT, Along::Start));
+    for (at, text, _) in &layout.texts {
+        // Right of the leg, over the box; in an upright row above the leg, left of the box.
+        let (by, along) = match layout.way {
+            Way::Right => ((10.0, -0.7 * ARM_FONT), Along::Start),
+            Way::Down | Way::Up => ((-BESIDE, -0.75 * ARM_FONT), Along::End),
+        };
+        hand.write(*at, by, text, ARM_FONT, along);
+    }
 }
 
 impl Hand<'_> {
-    /// Draws marks with `draw`, tagged as one item.
-    fn tagged(&mut self, tag: u32, draw: impl FnOnce(&mut Hand<'_>)) {
-        let Self { named, scale, stretch, .. } = *self;
-        self.canvas.tagged(tag, |canvas| draw(&mut Hand { canvas, named, scale, stretch }));
-    }
-
-    fn width(&self) -> f64 {
-        if self.named { 6.0 } else { 10.0 }
-    }
-
-    fn scaled(&self, places: &[CanvasPoint]) -> Vec<CanvasPoint> {
-        places.iter().map(|(x, y)| (self.scale * x, self.scale * y)).collect()
-    }
-
-    fn stroke(&mut self, points: &[CanvasPoint], colour: Colour, width: f64) {
-        let (points, width) = (self.scaled(points), self.scale * width);
-        self.canvas.lines(&[points], Pen::solid(colour, width));
-    }
-
-    fn fill(&mut self, corners: &[CanvasPoint], colour: Colour) {
-        let corners = self.scaled(corners);
-        self.canvas.polygon(&corners, colour, 1.0);
-    }
-
-    fn line(&mut self, points: Vec<CanvasPoint>) {
-        self.stroke(&points, BLACK, self.width());
-    }
-
-    fn thick(&mut self, points: Vec<CanvasPoint>) {
-        self.stroke(&points, BLACK, 2.0 * self.width());
-    }
-
-    fn write(&mut self, at: CanvasPoint, words: &str, size: f64, along: Along) {
-        if self.named && !words.is_empty() {
-            let (at, size) = ((self.scale * at.0, self.scale * at.1), self.scale * size);
-            let writing = Writing { size, colour: BLACK, along, across: Across::Centre, upwards: false };
-            self.canvas.text(at, words, &writing);
+    /// The name of an element and its lever arms.
+    fn texts(&mut self, placed: &Placed) {
+        let Placed { from, to, y, symbol, ref name, ref arms, .. } = *placed;
+        let half = 0.5 * height_of(symbol);
+        // A load's arrow is at the end of its lane, and so is the name, away from ground.
+        let load = symbol.is_none();
+        let middle = if load { to - 65.0 } else { 0.5 * (from + to) };
+        if self.way.is_upright() {
+            self.write((middle, y + half), (BESIDE, 0.0), name, FONT, Along::Start);
+            for (arm, end) in arms.iter().zip([from + 28.0, to - 28.0]) {
+                let arm = arm.as_deref().unwrap_or_default();
+                self.write((end, y), (BESIDE, 0.0), arm, ARM_FONT, Along::Start);
+            }
+            return;
+        }
+        let (place, along) = if load { (to - BESIDE, Along::End) } else { (middle, Along::Middle) };
+        self.write((place, y - half - 0.42 * NAME), (0.0, 0.0), name, FONT, along);
+        for (arm, (end, along)) in arms.iter().zip([(from + 12.0, Along::Start), (to - 12.0, Along::End)]) {
+            let arm = arm.as_deref().unwrap_or_default();
+            self.write((end, y + 0.8 * ARM_FONT), (0.0, 0.0), arm, ARM_FONT, along);
         }
     }
 
@@ -94,103 +69,18 @@ impl Hand<'_> {
         }
     }
 
-    fn body(&mut self, body: &BodyBox, top: f64, bottom: f64) {
-        let BodyBox { left, right, prescribed, rotates, gravity, .. } = *body;
-        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        self.fill(&corners, if prescribed { WHITE } else { BODY });
-        if prescribed {
-            // Strokes at both ends, away from the name.
-            for (from, to) in [(top, top + 44.0), (bottom - 44.0, bottom)] {
-                let strokes = ((right - left) / HATCH).floor() as usize;
-                for k in 0..strokes {
-                    let x = left + (right - left) * k as f64 / strokes as f64;
-                    let end = (x + 0.8 * (right - left) / strokes as f64).min(right);
-                    self.stroke(&[(x, to), (end, from)], GREY, 0.7 * self.width());
-                }
-            }
-        }
-        self.line(vec![corners[0], corners[1], corners[2], corners[3], corners[0]]);
-        let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
-        self.write((x, y), &body.name, BODY_FONT, Along::Middle);
-        let over = y - 0.9 * BODY_FONT;
-        match (rotates, prescribed) {
-            (true, _) => self.turn((x, over)),
-            (false, true) => {
-                self.arrow((x, over), (x - 50.0, over));
-                self.arrow((x, over), (x + 50.0, over));
-            }
-            (false, false) => {}
-        }
-        if gravity != 0.0 {
-            let under = y + 0.95 * BODY_FONT;
-            let half = 32.0 * gravity.signum();
-            self.arrow((x - half - 16.0, under), (x + half - 16.0, under));
-            self.write((x + 52.0, under), "g", ARM_FONT, Along::Middle);
-        }
-    }
-
-    fn block(&mut self, block: &BlockBox) {
-        let BlockBox { left, right, top, bottom, .. } = *block;
-        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        self.fill(&corners, WHITE);
-        self.line(vec![corners[0], corners[1], corners[2], corners[3], corners[0]]);
-        let (x, [name, sample]) = (0.5 * (left + right), block.titles());
-        self.write((x, name), &block.name, BODY_FONT, Along::Middle);
-        self.write((x, sample), &block.sample, ARM_FONT, Along::Middle);
-        let tip = 2.0 * self.width() + 3.0;
-        for (i, read) in block.reads.iter().enumerate() {
-            let y = block.line(i, block.reads.len());
-            self.arrow((left - ARROW, y), (left - tip, y));
-            self.write((left - ARROW - BESIDE, y), read, FONT, Along::End);
-        }
-        for (i, put) in block.puts.iter().enumerate() {
-            let y = block.line(i, block.puts.len());
-            self.arrow((right, y), (right + ARROW - tip, y));
-            self.write((right + ARROW + BESIDE, y), put, FONT, Along::Start);
-        }
-    }
-
-    /// The arc that marks a rotating body.
-    fn turn(&mut self, (x, y): CanvasPoint) {
-        let at = |k: u32| {
-            let angle = PI * (1.15 + 0.65 * f64::from(k) / 12.0);
-            (x + 46.0 * angle.cos(), y + 22.0 + 46.0 * angle.sin())
-        };
-        self.line((0..=12).map(at).collect());
-        let (end, before) = (at(12), at(11));
-        self.head(end, (end.0 - before.0, end.1 - before.1));
-    }
-
-    /// An arrowhead with its tip a little beyond `at`.
-    fn head(&mut self, at: CanvasPoint, along: CanvasPoint) {
-        let size = along.0.hypot(along.1).max(f64::MIN_POSITIVE);
-        let (dx, dy) = (along.0 / size, along.1 / size);
-        let half = 1.6 * self.width() + 3.0;
-        let tip = (at.0 + half * dx, at.1 + half * dy);
-        let base = (tip.0 - 2.4 * half * dx, tip.1 - 2.4 * half * dy);
-        let corners =
-            [tip, (base.0 - half * dy, base.1 + half * dx), (base.0 + half * dy, base.1 - half * dx)];
-        self.fill(&corners, BLACK);
-    }
-
-    fn arrow(&mut self, from: CanvasPoint, to: CanvasPoint) {
-        self.line(vec![from, to]);
-        self.head(to, (to.0 - from.0, to.1 - from.1));
-    }
-
     fn element(&mut self, placed: &Placed) {
         let Placed { from, to, y, faces, opening, stretch, .. } = *placed;
         self.stretch = stretch;
         let middle = 0.5 * (from + to);
-        let name = y - 0.5 * height_of(placed.symbol) - 0.42 * NAME;
-        self.write((middle, name), &placed.name, FONT, Along::Middle);
+        self.texts(placed);
         match placed.symbol {
             Some(
                 symbol @ (Symbol::Spring { zigzag: true, dashpot: true, .. }
                 | Symbol::Series { dashpot: true, .. }),
             ) => {
                 let (upper, lower) = (y - 34.0, y + 34.0);
-                let [left, right] = [0, 1].map(|end| 26.0 + room_of(placed.arms[end].as_deref()));
+                let [left, right] = [0, 1].map(|end| 26.0 + self.way.room_of(placed.arms[end].as_deref()));
                 let ends = (from + left, to - right);
                 self.line(vec![(from, y), (ends.0, y)]);
                 self.line(vec![(ends.1, y), (to, y)]);
@@ -220,7 +110,7 @@ impl Hand<'_> {
             Some(Symbol::Stop { compliant, curved }) => {
                 match faces {
                     true => self.plates((from, to), y, compliant, opening),
-                    false => self.clasp((from, to), y, compliant, opening),
+                    false => self.hooks((from, to), y, compliant, opening),
                 }
                 if curved {
                     self.across(middle, y);
@@ -235,13 +125,6 @@ impl Hand<'_> {
             }
             None => self.arrow((to - 130.0, y), (to - 2.0 * self.width() - 3.0, y)),
         }
-        let below = y + 0.8 * ARM_FONT;
-        if let Some(arm) = &placed.arms[0] {
-            self.write((from + 12.0, below), arm, ARM_FONT, Along::Start);
-        }
-        if let Some(arm) = &placed.arms[1] {
-            self.write((to - 12.0, below), arm, ARM_FONT, Along::End);
-        }
     }
 
     /// The arrow across a symbol whose law is curved.
@@ -251,22 +134,6 @@ impl Hand<'_> {
 
     fn zigzag(&mut self, from: f64, to: f64, y: f64) {
         self.coil(from, to, y, 6);
-    }
-
-    /// A zigzag with `teeth` in the middle of a line.
-    fn coil(&mut self, from: f64, to: f64, y: f64, teeth: u32) {
-        // The length in the layout plus the stretch.
-        let length = (to - from - self.stretch).min(34.0 * f64::from(teeth));
-        let length = (length + self.stretch).max(0.2 * length).min(to - from);
-        let (first, last) = (0.5 * (from + to - 0.8 * length), 0.5 * (from + to + 0.8 * length));
-        let tooth = |i: u32| {
-            let side = if i.is_multiple_of(2) { -24.0 } else { 24.0 };
-            (first + (last - first) * (f64::from(i) + 0.5) / f64::from(teeth), y + side)
-        };
-        let mut points = vec![(from, y), (first, y)];
-        points.extend((0..teeth).map(tooth));
-        points.extend([(last, y), (to, y)]);
-        self.line(points);
     }
 
     /// A short zigzag in series with a dashpot or a slider; each takes half of the stretch.
@@ -280,12 +147,6 @@ impl Hand<'_> {
             self.dashpot(middle, to, y)
         }
         self.stretch = stretch;
-    }
-
-    /// The middles of a symbol's two halves, which move with its ends.
-    fn halves(&self, from: f64, to: f64) -> (f64, f64) {
-        let half = 0.5 * (to - from - self.stretch);
-        (from + half, to - half)
     }
 
     /// Two bars in sliding contact, each extending to `half` beyond the middle.
@@ -317,15 +178,6 @@ impl Hand<'_> {
         self.thick(vec![hinge, tip]);
     }
 
-    /// The zigzag of a compliant stop behind its plate.
-    fn beside(&mut self, from: f64, to: f64, y: f64) {
-        let (end, stretch) = (to.min(from + 96.0), self.stretch);
-        self.stretch = 0.0;
-        self.coil(from, end, y, 3);
-        self.stretch = stretch;
-        self.line(vec![(end, y), (to, y)]);
-    }
-
     fn dashpot(&mut self, from: f64, to: f64, y: f64) {
         let (rod, cup) = self.halves(from, to);
         let (left, right, half) = (cup - 40.0, cup + 40.0, 24.0);
@@ -334,38 +186,5 @@ impl Hand<'_> {
         self.line(vec![(piston, y - 0.65 * half), (piston, y + 0.65 * half)]);
         self.line(vec![(left, y - half), (right, y - half), (right, y + half), (left, y + half)]);
         self.line(vec![(right, y), (to, y)]);
-    }
-
-    /// Positions of the first plate, which moves with the left end, and of its counterpart; a stop
-    /// is open between them.
-    fn met(&self, (from, to): (f64, f64), compliant: bool, opening: Option<f64>, way: f64) -> (f64, f64) {
-        let (left, right) = self.halves(from, to);
-        let off = if compliant { 48.0 } else { 0.0 };
-        let plate = left - off - 0.5 * way * GAP;
-        let rest = right - off + 0.5 * way * GAP;
-        let room = if way > 0.0 { to - 30.0 - plate } else { plate - from - 12.0 };
-        (plate, opening.map_or(rest, |open| plate + way * open.clamp(0.0, room.max(0.0))))
-    }
-
-    /// A stop with two facing plates.
-    fn plates(&mut self, ends: (f64, f64), y: f64, compliant: bool, opening: Option<f64>) {
-        let ((from, to), (left, right)) = (ends, self.met(ends, compliant, opening, 1.0));
-        self.line(vec![(from, y), (left, y)]);
-        self.thick(vec![(left, y - 30.0), (left, y + 30.0)]);
-        self.thick(vec![(right, y - 30.0), (right, y + 30.0)]);
-        if compliant { self.beside(right, to, y) } else { self.line(vec![(right, y), (to, y)]) }
-    }
-
-    /// A stop with a plate behind the lips of a bracket.
-    fn clasp(&mut self, ends: (f64, f64), y: f64, compliant: bool, opening: Option<f64>) {
-        let ((from, to), (plate, lip)) = (ends, self.met(ends, compliant, opening, -1.0));
-        let back = (lip + 1.9 * GAP).max(plate + 0.9 * GAP);
-        self.line(vec![(from, y), (plate, y)]);
-        self.thick(vec![(plate, y - 17.0), (plate, y + 17.0)]);
-        for side in [-1.0, 1.0] {
-            let (inner, outer) = (y + 12.0 * side, y + 32.0 * side);
-            self.line(vec![(lip, inner), (lip, outer), (back, outer), (back, y)]);
-        }
-        if compliant { self.beside(back, to, y) } else { self.line(vec![(back, y), (to, y)]) }
     }
 }

@@ -390,8 +390,10 @@ async function redraw() {
 }
 
 function paintSketch() {
-  const box = element("scroll"), { clientWidth } = box, canvas = on.sketch.canvas, { scale, wide } = sizeIn(clientWidth, canvas.clientHeight);
+  const { clientWidth } = element("scroll"), canvas = on.sketch.canvas, least = parseFloat(getComputedStyle(canvas).minHeight);
+  const { scale, wide, high } = sizeIn(clientWidth, least);
   canvas.style.width = wide > clientWidth ? `${wide}px` : "100%";
+  canvas.style.height = `${high}px`;
   on.sketch.fit();
   drawSketch(on.sketch.begin(), on.sketch.width, on.sketch.height, scale);
   workbench.pictures++;

@@ -7,6 +7,8 @@ import { columnOf, extent, run } from "./run.js";
 const REACH = 85;
 /** Smallest size of the picture with readable letters. */
 const LEAST = 0.2;
+/** Room around the sketch for bodies that move beyond its margins, in units of the drawing. */
+const EDGE = 50;
 
 /** Middle of each body's motion, its mean rate if it drifts, and the scale of its drawn motion. */
 const view = { bodies: /** @type {{place: number, middle: number, drift: number, scale: number}[]} */ ([]), stops: /** @type {{place: number, gap: number, scale: number}[]} */ ([]), scales: [0, 0] };
@@ -81,8 +83,9 @@ function colourOf(colour) {
 
 /** Size of the picture in a box. @param {number} width @param {number} height */
 export function sizeIn(width, height) {
-  const { sketch } = run.machine, scale = Math.max(LEAST, Math.min(width / sketch.width, height / sketch.height, 0.5));
-  return { scale, wide: Math.max(width, Math.ceil(sketch.width * scale)), high: Math.max(height, Math.ceil(sketch.height * scale)) };
+  const { sketch } = run.machine, w = sketch.width + 2 * EDGE, h = sketch.height + 2 * EDGE;
+  const scale = Math.max(LEAST, Math.min(width / w, height / h, 0.5));
+  return { scale, wide: Math.max(width, Math.ceil(w * scale)), high: Math.max(height, Math.ceil(h * scale)) };
 }
 
 /** Draws the sketch. @param {any} g @param {number} width @param {number} height @param {number} scale */
@@ -114,7 +117,7 @@ export function draw(g, width, height, scale) {
       g.strokeStyle = colour; g.lineWidth = Math.max(1, size * scale * (1 + 0.8 * light));
       g.stroke();
     } else if (kind === 2) {
-      g.fillStyle = over && tag < run.machine.sketch.names.length ? colourOf(marks[i]) : colour;
+      g.fillStyle = over && marks[i] !== 0 ? colourOf(marks[i]) : colour;
       i = path(i + 3, marks[i + 2]);
       g.fill();
     } else if (kind === 3) {

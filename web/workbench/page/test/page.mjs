@@ -500,6 +500,25 @@ const tests = {
     assert.deepEqual(wrong, []);
     await close();
   },
+  async "no part of a sketch is beyond the edges of its canvas, also in motion"() {
+    const { tab, wrong, close } = await browser.tab({ viewport: { width: 360, height: 780 } });
+    for (const name of ["bead_column.toml", "bouncing_ball.toml", "two_blocks.toml"]) {
+      await pick(tab, name);
+      await whole(tab);
+      for (const part of [0, 0.1, 0.3, 1]) {
+        await tab.evaluate(`workbench.run.at = ${part} * workbench.run.length`);
+        await tab.waitForTimeout(400);
+        const ink = await tab.evaluate(() => {
+          const canvas = /** @type {any} */ (document.querySelector("#sketch")), { width: w, height: h } = canvas;
+          const has = (/** @type {number[]} */ ...box) => canvas.getContext("2d").getImageData(...box).data.some((/** @type {number} */ x) => x);
+          return { top: has(0, 0, w, 1), bottom: has(0, h - 1, w, 1), left: has(0, 0, 1, h), right: has(w - 1, 0, 1, h), all: has(0, 0, w, h) };
+        });
+        assert.deepEqual(ink, { top: false, bottom: false, left: false, right: false, all: true }, `${name} at ${part}`);
+      }
+    }
+    assert.deepEqual(wrong, []);
+    await close();
+  },
   async "axe finds nothing, wide, narrow and dark; pictures are taken"() {
     for (const [name, options, hash] of /** @type {[string, any, string][]} */ ([["wide", { viewport: { width: 1440, height: 1500 } }, "#example=damper_with_buffer"], ["narrow", { viewport: { width: 360, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 }, "#example=gear_backlash"], ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }, "#example=two_blocks"]])) {
       const { tab, wrong, close } = await browser.tab(options, hash);
