@@ -19,10 +19,12 @@ impl Hand<'_> {
         let [left, right] = [ends[0].0.min(ends[1].0), ends[0].0.max(ends[1].0)];
         let [top, bottom] = [ends[0].1.min(ends[1].1), ends[0].1.max(ends[1].1)];
         self.plain(|hand| {
-            hand.rectangle(
-                [left, top, right, bottom],
-                body.prescribed.then_some(if upright { 32.0 } else { 44.0 }),
-            );
+            let (fill, high) = match (body.prescribed, upright) {
+                (false, _) => (BODY, None),
+                (true, true) => (WHITE, Some(32.0)),
+                (true, false) => (WHITE, Some(44.0)),
+            };
+            hand.rectangle([left, top, right, bottom], fill, high);
             let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
             hand.write((x, y), (0.0, 0.0), &body.name, BODY_FONT, Along::Middle);
             if upright {
@@ -33,10 +35,10 @@ impl Hand<'_> {
         });
     }
 
-    /// A rectangle, with strokes of some height at its upper and lower edge if it is `hatched`.
-    fn rectangle(&mut self, [left, top, right, bottom]: [f64; 4], hatched: Option<f64>) {
+    /// A rectangle, with strokes of the height `hatched` at its upper and lower edge.
+    fn rectangle(&mut self, [left, top, right, bottom]: [f64; 4], fill: Colour, hatched: Option<f64>) {
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        self.fill(&corners, if hatched.is_some() { WHITE } else { BODY });
+        self.fill(&corners, fill);
         if let Some(high) = hatched {
             for (from, to) in [(top, top + high), (bottom - high, bottom)] {
                 let strokes = ((right - left) / HATCH).floor() as usize;
@@ -89,9 +91,7 @@ impl Hand<'_> {
 
     pub(crate) fn block(&mut self, block: &BlockBox) {
         let BlockBox { left, right, top, bottom, .. } = *block;
-        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        self.fill(&corners, WHITE);
-        self.line(vec![corners[0], corners[1], corners[2], corners[3], corners[0]]);
+        self.rectangle([left, top, right, bottom], WHITE, None);
         let (x, [name, sample]) = (0.5 * (left + right), block.titles());
         self.write((x, name), (0.0, 0.0), &block.name, BODY_FONT, Along::Middle);
         self.write((x, sample), (0.0, 0.0), &block.sample, ARM_FONT, Along::Middle);

@@ -58,8 +58,8 @@ fn closed_form_area_of_the_loop_of_a_joint() {
     assert!((area.abs() / lost - 1.0).abs() < CORNERS, "{area} {lost}");
 }
 
-/// A contact with two tangents under a constant normal force has a force and a loop of each tangent,
-/// whose area is 4 μ N (X - μ N/k).
+/// A contact with two tangents under a constant normal force has a force and a loop of each
+/// tangent. The loop's area is 4 μ N (X - μ N/k).
 #[test]
 fn closed_form_areas_of_the_loops_of_two_tangents() {
     // 720 chords cut off each loop's four corners by up to a chord each.

@@ -3,6 +3,7 @@
 
 use crate::functional::{Functional, StateRow};
 use crate::system::{Configuration, Residual};
+use nalgebra::DMatrix;
 
 /// Derivatives of the numbers of an element on residual flexibility, and of its rows without the
 /// forces of elements there.
@@ -14,18 +15,8 @@ pub(super) struct Moved {
     pub friction: f64,
     /// Derivatives of the elongation and its rate.
     pub whole: [StateRow; 2],
-    /// Derivatives of the elongation by a unit of each force: by the arms.
-    pub between: Vec<f64>,
     /// Derivative of the displacement that the flexibilities take up, x of (A68).
     pub x: StateRow,
-}
-
-impl Moved {
-    /// Adds what the forces take from the elongation as the arms vary.
-    fn add_between(&self, forces: &[Functional], sum: &mut StateRow) {
-        let own = self.between.iter().zip(forces).filter(|own| *own.0 != 0.0);
-        own.for_each(|(by, force)| sum.axpy(*by, force, 1.0));
-    }
 }
 
 /// The derivatives of the rows of a [`Configuration`].
@@ -33,6 +24,8 @@ impl Moved {
 pub(super) struct ResidualTangent {
     /// Derivatives of each element, before the forces act.
     pub moved: Vec<Moved>,
+    /// Derivatives of [`Residual::between`].
+    pub between: DMatrix<f64>,
     /// Derivative of each force.
     pub forces: Vec<StateRow>,
     /// Derivative of each force's rate.
@@ -48,7 +41,7 @@ impl ResidualTangent {
         let (forces, at) = if of_rates { (&self.rates, &rows.rates) } else { (&self.forces, &rows.forces) };
         let mut sum = StateRow::zeros(forces[c].len());
         forces.iter().enumerate().for_each(|(j, force)| sum.axpy(own.between[(c, j)], force, 1.0));
-        self.moved[c].add_between(at, &mut sum);
+        add_row(&self.between, c, at, &mut sum);
         sum
     }
 
@@ -59,12 +52,18 @@ impl ResidualTangent {
     }
 }
 
+/// Adds a row of a matrix times the forces.
+fn add_row(matrix: &DMatrix<f64>, row: usize, forces: &[Functional], sum: &mut StateRow) {
+    let terms = matrix.row(row).into_iter().zip(forces);
+    terms.filter(|term| *term.0 != 0.0).for_each(|(x, force)| sum.axpy(*x, force, 1.0));
+}
+
 /// The derivatives of the rows of all forces, (C + G)_aa dp_a = dx_a - d(C + G)_aa p_a.
 pub(super) fn vary(
     own: &Residual,
     rows: &Configuration,
     forces: &[Functional],
-    moved: &[Moved],
+    (moved, between): (&[Moved], &DMatrix<f64>),
     x: fn(&Moved) -> &StateRow,
 ) -> Vec<StateRow> {
     let acting = &rows.acting;
@@ -74,7 +73,7 @@ pub(super) fn vary(
         .iter()
         .map(|&i| {
             let mut taken = moved[i].compliance * &*forces[i];
-            moved[i].add_between(forces, &mut taken);
+            add_row(between, i, forces, &mut taken);
             let mut row = x(&moved[i]) - taken;
             for (t, component) in own.components.iter().enumerate() {
                 if let Some((normal, _)) = component.limit {

@@ -26,47 +26,43 @@ impl Tangent {
     ) -> Option<ResidualTangent> {
         let (own, rows, all) =
             (system.residual.as_ref()?, system.configuration.as_ref()?, ResidualForces::of(d)?);
-        let loads: Vec<_> = all.loads.iter().map(|&(load, _)| self.driving(system, load)).collect();
-        let loads_at: Vec<_> = all.loads.iter().map(|&(load, _)| system.driving(load)).collect();
-        let driven = |factors: &dyn Fn(usize) -> f64, which: usize| {
+        let loads = all.loads.iter().map(|&(load, _)| (system.driving(load), self.driving(system, load)));
+        let loads: Vec<([StateRow; 2], [StateRow; 2])> =
+            loads.map(|(at, by)| (at.map(Functional::into_row), by)).collect();
+        // What loads add to a displacement: its factors of the nodes, and their derivatives.
+        let driven = |factors: &dyn Fn(usize) -> [f64; 2], which: usize| {
             let mut sum = StateRow::zeros(system.signals.size);
-            let terms = all.loads.iter().zip(&loads);
-            terms.for_each(|(&(_, node), rows)| sum.axpy(factors(node), &rows[which], 1.0));
+            for (&(_, node), (at, by)) in all.loads.iter().zip(&loads) {
+                let [factor, varied] = factors(node);
+                sum.axpy(factor, &by[which], 1.0);
+                sum.axpy(varied, &at[which], 1.0);
+            }
             sum
         };
         let stops = made_stops(d, Some(along));
         let (by_arms, between) = all.along(along);
-        let driving = |factors: &dyn Fn(usize) -> f64, which: usize| {
-            let terms = all.loads.iter().zip(&loads_at);
-            let terms = terms.map(|(&(_, node), rows)| (factors(node), &rows[which]));
-            Functional::sum(system.signals.size, terms.filter(|term| term.0 != 0.0))
-        };
         let moved = all.forces.iter().zip(&own.components).enumerate().map(|(c, (force, component))| {
-            let driven = [0, 1].map(|which| {
-                driven(&|node| own.nodes[node].by[c], which) + &*driving(&|node| by_arms[c][node], which)
-            });
-            let between = between.row(c).iter().copied().collect();
-            let moved = self.moved(system, (d, along, &stops), (force.by, component.compliance), driven);
-            Moved { between, ..moved }
+            let factors = |node: usize| [own.nodes[node].by[c], by_arms[c][node]];
+            let driven = [0, 1].map(|which| driven(&factors, which));
+            self.moved(system, (d, along, &stops), (force.by, component.compliance), driven)
         });
         let moved: Vec<Moved> = moved.collect();
-        let forces = vary(own, rows, &rows.forces, &moved, |own| &own.x);
-        let rates = vary(own, rows, &rows.rates, &moved, |own| &own.whole[1]);
+        let forces = vary(own, rows, &rows.forces, (&moved, &between), |own| &own.x);
+        let rates = vary(own, rows, &rows.rates, (&moved, &between), |own| &own.whole[1]);
         let nodes = all.nodes.iter().enumerate().map(|(k, &body)| {
             let row = |which: usize| {
                 let by = &self.bodies[body];
                 let place = if which == 0 { &by.s } else { &by.v };
-                let mut row = place + driven(&|node| all.flexibility[(k, node)], which);
-                let taken = if which == 0 { &forces } else { &rates };
+                let mut row = place + driven(&|node| [all.flexibility[(k, node)], 0.0], which);
+                let (taken, at) = if which == 0 { (&forces, &rows.forces) } else { (&rates, &rows.rates) };
                 own.nodes[k].by.iter().zip(taken).for_each(|(arm, force)| row.axpy(-arm, force, 1.0));
-                let at = if which == 0 { &rows.forces } else { &rows.rates };
                 by_arms.iter().zip(at).for_each(|(by, force)| row.axpy(-by[k], force, 1.0));
                 row
             };
             [row(0), row(1)]
         });
         let nodes = nodes.collect();
-        Some(ResidualTangent { moved, forces, rates, nodes })
+        Some(ResidualTangent { moved, between, forces, rates, nodes })
     }
 
     /// The derivatives of the rows of a load and of its rate.
@@ -86,10 +82,8 @@ impl Tangent {
         [e_driven, rate_driven]: [StateRow; 2],
     ) -> Moved {
         let one = system.constant(1.0).into_row();
-        let whole = |arms, by| {
-            let own = self.elongation(system, arms, by);
-            [own.e + &e_driven, own.rate + &rate_driven]
-        };
+        let own = self.elongation(system, maker.arms(d), maker.arms(along));
+        let whole = [own.e + e_driven, own.rate + rate_driven];
         // A rigid stop has no stiffness that varies.
         let by_stiffness = |dk: f64| if compliance == 0.0 { 0.0 } else { -compliance * compliance * dk };
         let stop = |stop: usize, whole: [StateRow; 2]| {
@@ -97,36 +91,21 @@ impl Tangent {
                 StopLaw::Compliant { stiffness, .. } => (made.gap, stiffness),
                 StopLaw::Rigid { .. } => (made.gap, 0.0),
             });
-            let x = excess(&whole[0], gap, &one);
-            Moved { compliance: by_stiffness(dk), friction: 0.0, x, whole, between: Vec::new() }
+            Moved { compliance: by_stiffness(dk), friction: 0.0, x: excess(&whole[0], gap, &one), whole }
         };
         match maker {
             ResidualMaker::Spring(i) => {
                 let (own, by) = (&d.springs[i], &along.springs[i]);
-                let (whole, dc) = (whole(&own.arms, &by.arms), by_stiffness(by.along()[0]));
+                let dc = by_stiffness(by.along()[0]);
                 let x = &whole[0] + (dc * own.preload + compliance * by.preload) * &one;
-                Moved { compliance: dc, friction: 0.0, whole, x, between: Vec::new() }
+                Moved { compliance: dc, friction: 0.0, whole, x }
             }
-            ResidualMaker::Stop(i) => stop(i, whole(&d.stops[i].arms, &along.stops[i].arms)),
-            ResidualMaker::Normal(i) => {
-                stop(system.first_contact + i, whole(&d.contacts[i].normal, &along.contacts[i].normal))
-            }
+            ResidualMaker::Stop(i) => stop(i, whole),
+            ResidualMaker::Normal(i) => stop(system.first_contact + i, whole),
             ResidualMaker::Tangent(i) => {
-                // The check refuses two tangents on residual flexibility.
-                let tangents = [d, along].map(|of| of.contacts[i].tangents.first());
-                let [Some(own), Some(by)] = tangents else {
-                    let whole = [e_driven, rate_driven];
-                    return Moved {
-                        compliance: 0.0,
-                        friction: 0.0,
-                        x: 0.0 * &one,
-                        whole,
-                        between: Vec::new(),
-                    };
-                };
-                let (whole, dc) = (whole(&own.arms, &by.arms), by_stiffness(by.stiffness));
-                let friction = along.contacts[i].friction;
-                Moved { compliance: dc, friction, x: 0.0 * &one, whole, between: Vec::new() }
+                let by = &along.contacts[i];
+                let dc = by_stiffness(by.tangents[0].stiffness);
+                Moved { compliance: dc, friction: by.friction, x: 0.0 * &one, whole }
             }
         }
     }
@@ -150,15 +129,15 @@ impl Tangent {
         let (alone, moved) = (own.components[c].compliance + own.between[(c, c)], &varied.moved[c]);
         let force = varied.forces[c].clone();
         if rows.acting[c] == Acting::On {
-            let by_flexibility = moved.compliance + moved.between[c];
+            let by_flexibility = moved.compliance + varied.between[(c, c)];
             let excess = by_flexibility * &*rows.forces[c] + alone * &force;
             return StopTangent { excess, spring: force.clone(), force, ..by };
         }
         let others = varied.taken(own, rows, c, false)
             - own.between[(c, c)] * &force
-            - moved.between[c] * &*rows.forces[c];
+            - varied.between[(c, c)] * &*rows.forces[c];
         let excess = &moved.x - others;
-        let by_flexibility = (moved.compliance + moved.between[c]) / (alone * alone);
+        let by_flexibility = (moved.compliance + varied.between[(c, c)]) / (alone * alone);
         let force = (1.0 / alone) * &excess - by_flexibility * &*system.stops[i].excess;
         StopTangent { excess, spring: force.clone(), force, ..by }
     }

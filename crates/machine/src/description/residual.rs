@@ -16,6 +16,19 @@ pub(crate) enum ResidualMaker {
     Tangent(usize),
 }
 
+impl ResidualMaker {
+    /// The arms of the element; along its tangent those of a contact's first.
+    pub fn arms(self, d: &Description) -> &Arms {
+        match self {
+            Self::Spring(i) => &d.springs[i].arms,
+            Self::Stop(i) => &d.stops[i].arms,
+            Self::Normal(i) => &d.contacts[i].normal,
+            // The check refuses two tangents.
+            Self::Tangent(i) => &d.contacts[i].tangents[0].arms,
+        }
+    }
+}
+
 /// A force on nodes with residual flexibility.
 #[derive(Clone, Debug)]
 pub(crate) struct ResidualForce {
@@ -56,31 +69,29 @@ impl ResidualForces {
         }
         // Rounding of a symmetric matrix.
         let flexibility = 0.5 * (&flexibility + flexibility.transpose());
-        let on_nodes = |arms: &Arms| on_nodes(&nodes, arms);
-        let mut forces = Vec::new();
-        let put = |forces: &mut Vec<ResidualForce>, by, arms: &Arms, stiffness: f64| {
-            let arms = on_nodes(arms);
-            if !arms.is_empty() {
-                forces.push(ResidualForce { by, arms, compliance: stiffness.recip() });
-            }
+        let force = |by: ResidualMaker, stiffness: f64| {
+            let arms = on_nodes(&nodes, by.arms(d));
+            ResidualForce { by, arms, compliance: stiffness.recip() }
         };
+        let mut forces = Vec::new();
         for (i, spring) in d.springs.iter().enumerate() {
-            put(&mut forces, ResidualMaker::Spring(i), &spring.arms, spring.stiffness);
+            forces.push(force(ResidualMaker::Spring(i), spring.stiffness));
         }
         for (i, stop) in d.stops.iter().enumerate() {
             if let StopLaw::Compliant { stiffness, .. } = stop.law {
-                put(&mut forces, ResidualMaker::Stop(i), &stop.arms, stiffness);
+                forces.push(force(ResidualMaker::Stop(i), stiffness));
             }
         }
+        forces.retain(|own: &ResidualForce| !own.arms.is_empty());
         for (i, contact) in d.contacts.iter().enumerate() {
-            let count = forces.len();
-            put(&mut forces, ResidualMaker::Normal(i), &contact.normal, contact.stiffness);
-            // The check refuses two tangents. A tangent whose limit follows a force on residual
-            // flexibility is one of these forces, even if it moves none of the nodes.
-            for tangent in contact.tangents.iter().take(usize::from(forces.len() > count)) {
-                let (arms, compliance) = (on_nodes(&tangent.arms), tangent.stiffness.recip());
-                forces.push(ResidualForce { by: ResidualMaker::Tangent(i), arms, compliance });
+            let normal = force(ResidualMaker::Normal(i), contact.stiffness);
+            if normal.arms.is_empty() {
+                continue;
             }
+            forces.push(normal);
+            // The tangent's limit follows the normal force, even if the tangent moves no node.
+            let tangent = contact.tangents.first();
+            forces.extend(tangent.map(|own| force(ResidualMaker::Tangent(i), own.stiffness)));
         }
         let loads = d.loads.iter().enumerate();
         let loads = loads.filter_map(|(i, load)| Some((i, place(&nodes, load.body)?))).collect();
@@ -100,17 +111,8 @@ impl ResidualForces {
     /// The derivatives of [`moved`](Self::moved) of each force and of [`between`](Self::between) by
     /// the arms; `along` has the derivatives of the machine's numbers.
     pub fn along(&self, along: &Description) -> (Vec<Vec<f64>>, DMatrix<f64>) {
-        let arms = |force: &ResidualForce| {
-            let arms = match force.by {
-                ResidualMaker::Spring(i) => Some(&along.springs[i].arms),
-                ResidualMaker::Stop(i) => Some(&along.stops[i].arms),
-                ResidualMaker::Normal(i) => Some(&along.contacts[i].normal),
-                ResidualMaker::Tangent(i) => along.contacts[i].tangents.first().map(|own| &own.arms),
-            };
-            arms.map_or_else(Vec::new, |arms| on_nodes(&self.nodes, arms))
-        };
-        let by_arms: Vec<_> = self.forces.iter().map(arms).collect();
-        let moved: Vec<_> = by_arms.iter().map(|arms| self.moved_by(arms)).collect();
+        let by_arms = |force: &ResidualForce| self.moved_by(&on_nodes(&self.nodes, force.by.arms(along)));
+        let moved: Vec<_> = self.forces.iter().map(by_arms).collect();
         // A half of each entry; the transpose has the other half.
         let half = |i: usize, j: usize| -> f64 {
             self.forces[i].arms.iter().map(|&(k, arm)| arm * moved[j][k]).sum()

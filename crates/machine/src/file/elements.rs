@@ -24,7 +24,7 @@ use vibro_numerics::sorting::sort_by_key;
 
 /// Message for a name that no body has.
 pub(super) const NO_BODY: &str = "no body has this name";
-/// Message on the ground where only a body can stand.
+/// Message for the ground where a body is expected.
 const GROUND: &str = "the ground does not move";
 
 /// Reads the elements. An element with problems is left out: the file is refused anyway.

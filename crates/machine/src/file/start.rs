@@ -111,7 +111,7 @@ fn sliders(
         let Some(table) = reading.table(&entry, "expected a table such as { slider = 0.0 }") else {
             continue;
         };
-        // A contact with two tangents has two sliders, any of which may be given.
+        // A contact with two tangents has two sliders. The start may give one of them alone.
         let is_same = |other: &InSeries| (other.section, other.name) == (own.section, own.name);
         let these: Vec<InSeries> = known.filter(is_same).collect();
         let words: Vec<String> = these.iter().map(|own| format!("slider{}", own.index)).collect();

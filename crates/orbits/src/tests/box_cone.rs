@@ -88,13 +88,7 @@ fn second_method_an_orbit_with_two_tangents_is_that_of_two_contacts() {
 fn second_method_branches_with_two_tangents_are_motions() {
     let [machine, _] = pads();
     let orbit = Orbit::settled(&machine, &Start::default(), 400).unwrap();
-    let family = Family::new(&machine, "contact.pad.friction", (0.28, 0.32)).unwrap();
-    let found = branch(&family, &orbit, &Default::default()).unwrap();
-    assert!(found.points.len() > 3, "{}", found.points.len());
-    for point in found.points.iter().filter(|point| point.special.is_none()) {
-        let orbit = found.orbit(point).unwrap();
-        assert!(orbit.check_by_motion().unwrap() < ROUNDING * orbit.period(), "{}", point.value);
-    }
+    points_are_motions(&machine, &orbit, ("contact.pad.friction", (0.28, 0.32)), ROUNDING);
 }
 
 /// A slider that sticks for the whole period is a free direction along its own tangent alone.

@@ -96,6 +96,17 @@ fn examine(machine: &Machine, orbit: &Orbit, parameters: &[&str], allowed: &Allo
     }
 }
 
+/// Asserts that each point of a branch from an orbit on is a motion, up to a part of its period.
+fn points_are_motions(machine: &Machine, orbit: &Orbit, (name, span): (&str, (f64, f64)), allowed: f64) {
+    let family = Family::new(machine, name, span).unwrap();
+    let found = branch(&family, orbit, &Default::default()).unwrap();
+    assert!(found.points.len() > 3, "{}", found.points.len());
+    for point in found.points.iter().filter(|point| point.special.is_none()) {
+        let orbit = found.orbit(point).unwrap();
+        assert!(orbit.check_by_motion().unwrap() < allowed * orbit.period(), "{}", point.value);
+    }
+}
+
 /// Relative error of the parameter's column at an orbit, against a difference of the equations.
 fn column_apart(machine: &Machine, orbit: &Orbit, (parameter, span): (&str, f64)) -> f64 {
     let present = machine.description.get(parameter).unwrap_or_else(|e| panic!("{parameter}: {e:?}"));

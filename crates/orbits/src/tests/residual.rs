@@ -49,11 +49,5 @@ fn second_method_multipliers_and_columns_of_coupled_contacts() {
 fn second_method_branches_of_coupled_contacts_are_motions() {
     let machine = coupled(1.6, 0.3);
     let orbit = Orbit::settled(&machine, &Start::default(), 400).unwrap();
-    let family = Family::new(&machine, "load.f.amplitude", (3.6, 4.4)).unwrap();
-    let found = branch(&family, &orbit, &Default::default()).unwrap();
-    assert!(found.points.len() > 3, "{}", found.points.len());
-    for point in found.points.iter().filter(|point| point.special.is_none()) {
-        let orbit = found.orbit(point).unwrap();
-        assert!(orbit.check_by_motion().unwrap() < ROUNDING * orbit.period(), "{}", point.value);
-    }
+    points_are_motions(&machine, &orbit, ("load.f.amplitude", (3.6, 4.4)), ROUNDING);
 }
