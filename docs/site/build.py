@@ -26,8 +26,6 @@ REQUIREMENTS = ["docs/site/requirements.txt", "tests/fmpy/requirements.txt", "te
 LINK = re.compile(r"\[([^\]]*)\]\(([^)#:\s]+)(#[^)\s]*)?\)")
 # A picture of HTML, which GitHub shows in a given width: its file, width and words.
 PICTURE = re.compile(r'<img src="([^":]+)" width="(\d+)" alt="([^"]*)">')
-
-
 # A machine in a page: its text.
 MACHINE = re.compile(r"^```toml \S+\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
 
