@@ -3,8 +3,10 @@
 use crate::common::contacts::*;
 use crate::common::*;
 use std::f64::consts::{PI, TAU};
+use vibro_machine::derivative::Gradient;
 use vibro_machine::mode::SliderState;
-use vibro_machine::{Differentiated, Motion, Quantity, What};
+use vibro_machine::motion::{Event, EventKind};
+use vibro_machine::{Assembly, Differentiated, Motion, Quantity, What};
 
 /// A hundred roundings of numbers of order one.
 const ROUNDING: f64 = 1e-13;
@@ -476,6 +478,48 @@ fn closed_form_without_friction_the_slider_follows() {
             assert!(off.abs() < 1e-12, "{off:e}");
         }
     }
+}
+
+/// A pressed contact without friction beside a decaying motion: it has no events, and the motion is
+/// that of the oscillator alone, also when only roundings are left and from the machine's rest.
+/// Its derivative by the coefficient would be one-sided and is lost, along columns and in reverse.
+#[test]
+fn closed_form_without_friction_a_pressed_contact_has_no_events() {
+    /// Roundings of a decay over 60 s from 0.02 m, m.
+    const DECAYED: f64 = 1e-16;
+    let [k, c] = [100.0, 5.0_f64];
+    let text = format!(
+        "name = \"Frictionless\"\n\
+         body.n = {{ mass = 1.0 }}\nbody.t = {{ mass = 1.0 }}\n\
+         spring.n = {{ between = [\"ground\", \"n\"], stiffness = {k} }}\n\
+         spring.t = {{ between = [\"ground\", \"t\"], stiffness = {k}, damping = {c} }}\n\
+         load.pull = {{ on = \"t\", constant = 2.0, steps = [[0.5, -2.0]] }}\n\
+         [contact.pad]\nnormal = [\"ground\", \"n\"]\ntangent = [\"ground\", \"t\"]\npreload = 10.0\n\
+         stiffness = 1000.0\ntangential_stiffness = 900.0\nfriction = 0.0\n"
+    );
+    let text = format!("start = \"rest\"\n{text}");
+    let mut m = motion(machine(&text));
+    let mut events = Vec::new();
+    let (rate, omega) = (0.5 * c, (k - 0.25 * c * c).sqrt());
+    for time in [0.3, 0.7, 5.0, 60.0] {
+        m.advance_observed(time, &mut |event| events.push(event.clone())).unwrap();
+        let after: f64 = (time - 0.5_f64).max(0.0);
+        let (sin, cos) = (omega * after).sin_cos();
+        let exact = 2.0 / k * (-rate * after).exp() * (cos + rate / omega * sin);
+        assert!((m.state()[1] - exact).abs() <= DECAYED, "{time}: {} {exact}", m.state()[1]);
+    }
+    assert_eq!(events, [Event { time: 0.5, kind: EventKind::Knot }]);
+    let free = ["contact.pad.friction", "spring.t.stiffness"];
+    let (of_t, assembly) = (Quantity::of_body(1, What::S), || Assembly::new(machine(&text)).unwrap());
+    let mut varied = Differentiated::new(assembly().into(), &free).unwrap();
+    varied.advance_to(0.7).unwrap();
+    assert_eq!(varied.lost(0).map(|lost| lost.element.clone()), Some("contact.pad".into()));
+    assert!(varied.derivative(of_t, 1).is_some());
+    let mut gradient = Gradient::new(assembly().into(), &free).unwrap();
+    gradient.advance_to(0.7).unwrap();
+    gradient.add(of_t, 1.0);
+    let found = gradient.gradient().unwrap();
+    assert!(found[0].is_err() && found[1].is_ok());
 }
 
 /// A body at rest at its gap, where a load begins to press and another to push: the first nonzero

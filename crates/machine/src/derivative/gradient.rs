@@ -12,6 +12,7 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::motion::{Event, EventKind, Motion, Reached};
 use crate::quantity::Quantity;
+use crate::system::BranchRows;
 use nalgebra::DVector;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -124,6 +125,7 @@ impl Gradient {
         // Curved forces and blocks, for example, are differentiated by columns.
         let is_doubtful = !machine.system.curved.is_empty()
             || machine.system.residual.is_some()
+            || machine.system.branches.iter().any(BranchRows::is_frictionless)
             || !motion.mode().is_independent()
             || throughout(&mode, &motion).next().is_some()
             || !machine.system.blocks.is_empty();

@@ -10,7 +10,7 @@ use crate::assembly::Assembly;
 use crate::error::Error;
 use crate::functional::{Functional, StateRow};
 use crate::law::ZERO;
-use crate::mode::{Contact, Mode, Watch};
+use crate::mode::{Contact, Mode, StopState, Watch};
 use crate::motion::Motion;
 use crate::signals::Layout;
 use crate::system::{Acting, Elongation, System};
@@ -329,6 +329,7 @@ impl Machine {
         self.project(p, basis, true, delta, at);
         self.vary_curved(p, at.z, delta);
         self.keep_levels(p, delta, at, |_| None);
+        self.check_frictionless(p, at)?;
         for contact in at.mode.mode.contacts().filter(|contact| !basis.contains(contact)) {
             if self.turns_away(p, at.mode, contact) {
                 return Err(Lost { time: at.time, element: self.name_of(contact), cause: Cause::Limit });
@@ -340,6 +341,20 @@ impl Machine {
                 if point.of(row, by).abs() > STILL * point.size(row, by) {
                     return Err(Lost { time: at.time, element: self.name_of(contact), cause: Cause::Limit });
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that no coefficient of friction grows from zero at a pressed contact. Its force would
+    /// oppose the slip, and a negative coefficient does not exist.
+    fn check_frictionless(&self, p: usize, at: &Instant) -> Result<(), Lost> {
+        let branches = self.system.branches.iter().zip(&self.tangents[p].branches);
+        for (i, (branch, by)) in branches.enumerate() {
+            let Some(stop) = branch.stop().filter(|_| branch.is_frictionless()) else { continue };
+            if by.level.amax() > 0.0 && at.mode.mode.stops[stop] == StopState::Pressed {
+                let element = self.name_of(Contact::Slider(i));
+                return Err(Lost { time: at.time, element, cause: Cause::Limit });
             }
         }
         Ok(())

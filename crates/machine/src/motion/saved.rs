@@ -16,7 +16,11 @@ impl Hybrid {
         let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
         let is_slider = |i: usize| system.branches.get(i).is_some_and(BranchRows::is_slider);
         let slides = |(i, state): (usize, &SliderState)| match system.branches[i].stop() {
-            Some(stop) => (*state == SliderState::Off) == (self.mode.stops[stop] != StopState::Pressed),
+            Some(stop) => {
+                let is_off =
+                    system.branches[i].is_frictionless() || self.mode.stops[stop] != StopState::Pressed;
+                (*state == SliderState::Off) == is_off
+            }
             None => *state == SliderState::Held || (*state != SliderState::Off && is_slider(i)),
         };
         let known = |watch: &Watch| match *watch {

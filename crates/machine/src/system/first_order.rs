@@ -119,6 +119,12 @@ impl BranchRows {
         if let BranchLaw::Contact { stop, .. } = self.law { Some(stop) } else { None }
     }
 
+    /// Whether the branch belongs to a contact whose coefficient of friction is zero. Its slider
+    /// follows the elongation without a force, also while the contact is pressed.
+    pub(crate) fn is_frictionless(&self) -> bool {
+        matches!(self.law, BranchLaw::Contact { friction: 0.0, .. })
+    }
+
     /// The largest stretch in an augmented state; `None` for a dashpot.
     pub(crate) fn most(&self, z: &[f64]) -> Option<f64> {
         match self.law {

@@ -1,5 +1,5 @@
-//! The slider of a contact. It is off while the contact is open. Elsewhere the first nonzero
-//! derivative of the rate of slip decides between stick and slip (docs/assembly-law.md (A66)).
+//! The slider of a contact. It is off while the contact is open, and without friction. Elsewhere the
+//! first nonzero derivative of the rate of slip decides between stick and slip (docs/assembly-law.md (A66)).
 
 use super::{Selection, Slider, SliderFlag, Stop};
 use crate::mode::{SliderState, StopState};
@@ -17,6 +17,7 @@ impl Selection<'_> {
         (stop, is_edge): (usize, bool),
     ) -> Slider {
         match self.stops[stop] {
+            _ if self.system.branches[i].is_frictionless() => return Slider::Is(SliderState::Off),
             Stop::Is(StopState::Pressed) => {}
             Stop::Is(_) => return Slider::Is(SliderState::Off),
             _ => return Slider::AtEdge,

@@ -13,13 +13,13 @@ const MOST_TRIED: usize = 1 << 16;
 
 impl Residual {
     /// The states after a force has taken another state: the slider of a contact follows its
-    /// normal.
+    /// normal. Without friction it has no force in any state.
     pub fn flipped(&self, acting: &[Acting], place: usize, to: Acting) -> Vec<Acting> {
         let mut all = acting.to_vec();
         all[place] = to;
         for (own, component) in all.iter_mut().zip(&self.components) {
-            if component.limit.is_some_and(|limit| limit.0 == place) {
-                *own = to;
+            if let Some((_, friction)) = component.limit.filter(|limit| limit.0 == place) {
+                *own = if friction == 0.0 { Acting::Off } else { to };
             }
         }
         all
