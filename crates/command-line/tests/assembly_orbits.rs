@@ -139,7 +139,7 @@ fn what_has_no_orbit_is_refused_by_name() {
         ),
         (
             "response examples/assembly/impact_pair.toml --vary body.base.motion.amplitude=0.5:2 --section up",
-            "no stop or friction has this name",
+            "no stop, contact or friction has this name",
         ),
         ("orbit --section right", "FILE: use `vibro orbit FILE --section …`"),
         (

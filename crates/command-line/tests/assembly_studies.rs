@@ -194,7 +194,7 @@ fn bad_ranges_names_and_sections_are_refused_before_work() {
         (diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--of", "blok.s"]), "did you mean `block.s`?"),
         (
             diagram(&["--vary", "stop.steel.gap=1mm:2mm", "--section", "stop.x"]),
-            "no stop or friction has this name",
+            "no stop, contact or friction has this name",
         ),
         (diagram(&["--vary", "stop.steel.restitution=0.5:1.5"]), "expected a number from 0 to 1"),
         (

@@ -210,7 +210,7 @@ fn closed_form_sections_of_the_rattle_at_a_flank_and_of_a_linear_motion_at_a_pha
             &["--section", "wall", "--phase", "1"][..],
             "phase 1: cannot be combined with a section of an element's events",
         ),
-        (&["--section", "wal"], "no stop or friction has this name"),
+        (&["--section", "wal"], "no stop, contact or friction has this name"),
         (&["--of", "box.s"], "two names separated by a comma"),
         (&["--of", "box.s,speed"], "expected one of time, phase, box.s"),
         (&["--phase", "1m"], "expected a finite angle"),

@@ -26,13 +26,13 @@ const BESIDE: f64 = 0.381_966_011_250_105;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum SectionRule {
     /// Whole common periods of all harmonics and repeated signals. Without these the events of the
-    /// first stop, and without stops the events of the first friction element.
+    /// first stop, else of the first contact, else of the first friction element.
     #[default]
     Auto,
     /// Whole multiples of a time, s.
     Period(f64),
-    /// Events of an element: impacts and first touches of a stop; for friction, each time it
-    /// begins to stick.
+    /// Events of an element: impacts and first touches of a stop or contact; for friction, each
+    /// time it begins to stick.
     Element(String),
 }
 
@@ -65,7 +65,7 @@ pub enum Section {
     Period(f64),
     /// Whole multiples of a time plus an offset, s, for motions with events at whole multiples.
     Shifted(f64, f64),
-    /// Impacts or first touches of a stop.
+    /// Impacts or first touches of a stop. Contacts with friction follow the stops.
     Stop(usize),
     /// The events at which a friction element begins to stick.
     Friction(usize),
@@ -131,7 +131,17 @@ pub(super) fn last_period(d: &Description) -> Option<f64> {
 
 /// Whether a machine has an element whose events can be a section.
 fn has_elements(d: &Description) -> bool {
-    !d.stops.is_empty() || !d.frictions.is_empty()
+    sections(d).next().is_some()
+}
+
+/// Names and sections of all elements whose events can be a section: stops, contacts with friction,
+/// frictions.
+fn sections(d: &Description) -> impl Iterator<Item = (&'static str, &str, Section)> + Clone {
+    let stops = d.stops.iter().map(|own| ("stop", own.name.as_str()));
+    let contacts = d.contacts.iter().map(|own| ("contact", own.name.as_str()));
+    let stops = stops.chain(contacts).enumerate().map(|(i, (kind, name))| (kind, name, Section::Stop(i)));
+    let frictions = d.frictions.iter().enumerate();
+    stops.chain(frictions.map(|(i, own)| ("friction", own.name.as_str(), Section::Friction(i))))
 }
 
 impl Section {
@@ -151,21 +161,14 @@ impl Section {
             }
             SectionRule::Element(name) => {
                 let plain = name.split_once('.').map_or(name.as_str(), |(_, plain)| plain);
-                let stop = d.stops.iter().position(|s| s.name == plain).map(Self::Stop);
-                let friction = || d.frictions.iter().position(|f| f.name == plain).map(Self::Friction);
-                stop.or_else(friction).map_or_else(
-                    || {
-                        let known =
-                            d.stops.iter().map(|s| &s.name).chain(d.frictions.iter().map(|f| &f.name));
-                        let known: Vec<&str> = known.map(String::as_str).collect();
-                        let problem = format!("section {name}: no stop or friction has this name");
-                        if known.is_empty() {
-                            return none(format!("{problem}, and the machine has neither"));
-                        }
-                        refused(format!("{problem}; {}", advice(plain, known.iter().copied())))
-                    },
-                    Ok,
-                )
+                if let Some((.., section)) = sections(d).find(|own| own.1 == plain) {
+                    return Ok(section);
+                }
+                let problem = format!("section {name}: no stop, contact or friction has this name");
+                if !has_elements {
+                    return none(format!("{problem}, and the machine has none of them"));
+                }
+                refused(format!("{problem}; {}", advice(plain, sections(d).map(|own| own.1))))
             }
             SectionRule::Auto => match common_period(d) {
                 Some(period) => Ok(Self::Period(period)),
@@ -185,9 +188,10 @@ impl Section {
                     };
                     none(format!("{what} have no common period up to 1000 periods of the slowest"))
                 }
-                None if !d.stops.is_empty() => Ok(Self::Stop(0)),
-                None if !d.frictions.is_empty() => Ok(Self::Friction(0)),
-                None => none("the machine has no harmonics, stops or friction".into()),
+                None => {
+                    let first = sections(d).next().map(|own| own.2);
+                    first.map_or_else(|| none("the machine has no harmonics, stops or friction".into()), Ok)
+                }
             },
         }
     }
@@ -198,8 +202,10 @@ impl Section {
             Self::Period(period) | Self::Shifted(period, _) => {
                 format!("periods of {} s", crate::significant(*period))
             }
-            Self::Stop(i) => format!("events of stop.{}", d.stops[*i].name),
-            Self::Friction(i) => format!("events of friction.{}", d.frictions[*i].name),
+            Self::Stop(_) | Self::Friction(_) => {
+                let own = sections(d).find(|own| own.2 == *self);
+                own.map_or_else(String::new, |(kind, name, _)| format!("events of {kind}.{name}"))
+            }
         }
     }
 
@@ -214,8 +220,8 @@ impl Section {
     fn missed(&self, motion: &Motion) -> Error {
         let d = &motion.assembly().description;
         // The section's own element does not help.
-        let others = d.stops.len() + d.frictions.len() > 1;
-        let advice = if others { ", or name another stop or friction (--section)" } else { "" };
+        let others = sections(d).nth(1).is_some();
+        let advice = if others { ", or name another stop, contact or friction (--section)" } else { "" };
         let problem = format!(
             "{}: none in the last {WITHIN} s, until t = {:.1} s; the motion has probably come to rest: drive the \
              machine, begin elsewhere (--start){advice}",

@@ -188,7 +188,7 @@ fn sections_are_common_periods_or_events() {
     machine.section = SectionRule::Period(0.7);
     assert_eq!(of(&machine).unwrap(), Section::Period(0.7));
     machine.section = SectionRule::Element("stop.x".into());
-    assert!(of(&machine).unwrap_err().to_string().contains("no stop or friction has this name"));
+    assert!(of(&machine).unwrap_err().to_string().contains("no stop, contact or friction has this name"));
     let two = OSCILLATOR.replace(
         "amplitude = 10.0\nfrequency = \"5 Hz\"",
         "harmonics = [{amplitude = 1.0, frequency = 5.0}, {amplitude = 1.0, frequency = 7.5}]",

@@ -146,12 +146,22 @@ fn harmonics_without_a_common_period_beside_constant_signals_are_refused() {
     let machine = text(&format!("{}{friction}", two.description.to_toml()));
     let error = Section::of(&machine.description, &SectionRule::Auto).unwrap_err().to_string();
     assert!(error.contains("no common period"), "{error}");
-    // Without harmonics: the first stop, or without stops the first friction element.
+    // Without harmonics: the first stop, else the first contact, else the first friction.
     let steady = OSCILLATOR.replace("amplitude = 10.0\nfrequency = \"5 Hz\"", "constant = 1.0");
     let stop = "[stop.s]\nbetween = [\"ground\", \"a\"]\ngap = 1.0\nrestitution = 0.5\n";
     let of = |more: &str| Section::of(&text(&format!("{steady}{more}")).description, &SectionRule::Auto);
     assert_eq!(of(friction).unwrap(), Section::Friction(0));
     assert_eq!(of(&format!("{friction}{stop}")).unwrap(), Section::Stop(0));
+    let contact = "[body.t]\nmass = 1.0\n[contact.c]\nnormal = [\"ground\", \"a\"]\ntangent = [\"ground\", \"t\"]\n\
+                   gap = 1.0\nstiffness = 1e3\ntangential_stiffness = 1e3\nfriction = 0.5\n";
+    let sections = [(String::new(), Section::Stop(0)), (stop.to_string(), Section::Stop(1))];
+    for (others, section) in sections {
+        let machine = text(&format!("{steady}{friction}{others}{contact}"));
+        let rule = SectionRule::Element("contact.c".into());
+        let found = Section::of(&machine.description, &rule).unwrap();
+        assert_eq!((found, found.in_words(&machine.description).as_str()), (section, "events of contact.c"));
+    }
+    assert_eq!(of(&format!("{friction}{contact}")).unwrap(), Section::Stop(0));
     assert!(of("").unwrap_err().to_string().contains("give a period"));
 }
 

@@ -123,9 +123,9 @@ pub struct SectionArguments {
     /// all harmonics]
     #[arg(long, value_name = "TIME", value_parser = time, conflicts_with = "section", allow_hyphen_values = true)]
     pub period: Option<f64>,
-    /// Sample the motion at each impact or first touch of this stop, or each time that this
-    /// friction begins to stick [default of a machine without harmonics: its first stop, else its
-    /// first friction]
+    /// Sample the motion at each impact or first touch of this stop or contact, or each time that
+    /// this friction begins to stick [default of a machine without harmonics: its first stop, else
+    /// its first contact, else its first friction]
     #[arg(long, value_name = "ELEMENT")]
     pub section: Option<String>,
 }

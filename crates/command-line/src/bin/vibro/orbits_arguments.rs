@@ -37,9 +37,9 @@ pub struct Settling {
     /// Periods discarded, fewer if the motion settles earlier
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = whole::<u32>(0..=10_000_000))]
     pub discard: u32,
-    /// Sample the motion at each impact or first touch of this stop, or each time that this
-    /// friction begins to stick [default of a machine without harmonics: its first stop, else its
-    /// first friction]
+    /// Sample the motion at each impact or first touch of this stop or contact, or each time that
+    /// this friction begins to stick [default of a machine without harmonics: its first stop, else
+    /// its first contact, else its first friction]
     #[arg(long, value_name = "ELEMENT")]
     pub section: Option<String>,
 }
