@@ -100,10 +100,57 @@ fn invariant_what_does_not_fit_is_refused_by_words() {
         ("--interface end=3 --modes 2 --gravity y".into(), "expected one of x"),
         ("--interface end=3 --modes 2 --out 2nd".into(), "begins with a letter"),
         ("--interface end=3 --modes 0".into(), "from 1 to 500"),
+        ("--interface end=3 --modes 2 --verify no.toml".into(), "--until"),
+        ("--interface end=3 --modes 2 --verify no.toml --until 1s".into(), "no.toml"),
+        ("--interface end=3 --modes 2 --verify chain.dof --until 1s".into(), "followed by chain.dof"),
     ] {
         let output = vibro(folder.path(), &format!("{FILES} {line}"));
         assert!(!output.status.success() && said(&output).contains(expected), "{line}: {}", said(&output));
     }
+}
+
+/// `--verify` prints the differences between the motions of two reductions, as runs of both files
+/// have them.
+#[test]
+#[cfg(feature = "reduce")]
+fn second_method_verify_compares_the_runs_of_both_reductions() {
+    /// Half a unit of the last of three printed digits, relative.
+    const PRINTED: f64 = 5e-3;
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    chain(folder);
+    let rest = "[load.pull]\non = \"chain.end\"\namplitude = 40.0\nfrequency = 3.0\n\
+                [stop.wall]\nbetween = [\"ground\", \"chain.end\"]\ngap = 0.05\nstiffness = 500.0\n";
+    std::fs::write(folder.join("rest.toml"), rest).unwrap();
+    let reduced = |modes: u32, out: &str, more: &str| {
+        let line = format!("{FILES} --interface end=3 --modes {modes} --name chain --out {out} {more}");
+        let output = vibro(folder, &line);
+        assert!(output.status.success(), "{}", said(&output));
+        said(&output)
+    };
+    let told = reduced(1, "one", "--verify rest.toml --until 2s");
+    reduced(2, "two", "");
+    let runs = ["one", "two"].map(|name| {
+        let body = std::fs::read_to_string(folder.join(name).with_extension("toml")).unwrap();
+        std::fs::write(folder.join("machine.toml"), body + rest).unwrap();
+        let line =
+            format!("run machine.toml --until 2s --samples 2000 --columns chain.end.s --out run-{name}");
+        let output = vibro(folder, &line);
+        assert!(output.status.success(), "{}", said(&output));
+        let table = std::fs::read_to_string(folder.join(format!("run-{name}/states.csv"))).unwrap();
+        let values =
+            table.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse::<f64>().unwrap());
+        values.collect::<Vec<_>>()
+    });
+    assert_eq!(runs[0].len(), runs[1].len());
+    let apart = runs[0].iter().zip(&runs[1]).map(|(one, two)| (one - two).abs()).fold(0.0, f64::max);
+    let line = told.lines().find(|line| line.contains("chain.end.s")).unwrap();
+    let printed = line.split("at most ").nth(1).unwrap().split(' ').next().unwrap();
+    let printed: f64 = printed.parse().unwrap();
+    assert!(apart > 0.0 && (printed - apart).abs() <= PRINTED * apart, "{line} {apart}");
+    assert!(told.contains("rest.toml with 1 and 2 modes over 2 s"), "{told}");
+    assert!(told.contains("events: "), "{told}");
+    assert!(reduced(3, "all", "--verify rest.toml --until 2s").contains("has all its modes"));
 }
 
 /// The blocks of a page with the words after their fence.
@@ -195,14 +242,6 @@ fn golden_the_tutorial_runs_and_shows_what_it_says() {
             "the page shows\n{line}\nbut there is\n{shown}"
         );
     }
-    // More modes have the same events.
-    let kinds = |name: &str| {
-        let text = std::fs::read_to_string(folder.join(name).join("events.csv")).unwrap();
-        text.lines().map(|line| line.split(',').nth(1).unwrap().to_owned()).collect::<Vec<_>>()
-    };
-    let events = kinds("motion");
-    assert_eq!(events, kinds("finer"));
-    assert!(page.contains(&format!("the same {} events", events.len() - 1)), "{}", events.len() - 1);
     // The FMU moves as the machine.
     let Some(python) = with_fmpy().filter(|_| folder.join("vibro-out/strip-FMI3.fmu").exists()) else {
         eprintln!("NOT RUN: the FMU, which needs `cargo run --bin fmu-build` and its Python");

@@ -35,6 +35,8 @@ mod short;
 mod study_arguments;
 mod sweep;
 mod sweep_arguments;
+#[cfg(feature = "reduce")]
+mod verifying;
 mod written_units;
 
 use arguments::{Arguments, Command};

@@ -1,5 +1,6 @@
 //! Arguments of `vibro reduce`.
 
+use crate::common_arguments::time;
 use crate::ranges::whole;
 use clap::Args;
 use std::path::PathBuf;
@@ -64,6 +65,14 @@ pub struct ReduceArguments {
     /// Highest frequency of the loads, for the error statement, in Hz or with a unit
     #[arg(long, value_name = "FREQUENCY", value_parser = frequency)]
     pub load_frequency: Option<f64>,
+    /// Machine file without the body, with which its error is measured: the machine moves until
+    /// --until with the body and with one of 1.5 times as many modes. Positions and events of both
+    /// are compared
+    #[arg(long, value_name = "FILE", requires = "until")]
+    pub verify: Option<PathBuf>,
+    /// End of the motions of --verify
+    #[arg(long, value_name = "TIME", value_parser = time, requires = "verify")]
+    pub until: Option<f64>,
     /// Name of the body [default: the name of --out]
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,

@@ -30,6 +30,7 @@ mod with_feature {
     use super::{Common, ReduceArguments, Result};
     use crate::common_arguments::DEFAULT_OUT;
     use crate::output;
+    use crate::verifying::verify;
     use std::fs;
     use std::path::{Path, PathBuf};
     use vibro::Error;
@@ -60,7 +61,8 @@ mod with_feature {
             );
             return Err(Error::Refused { what, problem });
         }
-        let made = job(arguments, &out)?.run().map_err(refused)?;
+        let job = job(arguments, &out)?;
+        let made = job.run().map_err(refused)?;
         if let Some(folder) = out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             fs::create_dir_all(folder).map_err(Error::file("making folder", folder))?;
         }
@@ -73,7 +75,11 @@ mod with_feature {
             fs::write(path, bytes).map_err(Error::file("writing", path))?;
         }
         let names: Vec<String> = files.iter().map(|(path, _)| path.display().to_string()).collect();
-        output::say(&format!("{}\nwrote {}", made.said.join("\n"), names.join(", ")))
+        output::say(&format!("{}\nwrote {}", made.said.join("\n"), names.join(", ")))?;
+        if let (Some(file), Some(end)) = (&arguments.verify, arguments.until) {
+            output::say(&verify(&job, &made, file, end)?.join("\n"))?;
+        }
+        Ok(())
     }
 
     fn refused(error: vibro_reduce::Error) -> Error {

@@ -1,0 +1,124 @@
+//! `vibro reduce --verify`: the motion of a machine with the reduced body beside its motion with
+//! more modes.
+
+use std::fs;
+use std::path::Path;
+use vibro::machine::event_in_words;
+use vibro::{Error, Result};
+use vibro_machine::motion::Event;
+use vibro_machine::quantity::{NamedQuantity, What};
+use vibro_machine::{Assembly, Motion, file};
+use vibro_reduce::job::{Job, Made};
+
+/// More modes, as a factor: the frequency of the highest mode then about doubles.
+const FACTOR: f64 = 1.5;
+/// Times at which positions are compared.
+const SAMPLES: u32 = 2000;
+
+/// A motion: positions at the compared times, and events.
+struct Followed {
+    assembly: Assembly,
+    columns: Vec<NamedQuantity>,
+    values: Vec<Vec<f64>>,
+    events: Vec<Event>,
+}
+
+/// Simulates the machine in `path` until `end`, in s, with the body in `made` and with the body that
+/// `job` makes with more modes. Returns lines about the differences.
+///
+/// # Errors
+/// [`Error::File`]; [`Error::Refused`] for a machine, or a reduction to more modes.
+pub fn verify(job: &Job, made: &Made, path: &Path, end: f64) -> Result<Vec<String>> {
+    let finer = Job { modes: (FACTOR * job.modes as f64).ceil() as usize, ..job.clone() };
+    let body = finer.run().map_err(|error| Error::Refused {
+        what: format!("--verify with {} modes: {}", finer.modes, error.what),
+        problem: error.problem,
+    })?;
+    if body.reduced.values.len() == made.reduced.values.len() {
+        return Ok(vec!["not verified: the body has all its modes, so that none can be added".into()]);
+    }
+    let rest = fs::read_to_string(path).map_err(Error::file("reading", path))?;
+    let [own, other] = [&made.toml, &body.toml].map(|body| follow(&format!("{body}\n{rest}"), path, end));
+    let (own, other) = (own?, other?);
+    let mut lines = vec![format!(
+        "{} with {} and {} modes over {} s, positions at {SAMPLES} times:",
+        path.display(),
+        job.modes,
+        finer.modes,
+        end
+    )];
+    for (k, column) in own.columns.iter().enumerate() {
+        let differs = |(own, other): (&Vec<f64>, &Vec<f64>)| (own[k] - other[k]).abs();
+        let largest = other.values.iter().map(|own| own[k].abs()).fold(0.0, f64::max);
+        let apart = own.values.iter().zip(&other.values).map(differs).fold(0.0, f64::max);
+        let share = if largest > 0.0 { format!(", {:.2} %", 100.0 * apart / largest) } else { String::new() };
+        let [largest, apart] = [largest, apart].map(short);
+        let (name, unit) = (&column.name, column.unit);
+        lines.push(format!("  {name}: largest {largest} {unit}, differs by at most {apart} {unit}{share}"));
+    }
+    lines.push(format!("  {}", compared(&own, &other, [job.modes, finer.modes])));
+    Ok(lines)
+}
+
+/// The motion of a machine's text until a time.
+fn follow(text: &str, path: &Path, end: f64) -> Result<Followed> {
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let records = |name: &str| fs::read_to_string(folder.join(name));
+    let shown = format!("the reduced body followed by {}", path.display());
+    let refused = |problem: String| Error::Refused { what: "--verify".into(), problem };
+    let d = file::parse(text, &shown, &records).map_err(|error| refused(error.to_string()))?;
+    let columns = d.named_quantities().into_iter().filter(|own| own.quantity.what == What::S).collect();
+    let assembly = Assembly::new(d).map_err(|error| refused(error.to_string()))?;
+    let mut followed =
+        Followed { assembly: assembly.clone(), columns, values: Vec::new(), events: Vec::new() };
+    let mut motion = Motion::new(assembly.into()).map_err(|error| refused(error.to_string()))?;
+    for k in 1..=SAMPLES {
+        let time = end * f64::from(k) / f64::from(SAMPLES);
+        let Followed { events, .. } = &mut followed;
+        let moved = motion.advance_observed(time, &mut |event| events.push(event.clone()));
+        moved.map_err(|error| refused(error.to_string()))?;
+        followed.values.push(followed.columns.iter().map(|own| motion.value(own.quantity)).collect());
+    }
+    Ok(followed)
+}
+
+/// Says how far the events of two motions agree.
+fn compared(own: &Followed, other: &Followed, modes: [usize; 2]) -> String {
+    let names = |followed: &Followed| -> Vec<(f64, String)> {
+        let named = |event: &Event| {
+            let [kind, element, ..] = event_in_words(&followed.assembly, &event.kind);
+            (event.time, format!("{kind} {element}").trim().to_owned())
+        };
+        followed.events.iter().map(named).collect()
+    };
+    let all = [own, other].map(names);
+    let counts = all.each_ref().map(Vec::len);
+    let same = all[0].iter().zip(&all[1]).take_while(|(own, other)| own.1 == other.1).count();
+    if counts == [same; 2] {
+        let apart = all[0].iter().zip(&all[1]).map(|(own, other)| (own.0 - other.0).abs());
+        let apart = short(apart.fold(0.0, f64::max));
+        return match same {
+            0 => "events: none with either".into(),
+            _ => format!("events: the same {same} in the same order, times differ by at most {apart} s"),
+        };
+    }
+    let at = |i: usize| match all[i].get(same) {
+        Some((time, name)) => format!("{name} at {} s with {} modes", short(*time), modes[i]),
+        None => format!("no further event with {} modes", modes[i]),
+    };
+    let [few, many] = counts;
+    format!(
+        "events: {few} with {} modes, {many} with {}; the first {same} are the same, then {}, {}",
+        modes[0],
+        modes[1],
+        at(0),
+        at(1)
+    )
+}
+
+/// A number with three digits.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    let plain = rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs());
+    if plain { format!("{rounded}") } else { format!("{rounded:e}") }
+}
