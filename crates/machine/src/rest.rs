@@ -141,7 +141,13 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
                     if found.are_near(&levels) {
                         return Ok(q);
                     }
-                    levels = found;
+                    // Friction that overcorrects its own limit swings about the equilibrium.
+                    let part = match 4 * turns / REPEATS {
+                        0 | 1 => 1.0,
+                        2 => 0.5,
+                        _ => 0.125,
+                    };
+                    levels = levels.towards(&found, part);
                     turns += 1;
                 }
                 Err(left) => {
@@ -212,6 +218,15 @@ fn levels(d: &Description, system: &System, z: &StateRow) -> Levels {
 impl Levels {
     fn all(&self) -> impl Iterator<Item = &f64> {
         self.frictions.as_flattened().iter().chain(&self.sliders)
+    }
+
+    /// The levels at a part of the way to others.
+    fn towards(&self, others: &Self, part: f64) -> Self {
+        let between = |(a, b): (&f64, &f64)| if part == 1.0 { *b } else { a + part * (b - a) };
+        let frictions = self.frictions.iter().zip(&others.frictions);
+        let frictions = frictions.map(|(own, other)| [0, 1].map(|i| between((&own[i], &other[i]))));
+        let sliders = self.sliders.iter().zip(&others.sliders).map(between);
+        Self { frictions: frictions.collect(), sliders: sliders.collect() }
     }
 
     /// Whether two sets of levels agree up to rounding.

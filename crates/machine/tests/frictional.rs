@@ -388,16 +388,21 @@ fn invariant_contacts_at_rest_hold_or_have_slipped_from_zero() {
         }
     }
     assert!(met.iter().all(|count| *count > 1), "{met:?}");
-    // Friction that opens its own contact: without the contact there is no friction, and so on.
+    // Friction that lifts its own contact. A limit by the normal force without friction opens it.
     let jammed = "name = \"Jam\"\nstart = \"rest\"\nbody.n = { mass = 1.0 }\nspring.n = { between = [\"ground\", \"n\"], stiffness = 1.0 }\n\
         body.t = { mass = 1.0 }\nspring.t = { between = [\"ground\", \"t\"], stiffness = 1.0 }\n\
         contact.c = { normal = [\"ground\", \"n\"], tangent = { arms = { t = 1.0, n = 4.0 } }, gap = 0.0, stiffness = 9.0, tangential_stiffness = 900.0, friction = 2.0 }\n\
         load.fn = { on = \"n\", constant = 0.1 }\nload.ft = { on = \"t\", constant = 5.0 }\n";
-    let refused = vibro_machine::Assembly::new(machine(jammed))
-        .err()
-        .map(|error| error.to_string())
-        .unwrap_or_default();
-    assert!(refused.starts_with("contact.c.friction = 2"), "{refused}");
+    let m = motion(machine(jammed));
+    let [n, t] = [What::F, What::TangentF(None)].map(|what| of(&m, 2, what));
+    assert!(n > 0.0 && (t.abs() - 2.0 * n).abs() < 100.0 * ROUNDING, "{n} {t}");
+    assert!((0..2).all(|i| m.body(i)[2].abs() < 100.0 * ROUNDING));
+    let refused =
+        vibro_machine::Assembly::new(machine(&jammed.replace("friction = 2.0", "friction = 900.0")))
+            .err()
+            .map(|error| error.to_string())
+            .unwrap_or_default();
+    assert!(refused.starts_with("contact.c.friction = 900"), "{refused}");
 }
 
 /// A saved state, and a start from the present state, continue the motion.
