@@ -59,6 +59,19 @@ def test_second_method_sparse_matrices_are_reduced_as_full_ones_and_frequencies_
     assert np.max(np.abs(full.frequencies / (np.sqrt(squares) / (2 * np.pi)) - 1)) < SAME
 
 
+def test_second_method_verify_counts_the_events_of_both_bodies():
+    rest = ('\n[stop.tip]\nbetween = ["ground", "beam.tip"]\ngap = "1 mm"\nstiffness = "50 kN/m"\n'
+            '[load.shaker]\non = "beam.tip"\namplitude = "4 N"\nfrequency = "15 Hz"\n')
+    found = reduced(*beam(), damping_ratio=0.01, verify=rest, until=0.3)
+    bodies = [found.text, reduced(*beam(), damping_ratio=0.01, modes=9).text]
+    few, many = (vi.Machine(body + rest).simulate(until=0.3).events.size for body in bodies)
+    assert found.verified.startswith("machine with 6 and 9 modes over 0.3 s"), found.verified
+    counts = f"the same {few} in" if few == many and "the same" in found.verified else f"{few} with 6 modes, {many} with 9"
+    assert few > 10 and counts in found.verified, (few, many, found.verified)
+    with pytest.raises(ValueError, match="until: missing"):
+        reduced(*beam(), verify=rest)
+
+
 def test_invariant_refusals_name_what_is_wrong():
     stiffness, mass, names = beam()
     with pytest.raises(ValueError, match="99: no such node"):

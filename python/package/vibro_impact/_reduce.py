@@ -41,6 +41,8 @@ class Reduced(Result):
     "Names of the dofs at which others are attached."
     residual: Floats
     "Residual flexibility between the dofs of the interface, m/N."
+    verified: str = ""
+    "With ``verify``: how far positions and events differ from a body of 1.5 times as many modes."
 
 
 def reduce(
@@ -59,6 +61,8 @@ def reduce(
     gravity: Optional[str] = None,
     contact_stiffness: Optional[float] = None,
     load_frequency: Optional[float] = None,
+    verify: Optional[str] = None,
+    until: Optional[float] = None,
     name: str = "body",
     program: Union[str, "os.PathLike[str]", None] = None,
 ) -> Reduced:
@@ -88,6 +92,8 @@ def reduce(
         Direction of the weight, such as ``"-z"``.
     contact_stiffness, load_frequency
         Stiffness of the contacts, N/m, and highest frequency of the loads, Hz, for the statement of errors.
+    verify, until
+        Text of a machine's file without the body, and a time, s: the machine moves until then with the body and with one of 1.5 times as many modes.
     name
         Name of the body.
     program
@@ -126,12 +132,21 @@ def reduce(
             command.append("--rayleigh=" + ",".join(repr(number("rayleigh", x)) for x in rayleigh))
         numbers = {"damping-ratio": damping_ratio, "contact-stiffness": contact_stiffness, "load-frequency": load_frequency}
         command += [f"--{key}={number(key.replace('-', '_'), x)!r}" for key, x in numbers.items() if x is not None]
+        if (verify is None) != (until is None):
+            missing, given = ("until", "verify") if until is None else ("verify", "until")
+            raise ValueError(f"{missing}: missing; expected with `{given}`")
+        if verify is not None:
+            (place / "rest.toml").write_text(verify)
+            command += [f"--verify={place / 'rest.toml'}", f"--until={number('until', until)!r}"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise ValueError(done.stderr.strip().removeprefix("error: ") or f"{command[0]} ended with {done.returncode}")
         with np.load(place / "reduced.npz") as arrays:
             found = {key: arrays[key] for key in ("frequencies", "basis", "dofs", "interface", "residual")}
-        return Reduced((place / "reduced.toml").read_text(), (place / "reduced.txt").read_text(), **found)
+        texts = [(place / f"reduced.{ending}").read_text() for ending in ("toml", "txt")]
+        # Lines about the motions follow the names of the written files.
+        said = done.stdout.partition("\nwrote ")[2].partition("\n")[2].strip()
+        return Reduced(*texts, verified=said.replace(f"{place / 'rest.toml'}", "machine"), **found)
 
 
 def _program(given: Union[str, "os.PathLike[str]", None]) -> str:
