@@ -451,6 +451,45 @@ fn draw_writes_the_sketch_with_every_name_and_nothing_over_the_edge() {
     assert!((0..height).all(|y| white(0, y) && white(width - 1, y)));
 }
 
+/// At any width in print a sketch has this width and names of 7 points, at 72 points of an inch of
+/// 25.4 mm; if it is too wide, a note tells the size of its names and the width that is needed.
+#[test]
+fn closed_form_draw_takes_a_width_in_print() {
+    // The viewBox has a whole number of units, of at least 500.
+    const UNIT: f64 = 1e-3;
+    let out = folder("assembly-draw-width");
+    let ball = machine("bouncing_ball.toml");
+    drawn(&out, &["draw", &ball]);
+    let of_screen = std::fs::read_to_string(out.join("BouncingBall.svg")).unwrap();
+    let read = |name: &str| std::fs::read_to_string(out.join(format!("{name}.svg"))).unwrap();
+    let view = |svg: &str| -> Vec<f64> {
+        let rest = svg.split_once("viewBox=\"0 0 ").unwrap().1;
+        rest.split('"').next().unwrap().split(' ').map(|side| side.parse().unwrap()).collect()
+    };
+    for millimetres in [84.0, 174.0] {
+        drawn(&out, &["draw", &ball, "--width", &format!("{millimetres}mm")]);
+        let svg = read("BouncingBall");
+        assert!(svg.starts_with(&format!("<svg width=\"{millimetres}mm\"")), "{svg}");
+        let points = 40.0 * millimetres / 25.4 * 72.0 / view(&svg)[0];
+        assert!(svg.contains("font-size=\"40\"") && (points / 7.0 - 1.0).abs() < UNIT, "{points}");
+        assert_eq!(view(&svg)[1], view(&of_screen)[1]);
+        // The sketch is in the middle: both sides get half of the white.
+        let side = 0.5 * (view(&svg)[0] - view(&of_screen)[0]);
+        assert!(svg.contains(&format!("translate({side} 0)")), "{side}: {svg}");
+        assert_eq!(pixels(&out.join("BouncingBall.png")).0, (millimetres / 25.4 * 600.0_f64).round() as u32);
+    }
+    let cradle = machine("cradle.toml");
+    let done = command(&out, &["draw", &cradle, "--width", "84mm"]).output().unwrap();
+    let note = String::from_utf8(done.stderr).unwrap();
+    let wide = view(&read("Cradle"))[0];
+    let points = 40.0 * 84.0 / 25.4 * 72.0 / wide;
+    let full = (wide / 40.0 * 7.0 / 72.0 * 25.4).ceil();
+    let told =
+        format!("note: with --width 84mm names have {points:.1} points; --width {full}mm or more gives 7\n");
+    assert_eq!(note, told);
+    drawn(&out, &["draw", &cradle, "--width", &format!("{full}mm")]);
+}
+
 /// A mass under a sampled controller with limits, with a stop.
 const CONTROLLED: &str = r#"
 name = "Controlled"

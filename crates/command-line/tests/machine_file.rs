@@ -239,7 +239,7 @@ fn an_option_of_the_other_machine_is_refused_by_name_with_what_is_allowed() {
         ("check FILE --config x.toml", "--config: `vibro check` does not use this option"),
         ("check FILE --threads 2", "of the common options it accepts only --set\n"),
         ("--out here check FILE", "--out: `vibro check` does not use this option"),
-        ("draw FILE --replace", "of the common options it accepts only --set, --out\n"),
+        ("draw FILE --replace", "of the common options it accepts only --set, --out, --width\n"),
         (
             "run FILE --until 2s --threads 2",
             "--threads: is not an option of `vibro run` for a machine file, but of `vibro sweep`",

@@ -16,6 +16,11 @@ const NARROWEST: u32 = 940;
 /// Smallest height of a frame, in units.
 const LOWEST: f64 = 420.0;
 
+/// Width in print in units of a drawing in which a font of the size `font` has [`POINTS`] points.
+pub fn units(millimetres: f64, font: f64) -> f64 {
+    millimetres / MILLIMETRES * font / POINTS
+}
+
 /// A figure laid out for a width in print.
 #[derive(Clone, Debug)]
 pub struct Printed {
@@ -28,7 +33,7 @@ impl Figure {
     /// letters have [`POINTS`] points; panels become narrower, with fewer in a row if needed.
     #[must_use]
     pub fn printed(&self, millimetres: f64) -> Printed {
-        let units = (millimetres / MILLIMETRES * SMALL / POINTS).round() as u32;
+        let units = units(millimetres, SMALL).round() as u32;
         let room = units.saturating_sub(MARGINS).max(1);
         let columns = self.columns.clamp(1, (room / NARROWEST).max(1) as usize);
         let wide = room / columns as u32;
@@ -42,8 +47,7 @@ impl Figure {
 
 impl Drawing for Printed {
     fn size(&self) -> (u32, u32) {
-        let units = (self.millimetres / MILLIMETRES * SMALL / POINTS).round() as u32;
-        (units, self.figure.size().1)
+        (units(self.millimetres, SMALL).round() as u32, self.figure.size().1)
     }
 
     fn draw(&self, canvas: &mut Canvas) {

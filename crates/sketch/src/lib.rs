@@ -24,6 +24,7 @@ mod lanes;
 mod layout;
 mod moved;
 mod order;
+mod print;
 mod sizes;
 mod sorted;
 mod stops;
@@ -31,6 +32,7 @@ mod symbols;
 mod ways;
 
 use layout::Layout;
+pub use print::Printed;
 use vibro_figures::canvas::{Canvas, Drawing};
 use vibro_machine::Description;
 

@@ -3,6 +3,13 @@ import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
+/** Times between the frames of a page while something is done, ms. @param {any} tab @param {() => Promise<any>} what @returns {Promise<number[]>} */
+export async function frames(tab, what) {
+  await tab.evaluate("window.gaps = []; { let before = performance.now(); const look = () => { const now = performance.now(); gaps.push(now - before); before = now; if (window.gaps) requestAnimationFrame(look); }; const { gaps } = window; requestAnimationFrame(look); }");
+  await what();
+  return tab.evaluate("(() => { const { gaps } = window; window.gaps = null; return gaps; })()");
+}
+
 /** @param {string} packages folder of the npm packages @param {string} page @param {string} [ready] what is true once a page is */
 export async function open(packages, page, ready = "window.explorer && window.explorer.diagram.id > 0") {
   const { chromium } = createRequire(join(resolve(packages), "package.json"))("playwright-core");

@@ -4,6 +4,7 @@ import { Frame, reach, theme } from "../../../explorer/page/src/plot.js";
 import { Helper } from "./helper.js";
 import { shownIn } from "./panels.js";
 import { run } from "./run.js";
+import { stroke, Thin } from "./thin.js";
 
 /** @typedef {{name: string, value: number, error: number | null, unit: string}} Value */
 /** @typedef {{name: string, unit: string, record: number[], motion: number[]}} Column */
@@ -143,15 +144,16 @@ export function drawFit(g, w, h) {
   const { times } = found, { name, unit, record, motion } = column, residual = motion.map((x, i) => x - record[i]);
   const ends = /** @type {[number, number]} */ ([times[0], times[times.length - 1]]), floor = Math.round(0.62 * h);
   const part = (/** @type {number[]} */ all, /** @type {number} */ top, /** @type {number} */ bottom, /** @type {string} */ x, /** @type {string} */ words) => {
-    const [f, u] = shownIn(unit, Math.max(...all.map(Math.abs)));
+    const [f, u] = shownIn(unit, all.reduce((most, y) => Math.max(most, Math.abs(y)), 0));
     const frame = new Frame(ends, reach(all.map((y) => y * f)), { left: 56, right: w - 10, top, bottom });
     frame.axes(g, { x, y: `${words}${u && ` in ${u}`}`, xTicks: x !== "" });
     return { frame, f };
   };
   const line = (/** @type {Frame} */ frame, /** @type {number[]} */ all, /** @type {number} */ f, /** @type {string} */ colour) => frame.inside(g, () => {
-    g.strokeStyle = colour; g.lineWidth = 1.5; g.beginPath();
-    all.forEach((y, i) => { if (i) g.lineTo(frame.px(times[i]), frame.py(y * f)); else g.moveTo(frame.px(times[i]), frame.py(y * f)); });
-    g.stroke();
+    const thin = new Thin(...ends);
+    all.forEach((y, i) => thin.add(times[i], y));
+    g.strokeStyle = colour; g.lineWidth = 1.5;
+    stroke(g, thin.indices(), (i) => frame.px(times[i]), (i) => frame.py(all[i] * f));
   });
   const above = part([...record, ...motion], 22, floor - 12, "", `${name}: record (dots) and motion`);
   above.frame.inside(g, () => { g.fillStyle = theme.soft; const every = Math.max(1, Math.ceil(record.length / 4000)); for (let i = 0; i < record.length; i += every) g.fillRect(above.frame.px(times[i]) - 1.5, above.frame.py(record[i] * above.f) - 1.5, 3, 3); });

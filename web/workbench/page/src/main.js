@@ -10,10 +10,11 @@ import { fromHash, LONGEST, toHash } from "./link.js";
 import * as numbers from "./numbers.js";
 import { chosen, choose, drawEnergy, drawHistories, drawPortrait, drawTimeline, shownIn } from "./panels.js";
 import { begin, columnOf, eventsBetween, isWhole, run, take, valuesAt } from "./run.js";
-import { draw as drawSketch, fade, hold, look, places, scene, sizeIn, tagOf } from "./scene.js";
+import { draw as drawSketch, fade, hold, isFurther, look, places, scene, sizeIn, tagOf } from "./scene.js";
 import * as studies from "./studies.js";
 import { plane } from "./plane.js";
 import { study, valueAt } from "./study.js";
+import { beginFrame, isGrowing } from "./thin.js";
 import { eventsCsv, png, runCsv, save, svg } from "./take.js";
 
 const element = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
@@ -225,7 +226,7 @@ async function extend() {
       if (run.machine !== of) break;
       take(more);
     } catch (error) { run.problem = /** @type {Error} */ (error).message; alive = false; }
-    look();
+    if (isFurther()) look();
     dirty = true;
   }
   if (run.problem) say(run.problem, true);
@@ -433,11 +434,12 @@ function frame(time) {
   if (fade(playing ? passed : 0, calm.matches)) dirty = true;
   if (!dirty) return;
   // Curves are redrawn twenty times a second while only the time changes.
-  const all = !playing || time - panelsAt > 50;
+  const all = !playing || isGrowing() || time - panelsAt > 50;
   if (all) panelsAt = time;
+  beginFrame();
   paint(all);
   void redraw();
-  dirty = playing ? !all : false;
+  dirty = isGrowing() || (playing && !all);
   workbench.frames++;
 }
 
@@ -537,7 +539,7 @@ function listen() {
 }
 
 /** For the tests and measurements. */
-const workbench = { run, study, plane, fit: fits.fit, scene, frames: 0, pictures: 0, edit: 0, packed: 0, receive, columnOf, valueAt, valuesAt, shownIn, state: () => ({ opening, alive, extending, whole: run.machine ? isWhole() : false }) };
+const workbench = { run, study, plane, fit: fits.fit, scene, frames: 0, pictures: 0, edit: 0, packed: 0, receive, columnOf, valueAt, valuesAt, shownIn, state: () => ({ opening, alive, extending, growing: isGrowing(), whole: run.machine ? isWhole() : false }) };
 /** @type {any} */ (window).workbench = workbench;
 
 void boot();

@@ -1,6 +1,7 @@
 // Time line, histories, portrait and energies of the run.
-import { FONT, Frame, reach, theme } from "../../../explorer/page/src/plot.js";
-import { columnOf, DAMPED, extent, INPUT, KINETIC, LOST, RUBBED, run, STORED, valuesAt } from "./run.js";
+import { FONT, Frame, reach, rgb, theme } from "../../../explorer/page/src/plot.js";
+import { columnOf, curveOf, DAMPED, extent, INPUT, isWhole, KINETIC, LOST, RUBBED, run, STORED, valuesAt } from "./run.js";
+import { Growing, stepped, stroke } from "./thin.js";
 
 /** Names of the displayed quantities. */
 export const chosen = { histories: /** @type {string[]} */ ([]), across: "", along: "" };
@@ -35,16 +36,10 @@ export function shownIn(unit, size) {
 
 const unitOf = (/** @type {string} */ name) => run.machine.columns.find((c) => c.name === name)?.unit ?? "1";
 
-/** The curve of a column over time: of dense rows least and largest in each pixel. @param {any} g @param {Frame} frame @param {number} place @param {number} factor */
+/** The curve of a column over time. @param {any} g @param {Frame} frame @param {number} place @param {number} factor */
 function curve(g, frame, place, factor) {
-  const { rows, width, count } = run, step = Math.max(1, Math.floor(count / 6000));
-  g.beginPath();
-  for (let i = 0; i < count; i++) {
-    if (step > 1 && i % step && rows[i * width + 1] === 0) continue;
-    const x = frame.px(rows[i * width]), y = frame.py(rows[i * width + place] * factor);
-    if (i) g.lineTo(x, y); else g.moveTo(x, y);
-  }
-  g.stroke();
+  const { rows, width } = run;
+  stroke(g, curveOf(place), (i) => frame.px(rows[i * width]), (i) => frame.py(rows[i * width + place] * factor));
 }
 
 /** @param {any} g @param {number} w @param {number} h */
@@ -60,7 +55,7 @@ export function drawHistories(g, w, h) {
     const last = k === list.length - 1;
     frame.axes(g, { x: last ? "t in s" : "", y: symbol, xTicks: last });
     frame.inside(g, () => {
-      g.lineWidth = 1.5; g.lineJoin = "round";
+      g.lineWidth = 1.5; g.lineJoin = "bevel";
       names.forEach((name) => { g.strokeStyle = colours()[chosen.histories.indexOf(name) % 6]; const place = columnOf(name); if (place >= 0) curve(g, frame, place, factor); });
       head(g, frame);
     });
@@ -79,23 +74,42 @@ function head(g, frame) {
   g.beginPath(); g.moveTo(frame.px(run.at), frame.box.top); g.lineTo(frame.px(run.at), frame.box.bottom); g.stroke();
 }
 
+/** The portrait's curve, and the ranges on which it is drawn. */
+const portrait = { picture: new Growing(), of: "", x: /** @type {[number, number]} */ ([0, 0]), y: /** @type {[number, number]} */ ([0, 0]) };
+
+/** Ranges of the portrait. @param {[number, number]} x @param {[number, number]} y */
+function portraitRanges(x, y) {
+  const of = `${run.begun} ${chosen.across} ${chosen.along}`;
+  if (portrait.of !== of) Object.assign(portrait, { of, x: [NaN, NaN], y: [NaN, NaN] });
+  portrait.x = stepped(portrait.x, x, isWhole());
+  portrait.y = stepped(portrait.y, y, isWhole());
+  return portrait;
+}
+
+/** Two colours mixed. @param {string} one @param {string} other @param {number} part of the first */
+function mixed(one, other, part) {
+  const [a, b] = [rgb(one), rgb(other)];
+  return `rgb(${a.map((x, i) => Math.round(part * x + (1 - part) * b[i])).join(" ")})`;
+}
+
 /** @param {any} g @param {number} w @param {number} h */
 export function drawPortrait(g, w, h) {
   const [a, b] = [columnOf(chosen.across), columnOf(chosen.along)];
   if (a < 0 || b < 0) return [];
   const [ea, eb] = [extent(a), extent(b)], [fa, ua] = shownIn(unitOf(chosen.across), Math.max(...ea.map(Math.abs))), [fb, ub] = shownIn(unitOf(chosen.along), Math.max(...eb.map(Math.abs)));
-  const frame = new Frame(reach(ea.map((x) => x * fa)), reach(eb.map((x) => x * fb)), { left: 52, right: w - 10, top: 20, bottom: h - 22 });
+  const scaled = (/** @type {[number, number]} */ [low, high], /** @type {number} */ factor) => /** @type {[number, number]} */ ([low * factor, high * factor]), { x, y } = portraitRanges(ea, eb);
+  const frame = new Frame(scaled(x, fa), scaled(y, fb), { left: 52, right: w - 10, top: 20, bottom: h - 22 });
   frame.axes(g, { x: `${chosen.across}${ua && ` in ${ua}`}`, y: `${chosen.along}${ub && ` in ${ub}`}` });
   const { rows, width, count } = run;
+  const line = (/** @type {any} */ own, /** @type {number} */ from, /** @type {number} */ to) => frame.inside(own, () => {
+    // The later half of the run is darker than the earlier one.
+    own.strokeStyle = rows[from * width] < run.length / 2 ? mixed(theme.box, theme.card, 0.35) : theme.box; own.lineWidth = 1.2;
+    own.beginPath();
+    for (let i = Math.max(0, from - 1); i < to; i++) { const x = frame.px(rows[i * width + a] * fa), y = frame.py(rows[i * width + b] * fb); if (i > from - 1) own.lineTo(x, y); else own.moveTo(x, y); }
+    own.stroke();
+  });
+  portrait.picture.draw(g, `${portrait.of} ${x} ${y} ${theme.box} ${theme.card}`, count, line);
   frame.inside(g, () => {
-    // The later half is opaque, the earlier one is pale.
-    for (const [from, to, alpha] of [[0, Math.floor(count / 2), 0.35], [Math.floor(count / 2), count, 1]]) {
-      g.globalAlpha = alpha; g.strokeStyle = theme.box; g.lineWidth = 1.2;
-      g.beginPath();
-      for (let i = Math.max(0, from - 1); i < to; i++) { const x = frame.px(rows[i * width + a] * fa), y = frame.py(rows[i * width + b] * fb); if (i > from - 1) g.lineTo(x, y); else g.moveTo(x, y); }
-      g.stroke();
-    }
-    g.globalAlpha = 1;
     const now = valuesAt(run.at);
     g.fillStyle = theme.here;
     g.beginPath(); g.arc(frame.px(now[a] * fa), frame.py(now[b] * fb), 4, 0, 2 * Math.PI); g.fill();
@@ -129,21 +143,26 @@ const energy = (/** @type {number} */ x) => { const a = Math.abs(x), [f, u] = a 
 /** Colour of an event's tick. @param {string} kind */
 const colourOf = (kind) => (["impact", "press", "close"].includes(kind) ? theme.spark : ["stick", "slip"].includes(kind) ? theme.secondary : theme.faint);
 
+/** The events' ticks on the time line, and their places. */
+const events = new Growing(), ticked = new Set();
+
 /** The time line: events as ticks, impacts higher by their impulse, and the playhead. @param {any} g @param {number} w @param {number} h */
 export function drawTimeline(g, w, h) {
   const left = 8, right = w - 8, x = (/** @type {number} */ t) => left + (right - left) * t / run.length, floor = h - 14;
   g.fillStyle = theme.grid; g.fillRect(left, floor - 3, right - left, 3);
   g.fillStyle = theme.faint; g.fillRect(left, floor - 3, Math.max(0, x(Math.min(run.reached, run.length)) - left), 3);
-  const drawn = new Set();
-  g.lineWidth = 1.5;
-  for (const met of run.events) {
-    const high = met.impulse > 0 ? 6 + 16 * Math.min(1, met.impulse / (run.largestImpulse || 1)) : 6;
-    const place = `${Math.round(2 * x(met.time))} ${Math.round(high)} ${met.kind}`;
-    if (drawn.has(place)) continue;
-    drawn.add(place);
-    g.strokeStyle = colourOf(met.kind);
-    g.beginPath(); g.moveTo(x(met.time), floor - 4); g.lineTo(x(met.time), floor - 4 - high); g.stroke();
-  }
+  events.draw(g, `${run.begun} ${run.length} ${run.largestImpulse} ${theme.spark}`, run.events.length, (own, from, to) => {
+    if (!from) ticked.clear();
+    own.lineWidth = 1.5;
+    for (const met of run.events.slice(from, to)) {
+      const high = met.impulse > 0 ? 6 + 16 * Math.min(1, met.impulse / (run.largestImpulse || 1)) : 6;
+      const place = `${Math.round(2 * x(met.time))} ${Math.round(high)} ${met.kind}`;
+      if (ticked.has(place)) continue;
+      ticked.add(place);
+      own.strokeStyle = colourOf(met.kind);
+      own.beginPath(); own.moveTo(x(met.time), floor - 4); own.lineTo(x(met.time), floor - 4 - high); own.stroke();
+    }
+  });
   const at = x(run.at);
   g.strokeStyle = theme.here; g.lineWidth = 2; g.beginPath(); g.moveTo(at, 2); g.lineTo(at, floor); g.stroke();
   g.fillStyle = theme.here; g.beginPath(); g.arc(at, floor - 1.5, 6, 0, 2 * Math.PI); g.fill();

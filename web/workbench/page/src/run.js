@@ -1,6 +1,8 @@
 // The displayed run: rows of all columns from time 0 to its length, its events, and the position
 // of the playhead.
 
+import { Thin } from "./thin.js";
+
 /** @typedef {{time: number, kind: string, element: string, value: number, stops: number, impulse: number}} Met */
 /** @typedef {{name: string, unit: string, meaning: string}} Column */
 /** @typedef {{name: string, rotates: boolean, prescribed: boolean, inner: boolean}} Body */
@@ -29,12 +31,18 @@ export const run = {
   /** Position of the playhead, s. */
   at: 0,
   largestImpulse: 0,
+  /** Number of runs so far. */
+  begun: 0,
 };
+/** What is known of the rows by place, up to a number of rows: least and largest value, and the thinned curve. */
+const known = { extents: /** @type {Map<number, {count: number, low: number, high: number}>} */ (new Map()), curves: /** @type {Map<number, Thin>} */ (new Map()) };
 
 /** A new machine begins. @param {Machine} machine @param {Float64Array} now @param {number | null} length */
 export function begin(machine, now, length) {
   Object.assign(run, { machine, width: now.length, count: 0, events: [], reached: 0, problem: "", largestImpulse: 0 });
   run.length = length ?? machine.stop;
+  run.begun++;
+  known.extents.clear(); known.curves.clear();
   // One row per pixel of a wide screen, fewer with very many columns.
   const rows = Math.max(200, Math.min(1500, Math.floor(1_000_000 / run.width)));
   run.step = run.length / rows;
@@ -95,9 +103,18 @@ export const columnOf = (name) => { const i = run.machine.columns.findIndex((c) 
 
 /** Least and largest value of a place in the rows. @param {number} place @returns {[number, number]} */
 export function extent(place) {
-  let low = Infinity, high = -Infinity;
-  for (let i = place; i < run.count * run.width; i += run.width) { const x = run.rows[i]; if (x < low) low = x; if (x > high) high = x; }
-  return low <= high ? [low, high] : [0, 0];
+  const { rows, width, count } = run, own = known.extents.get(place) ?? { count: 0, low: Infinity, high: -Infinity };
+  for (; own.count < count; own.count++) { const x = rows[own.count * width + place]; if (x < own.low) own.low = x; if (x > own.high) own.high = x; }
+  known.extents.set(place, own);
+  return own.low <= own.high ? [own.low, own.high] : [0, 0];
+}
+
+/** Rows through which a place's curve over time is drawn. @param {number} place */
+export function curveOf(place) {
+  const { rows, width, count } = run, own = known.curves.get(place) ?? new Thin(0, run.length);
+  while (own.count < count) { const at = own.count * width; own.add(rows[at], rows[at + place]); }
+  known.curves.set(place, own);
+  return own.indices();
 }
 
 /** Events after one time and up to another. @param {number} from @param {number} to */

@@ -1,7 +1,7 @@
 // The sketch in motion. The library draws it with its bodies moved; this module shows it, with
 // light at impacts.
 import { FONT, rgb, theme } from "../../../explorer/page/src/plot.js";
-import { columnOf, extent, run } from "./run.js";
+import { columnOf, extent, isWhole, run } from "./run.js";
 
 /** Largest displacement of a body from its middle, in units of the drawing. */
 const REACH = 85;
@@ -11,7 +11,9 @@ const LEAST = 0.2;
 const EDGE = 50;
 
 /** Middle of each body's motion, its mean rate if it drifts, and the scale of its drawn motion. */
-const view = { bodies: /** @type {{place: number, middle: number, drift: number, scale: number}[]} */ ([]), stops: /** @type {{place: number, gap: number, scale: number}[]} */ ([]), scales: [0, 0] };
+const view = { bodies: /** @type {{place: number, middle: number, drift: number, scale: number}[]} */ ([]), stops: /** @type {{place: number, gap: number, scale: number}[]} */ ([]), scales: [0, 0], /** Number of examined rows. */ count: 0 };
+/** Growth of the run after which it is examined again. */
+const FURTHER = 1.1;
 export const scene = {
   /** @type {Float32Array} */ marks: new Float32Array(0),
   /** @type {string[]} */ words: [],
@@ -24,9 +26,13 @@ export const scene = {
 /** The tag of a drawn thing. @param {string} name */
 export const tagOf = (name) => run.machine.sketch.names.lastIndexOf(name);
 
+/** Whether the run has grown much since it was examined, or is whole. */
+export const isFurther = () => isWhole() || run.count > FURTHER * view.count;
+
 /** Examines the whole run, so that it fits. */
 export function look() {
   const { machine, width, rows, count } = run;
+  view.count = count;
   const first = rows[0], span = rows[(count - 1) * width] - first || 1;
   const most = [0, 0], found = machine.bodies.map((body) => {
     const place = columnOf(`${body.name}.s`);

@@ -1,8 +1,9 @@
 // Studies over a parameter, in separate workers: two directions of a bifurcation diagram in
 // parallel, and periodic orbits.
-import { FONT, Frame, reach, theme } from "../../../explorer/page/src/plot.js";
+import { FONT, Frame, theme } from "../../../explorer/page/src/plot.js";
 import { Helper } from "./helper.js";
 import { shownIn } from "./panels.js";
+import { Growing, stepped } from "./thin.js";
 
 /** @typedef {{index: number, start: string | null, values: number[], words: string}} Found */
 /** @typedef {[number, number | null, number, string | null, string | null]} Point value (SI), largest of the quantity, 1 if stable, label, start on the orbit */
@@ -16,6 +17,7 @@ export const study = {
   /** @type {Helper[]} */ helpers: [],
   /** @type {Frame | null} */ frame: null,
   running: false,
+  /** Number of studies so far. */ begun: 0,
   /** What the picture shows. */ shown: /** @type {"diagram" | "plane"} */ ("diagram"),
   changed: () => {},
   told: /** @type {(part: number, words: string) => void} */ (() => {}),
@@ -37,7 +39,7 @@ export function halt(words = "Stopped; what was found stays.") {
 /** @param {{text: string, names: string[], texts: string[]}} machine @param {{parameter: string, range: [number, number], factor: number, unit: string, of: string, ofUnit: string, count: number}} asked */
 export async function diagram(machine, asked) {
   halt();
-  Object.assign(study, asked, { found: { rising: [], falling: [] }, branches: [], at: null, running: true, shown: "diagram" });
+  Object.assign(study, asked, { found: { rising: [], falling: [] }, branches: [], at: null, running: true, begun: study.begun + 1, shown: "diagram" });
   const begun = performance.now(), helpers = [new Helper(), new Helper()];
   study.helpers = helpers;
   study.told(0, "Started.");
@@ -65,7 +67,7 @@ export async function orbits(machine, asked) {
   const isSame = asked.parameter === study.parameter && asked.of === study.of && String(asked.range) === String(study.range);
   halt();
   if (!isSame) study.found = { rising: [], falling: [] };
-  Object.assign(study, asked, { branches: [], at: null, running: true, shown: "diagram" });
+  Object.assign(study, asked, { branches: [], at: null, running: true, begun: study.begun + 1, shown: "diagram" });
   const begun = performance.now(), helper = new Helper();
   study.helpers = [helper];
   const { seconds } = asked, passed = () => (performance.now() - begun) / 1000;
@@ -93,25 +95,53 @@ export async function orbits(machine, asked) {
   study.changed();
 }
 
+/** The dots of a direction in the order in which they were found, and their picture. */
+const dots = { rising: empty(), falling: empty() };
+function empty() { return { picture: new Growing(), list: /** @type {Found[]} */ ([]), taken: 0, points: /** @type {[number, number][]} */ ([]) }; }
+/** The range of the picture. */
+const span = { of: 0, y: /** @type {[number, number]} */ ([NaN, NaN]) };
+
+/** The dots of a direction as value and maximum, SI. @param {"rising" | "falling"} way */
+function dotsOf(way) {
+  const own = dots[way], list = study.found[way];
+  if (own.list !== list) Object.assign(own, { list, taken: 0, points: [] });
+  for (; own.taken < list.length; own.taken++) for (const y of list[own.taken].values) own.points.push([valueAt(list[own.taken].index), y]);
+  return own;
+}
+
+/** Least and largest of the maxima, SI. @returns {[number, number]} */
+function ends() {
+  let low = Infinity, high = -Infinity;
+  const take = (/** @type {number | null} */ y) => { if (y !== null && y < low) low = y; if (y !== null && y > high) high = y; };
+  for (const way of /** @type {const} */ (["rising", "falling"])) for (const [, y] of dotsOf(way).points) take(y);
+  for (const branch of study.branches) for (const [, y] of branch) take(y);
+  return [low, high];
+}
+
 /** @param {any} g @param {number} w @param {number} h @param {number} here the present value, SI */
 export function drawStudy(g, w, h, here) {
-  const all = [...study.found.rising, ...study.found.falling], tops = all.flatMap((f) => f.values).concat(study.branches.flatMap((b) => b.map((p) => p[1]).filter((x) => x !== null)));
+  const [low, high] = ends();
   study.frame = null;
-  if (!study.parameter || !tops.length) {
+  if (!study.parameter || !(low <= high)) {
     g.fillStyle = theme.soft; g.font = `12px ${FONT}`; g.textAlign = "center"; g.textBaseline = "middle";
     g.fillText(study.running ? "Computing…" : study.parameter ? "Nothing was found" : "Not computed yet", w / 2, h / 2);
     return;
   }
-  const [f, u] = shownIn(study.ofUnit, Math.max(...tops.map((x) => Math.abs(Number(x))))), k = study.factor;
-  const frame = new Frame([study.range[0] * k, study.range[1] * k], reach(tops.map((x) => Number(x) * f)), { left: 56, right: w - 10, top: 22, bottom: h - 22 });
+  const [f, u] = shownIn(study.ofUnit, Math.max(Math.abs(low), Math.abs(high))), k = study.factor;
+  if (span.of !== study.begun) Object.assign(span, { of: study.begun, y: [NaN, NaN] });
+  span.y = stepped(span.y, [low, high], !study.running);
+  const frame = new Frame([study.range[0] * k, study.range[1] * k], [span.y[0] * f, span.y[1] * f], { left: 56, right: w - 10, top: 22, bottom: h - 22 });
   study.frame = frame;
   frame.axes(g, { x: `${study.parameter}${study.unit && ` in ${study.unit}`}`, y: `maxima of ${study.of}${u && ` in ${u}`}` });
+  const dot = w / Math.max(1, study.count) > 3 ? 1.6 : 1.1;
+  for (const [way, colour] of /** @type {["rising" | "falling", string][]} */ ([["falling", theme.falling], ["rising", theme.ink]])) {
+    const { picture, points } = dotsOf(way);
+    picture.draw(g, `${study.parameter} ${frame.x} ${frame.y} ${dot} ${colour} ${study.begun}`, points.length, (own, from, to) => frame.inside(own, () => {
+      own.fillStyle = colour;
+      for (const [value, y] of points.slice(from, to)) own.fillRect(frame.px(value * k) - dot / 2, frame.py(y * f) - dot / 2, dot, dot);
+    }));
+  }
   frame.inside(g, () => {
-    const dot = w / Math.max(1, study.count) > 3 ? 1.6 : 1.1;
-    for (const [list, colour] of /** @type {[Found[], string][]} */ ([[study.found.falling, theme.falling], [study.found.rising, theme.ink]])) {
-      g.fillStyle = colour;
-      for (const { index, values } of list) { const x = frame.px(valueAt(index) * k); for (const y of values) g.fillRect(x - dot / 2, frame.py(y * f) - dot / 2, dot, dot); }
-    }
     g.lineWidth = 1.6;
     for (const branch of study.branches) {
       for (let i = 1; i < branch.length; i++) {

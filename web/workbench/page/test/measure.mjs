@@ -1,6 +1,7 @@
 // Measurements for the goals of the page: node measure.mjs <npm packages> <page>. Times are
 // medians of several runs.
-import { open } from "../../../explorer/page/test/browser.mjs";
+import { frames, open } from "../../../explorer/page/test/browser.mjs";
+import { RATTLE } from "./rattle.mjs";
 
 const [packages, page] = process.argv.slice(2);
 const browser = await open(packages, page, "window.workbench && workbench.pictures > 0");
@@ -26,6 +27,22 @@ for (const name of ["bouncing_ball.toml", "damper_with_buffer.toml", "gear_backl
   }
   console.log(`${name}: an edit shows after ${median(times).toFixed(1)} ms`);
 }
+/** @param {string} name @param {() => Promise<any>} what */
+async function tellFrames(name, what) {
+  const gaps = (await frames(tab, what)).sort((a, b) => a - b);
+  console.log(`${name}: ${gaps.length} frames, half of them within ${gaps[gaps.length >> 1].toFixed(0)} ms, the longest ${gaps[gaps.length - 1].toFixed(0)} ms`);
+}
+await tab.fill("#text", RATTLE.text);
+await tab.waitForFunction("workbench.run.machine.name === 'Rattle'");
+await settled();
+await tellFrames("a rattle is computed", async () => {
+  await tab.fill("#length", RATTLE.until); await tab.press("#length", "Enter");
+  await tab.waitForFunction(`workbench.run.length === ${RATTLE.until}`);
+  await settled();
+});
+await tellFrames("a rattle plays, 6 s", () => tab.waitForTimeout(6000));
+await tellFrames("a servo is computed", async () => { await tab.selectOption("#example", "servo.toml"); await tab.waitForTimeout(200); await settled(); });
+await tellFrames("a servo plays, 6 s", () => tab.waitForTimeout(6000));
 await tab.selectOption("#example", "damper_with_buffer.toml");
 await settled();
 await tab.click("#play");

@@ -85,7 +85,8 @@ fn ungrouped() -> clap::Command {
 fn unused(command: &str) -> &'static [&'static str] {
     match command {
         "check" => &["config", "out", "width", "replace", "discard_unfinished", "threads"],
-        "draw" | "fmu" => &["config", "width", "replace", "discard_unfinished", "threads"],
+        "draw" => &["config", "replace", "discard_unfinished", "threads"],
+        "fmu" => &["config", "width", "replace", "discard_unfinished", "threads"],
         "section" | "fit" => &["config", "discard_unfinished", "threads"],
         "design" => &["config", "discard_unfinished"],
         "template" | "new" => &["config", "set", "out", "width", "replace", "discard_unfinished", "threads"],
@@ -131,6 +132,12 @@ fn with_shared(command: clap::Command, shared: &[Arg]) -> clap::Command {
                 _ => "Folder for the FMU",
             };
             arg.help(help).long_help(help)
+        }
+        "width" if name == "draw" => {
+            let help = "Width of the sketch in print, with names of 7 points, e.g. 84mm for one column of a \
+                        journal [default: a sketch for a screen]";
+            let more = "A sketch that is too wide for this gets smaller names, and a note tells their size.";
+            arg.help(help).long_help(format!("{help}\n\n{more}"))
         }
         "threads" if name == "run" => arg.help_heading(WITHOUT_FILE),
         _ => arg,

@@ -18,8 +18,9 @@ use vibro::manifest::Manifest;
 use vibro::whole_file::write_whole;
 use vibro::{Error, Result};
 use vibro_figures::canvas;
+use vibro_figures::print::POINTS;
 use vibro_machine::{Assembly, Description, Element, Start};
-use vibro_sketch::Sketch;
+use vibro_sketch::{Printed, Sketch};
 use vibro_studies::Machine;
 
 /// Stem of the manifest of a motion.
@@ -86,12 +87,31 @@ fn read(file: &Path, common: &Common) -> Result<Machine> {
 /// Writes NAME.svg and NAME.png, regardless of the folder's other content.
 fn sketch(file: &Path, common: &Common) -> Result<()> {
     let machine = read(file, common)?.description;
-    let (svg, png) = canvas::svg_and_png(&Sketch::new(&machine))?;
+    let sketch = Sketch::new(&machine);
+    let (svg, png) = match common.width {
+        Some(millimetres) => {
+            let printed = sketch.printed(millimetres);
+            note_small(&printed, millimetres);
+            canvas::svg_and_png(&printed)?
+        }
+        None => canvas::svg_and_png(&sketch)?,
+    };
     std::fs::create_dir_all(&common.out).map_err(Error::file("making folder", &common.out))?;
     let stem = common.out.join(&machine.name);
     write_whole(&stem.with_extension("svg"), svg.as_bytes())?;
     write_whole(&stem.with_extension("png"), &png)?;
     output::say(&format!("drawn in {}.svg and .png", stem.display()))
+}
+
+/// Prints a note on a sketch that is too wide for names of the usual size.
+fn note_small(printed: &Printed, millimetres: f64) {
+    let points = printed.points();
+    if points < POINTS {
+        let (full, millimetres) = (printed.full_width().ceil(), (100.0 * millimetres).round() / 100.0);
+        crate::note(&format!(
+            "with --width {millimetres}mm names have {points:.1} points; --width {full}mm or more gives {POINTS}"
+        ));
+    }
 }
 
 /// Prints a note on a curved force that makes the motion slow. Other faults of the machine are
