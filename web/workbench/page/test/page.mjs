@@ -575,7 +575,7 @@ const tests = {
     await close();
   },
   async "axe finds nothing, wide, narrow and dark; pictures are taken"() {
-    for (const [name, options, hash] of /** @type {[string, any, string][]} */ ([["wide", { viewport: { width: 1440, height: 1500 } }, "#example=damper_with_buffer"], ["narrow", { viewport: { width: 360, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 }, "#example=gear_backlash"], ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }, "#example=two_blocks"]])) {
+    for (const [name, options, hash] of /** @type {[string, any, string][]} */ ([["wide", { viewport: { width: 1440, height: 1780 } }, "#example=damper_with_buffer"], ["narrow", { viewport: { width: 360, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 }, "#example=gear_backlash"], ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }, "#example=two_blocks"]])) {
       const { tab, wrong, close } = await browser.tab(options, hash);
       await whole(tab);
       if (name === "wide") { await tab.click("#compute"); await tab.waitForFunction("workbench.study.found.rising.length === 200 && !workbench.study.running", null, { timeout: 120_000 }); }
