@@ -1,5 +1,7 @@
 //! The studies of the command line: each makes tables and a figure from a machine.
 
+#[cfg(test)]
+mod apart;
 mod basin;
 mod branches;
 mod curves;

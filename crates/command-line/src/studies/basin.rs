@@ -12,27 +12,27 @@ use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 use vibro_studies::basin::{BasinAttractor, BasinCell, BasinMachine, BasinRequest, Basins, StartAxis};
 use vibro_studies::check_cells;
 
-/// Colours of the first attractors and of their mirror images. Each differs in lightness from all
-/// others and from [`OTHERS`].
+/// Colours of the first attractors and of their mirror images. All colours of a picture, with
+/// [`OTHERS`], have even steps of lightness.
 const PAIRS: [[Colour; 2]; 8] = [
-    [Colour(0, 65, 111), Colour(0, 145, 248)],
-    [Colour(172, 57, 0), Colour(250, 167, 125)],
-    [Colour(0, 83, 42), Colour(0, 176, 88)],
-    [Colour(201, 0, 134), Colour(251, 176, 226)],
-    [Colour(94, 0, 226), Colour(185, 145, 241)],
-    [Colour(144, 108, 0), Colour(251, 207, 75)],
-    [Colour(180, 0, 0), Colour(246, 148, 148)],
-    [Colour(0, 137, 137), Colour(0, 251, 251)],
+    [Colour(5, 34, 117), Colour(1, 147, 246)],
+    [Colour(165, 54, 8), Colour(223, 161, 111)],
+    [Colour(28, 76, 42), Colour(8, 145, 59)],
+    [Colour(194, 0, 116), Colour(229, 200, 255)],
+    [Colour(88, 11, 245), Colour(173, 139, 210)],
+    [Colour(168, 101, 2), Colour(245, 190, 71)],
+    [Colour(154, 4, 15), Colour(238, 134, 135)],
+    [Colour(26, 115, 162), Colour(3, 251, 219)],
 ];
 /// Colours of other cells: starts outside the stops; motions that have not settled; motions whose
 /// attractor was not decided, and motions that end; all attractors beyond [`PAIRS`]; motions that
 /// come to rest.
 const OTHERS: [Colour; 5] = [
-    Colour(235, 235, 235),
-    Colour(132, 132, 132),
-    Colour(45, 45, 45),
-    Colour(20, 20, 20),
-    Colour(190, 190, 190),
+    Colour(240, 240, 240),
+    Colour(134, 134, 134),
+    Colour(56, 56, 56),
+    Colour(8, 8, 8),
+    Colour(185, 185, 185),
 ];
 const OUTSIDE: Colour = OTHERS[0];
 const NOT_SETTLED: Colour = OTHERS[1];
@@ -264,6 +264,7 @@ fn legend<M: ShownBasins>(basins: &Basins<M::Attractor>, listed: &[Listed]) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::studies::apart::apart;
     use vibro_studies::MotionClass;
     use vibro_studies::paper::ParameterSet;
     use vibro_studies::paper::attractor::Attractor;
@@ -271,12 +272,13 @@ mod tests {
 
     #[test]
     fn invariant_each_class_has_an_entry_and_a_colour_of_its_own_lightness() {
-        /// Ratio of two luminances, with stray light (WCAG), that the eye can just distinguish.
-        const APART: f64 = 1.02;
-        let mut light: Vec<f64> =
-            PAIRS.iter().flatten().chain(&OTHERS).map(|colour| colour.luminance() + 0.05).collect();
-        light.sort_by(f64::total_cmp);
-        assert!(light.windows(2).all(|pair| pair[1] / pair[0] > APART), "{light:?}");
+        /// Ratio of two luminances that grey prints show: 21 equal steps from black to white have
+        /// 1.16.
+        const STEP: f64 = 1.12;
+        /// Distance in CIELAB: about four times the distance that the eye can just tell apart.
+        const DISTANCE: f64 = 9.0;
+        let (step, distance) = apart(&colours());
+        assert!(step > STEP && distance > DISTANCE, "{step} {distance}");
         // Eleven attractors: the last three share one entry.
         let attractor = |period: u32| ClassedAttractor {
             attractor: Attractor {

@@ -8,15 +8,14 @@ use crate::Result;
 use crate::table::{csv_in_groups, exact};
 use crate::wording::with_capital;
 use std::borrow::Cow;
-use vibro_figures::canvas::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION};
+use vibro_figures::canvas::palette::{BLACK, GREY};
 use vibro_figures::chart::{Axis, Colour, Figure, Layer, Panel, Shape};
 use vibro_studies::MotionClass;
 use vibro_studies::isoperiodic::{Isoperiodic, IsoperiodicRequest, PlaneMachine};
 use vibro_studies::{ParameterAxis, check_cells};
 
-const PALE: Colour = Colour(228, 228, 228);
-const YELLOW: Colour = Colour(240, 228, 66);
-const MINT: Colour = Colour(150, 220, 190);
+/// Motions without impacts.
+const PALE: Colour = Colour(239, 239, 239);
 
 /// Properties of a motion that pictures show.
 #[derive(Clone, Copy, Debug)]
@@ -61,29 +60,30 @@ type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 /// [`ShownPlane::ONE_PERIOD`].
 const ONE_PERIOD: &str = "1T";
 
-/// Kinds of motion in the first panel; the last one takes all others.
+/// Kinds of motion in the first panel; the last one takes all others. The colours have even steps of
+/// lightness.
 const KINDS: [Entry<ClassifiedMotion>; 11] = [
     ("without impacts", PALE, |m| m.contacts == 0.0 && !m.rests),
-    ("1T, two symmetric impacts", BLUE, |m| m.is_two_impact),
-    (ONE_PERIOD, SKY, |m| m.class == MotionClass::Periodic(1)),
-    ("2T", GREEN, |m| m.class == MotionClass::Periodic(2)),
-    ("3T", PURPLE, |m| m.class == MotionClass::Periodic(3)),
-    ("4T", MINT, |m| m.class == MotionClass::Periodic(4)),
-    ("longer periods", ORANGE, |m| matches!(m.class, MotionClass::Periodic(_))),
-    ("periodic, settling", GREY, |m| m.class == MotionClass::Settling),
-    ("quasi-periodic", YELLOW, |m| m.class == MotionClass::QuasiPeriodic),
+    ("1T, two symmetric impacts", Colour(16, 0, 128), |m| m.is_two_impact),
+    (ONE_PERIOD, Colour(141, 185, 223), |m| m.class == MotionClass::Periodic(1)),
+    ("2T", Colour(25, 105, 63), |m| m.class == MotionClass::Periodic(2)),
+    ("3T", Colour(88, 25, 116), |m| m.class == MotionClass::Periodic(3)),
+    ("4T", Colour(170, 76, 166), |m| m.class == MotionClass::Periodic(4)),
+    ("longer periods", Colour(222, 135, 0), |m| matches!(m.class, MotionClass::Periodic(_))),
+    ("periodic, settling", Colour(133, 133, 133), |m| m.class == MotionClass::Settling),
+    ("quasi-periodic", Colour(226, 211, 26), |m| m.class == MotionClass::QuasiPeriodic),
     ("chaotic", BLACK, |m| m.class == MotionClass::Chaotic),
-    ("not settled", VERMILLION, |_| true),
+    ("not settled", Colour(149, 20, 0), |_| true),
 ];
 
 /// Impacts per period in the second panel; darker colours mean more.
 const IMPACTS: [Entry<f64>; 8] = [
     ("none", PALE, |n| n == 0.0),
-    ("under 2", Colour(253, 231, 37), |n| n < 2.0),
-    ("2", Colour(160, 218, 57), |n| n == 2.0),
-    ("2 to 3", Colour(74, 193, 109), |n| n < 3.0),
-    ("3", Colour(31, 161, 135), |n| n == 3.0),
-    ("3 to 4", Colour(39, 127, 142), |n| n < 4.0),
+    ("under 2", Colour(189, 223, 38), |n| n < 2.0),
+    ("2", Colour(109, 205, 89), |n| n == 2.0),
+    ("2 to 3", Colour(47, 180, 124), |n| n < 3.0),
+    ("3", Colour(31, 152, 139), |n| n == 3.0),
+    ("3 to 4", Colour(42, 120, 142), |n| n < 4.0),
     ("4", Colour(54, 92, 141), |n| n == 4.0),
     ("over 4", Colour(68, 1, 84), |_| true),
 ];
@@ -252,4 +252,24 @@ fn remarks<M: ShownPlane>(plane: &Isoperiodic<M::Point>) -> Vec<String> {
         ));
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::studies::apart::apart;
+
+    #[test]
+    fn invariant_colours_of_a_plane_are_told_apart_in_grey_and_with_any_vision() {
+        /// Ratio of two luminances that grey prints show: eleven equal steps from black to white
+        /// have 1.32.
+        const STEP: f64 = 1.3;
+        /// Distance in CIELAB: about four times the distance that the eye can just tell apart.
+        const DISTANCE: f64 = 9.0;
+        let kinds = KINDS.map(|kind| kind.1);
+        for colours in [&kinds[..], &IMPACTS.map(|entry| entry.1)] {
+            let (step, distance) = apart(colours);
+            assert!(step > STEP && distance > DISTANCE, "{step} {distance}");
+        }
+    }
 }

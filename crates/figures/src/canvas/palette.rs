@@ -41,10 +41,8 @@ pub const BLUE: Colour = Colour(0, 114, 178);
 /// Areas, second choice.
 pub const VERMILLION: Colour = Colour(213, 94, 0);
 /// Areas, third choice.
-pub const GREEN: Colour = Colour(0, 158, 115);
-/// Areas, fourth choice.
 pub const PURPLE: Colour = Colour(204, 121, 167);
-/// Areas, fifth choice.
+/// Areas, fourth choice.
 pub const ORANGE: Colour = Colour(230, 159, 0);
 /// Areas, light.
 pub const SKY: Colour = Colour(86, 180, 233);

@@ -16,19 +16,19 @@ export const plane = {
   frame: /** @type {Frame | null} */ (null),
 };
 
-/** Kinds of motion, each with its colour; the last takes all others. @type {[string, () => string, (cell: Cell) => boolean][]} */
+/** Kinds of motion, each with its colour; the last takes all others. The colours are those of the pictures of `vibro`, with even steps of lightness. @type {[string, string, (cell: Cell) => boolean][]} */
 const KINDS = [
-  ["no returns", () => theme.card, ([own]) => own === null],
-  ["without impacts", () => theme.grid, ([, contacts, rests]) => contacts === 0 && !rests],
-  ["1T", () => theme.falling, ([own]) => own === "1T"],
-  ["2T", () => theme.secondary, ([own]) => own === "2T"],
-  ["3T", () => theme.relative, ([own]) => own === "3T"],
-  ["4T", () => theme.box, ([own]) => own === "4T"],
-  ["longer periods", () => theme.block, ([own]) => /^\d+T$/.test(own ?? "")],
-  ["periodic, settling", () => theme.faint, ([own]) => own === "periodic, settling"],
-  ["quasi-periodic", () => theme.flash, ([own]) => own === "quasi-periodic"],
-  ["chaotic", () => theme.ink, ([own]) => own === "chaotic"],
-  ["undecided", () => theme.error, () => true],
+  ["no returns", "rgb(255 255 255)", ([own]) => own === null],
+  ["without impacts", "rgb(239 239 239)", ([, contacts, rests]) => contacts === 0 && !rests],
+  ["1T", "rgb(141 185 223)", ([own]) => own === "1T"],
+  ["2T", "rgb(25 105 63)", ([own]) => own === "2T"],
+  ["3T", "rgb(88 25 116)", ([own]) => own === "3T"],
+  ["4T", "rgb(170 76 166)", ([own]) => own === "4T"],
+  ["longer periods", "rgb(222 135 0)", ([own]) => /^\d+T$/.test(own ?? "")],
+  ["periodic, settling", "rgb(133 133 133)", ([own]) => own === "periodic, settling"],
+  ["quasi-periodic", "rgb(226 211 26)", ([own]) => own === "quasi-periodic"],
+  ["chaotic", "rgb(0 0 0)", ([own]) => own === "chaotic"],
+  ["undecided", "rgb(149 20 0)", () => true],
 ];
 const kindOf = (/** @type {Cell} */ cell) => KINDS.findIndex(([, , is]) => is(cell));
 
@@ -68,7 +68,7 @@ export async function classify(machine, x, y) {
 export function legend() {
   const counts = KINDS.map(() => 0);
   for (const row of plane.rows) for (const cell of row ?? []) counts[kindOf(cell)]++;
-  return KINDS.map(([words, colour], i) => ({ words, colour: colour(), count: counts[i] })).filter((kind) => kind.count);
+  return KINDS.map(([words, colour], i) => ({ words, colour, count: counts[i] })).filter((kind) => kind.count);
 }
 
 /** @param {any} g @param {number} w @param {number} h @param {[number, number]} here the present values, SI */
@@ -85,7 +85,7 @@ export function drawPlane(g, w, h, here) {
   frame.axes(g, { x: label(x), y: label(y) });
   frame.inside(g, () => {
     // Slightly larger than a cell, so that no seams are visible.
-    rows.forEach((row, j) => row?.forEach((cell, i) => { g.fillStyle = KINDS[kindOf(cell)][1](); g.fillRect(...place(i, j), wide + 0.5, high + 0.5); }));
+    rows.forEach((row, j) => row?.forEach((cell, i) => { g.fillStyle = KINDS[kindOf(cell)][1]; g.fillRect(...place(i, j), wide + 0.5, high + 0.5); }));
     if (plane.at) { g.strokeStyle = theme.here; g.lineWidth = 2; g.beginPath(); g.rect(...place(...plane.at), wide, high); g.stroke(); }
     const [px, py] = [frame.px(here[0] * x.factor), frame.py(here[1] * y.factor)];
     if (Number.isFinite(px) && Number.isFinite(py)) { g.fillStyle = theme.here; g.strokeStyle = theme.card; g.lineWidth = 2; g.beginPath(); g.arc(px, py, 5, 0, 2 * Math.PI); g.fill(); g.stroke(); }

@@ -452,6 +452,11 @@ const tests = {
     assert.ok(classes.size >= 3 && classes.has("1T"), [...classes].join());
     const legend = await tab.textContent("#legend");
     assert.equal(/undecided/.test(legend ?? ""), classes.has("not settled"), legend);
+    // The colours are those of `vibro`, whose steps of lightness a test of the command line checks.
+    const source = readFileSync(new URL("../../../../crates/command-line/src/studies/isoperiodic.rs", import.meta.url), "utf8").split("const IMPACTS")[0];
+    const of = new Set([...source.matchAll(/Colour\((\d+), (\d+), (\d+)\)/g)].map(([, ...parts]) => `rgb(${parts.join(", ")})`).concat("rgb(0, 0, 0)", "rgb(255, 255, 255)"));
+    const colours = await tab.$$eval("#legend span", (/** @type {any[]} */ all) => all.map((span) => getComputedStyle(span).backgroundColor));
+    assert.ok(colours.every((/** @type {string} */ colour) => of.has(colour)) && new Set(colours).size === colours.length, colours.join());
     const kinds = await tab.$$eval("#legend li", (/** @type {any[]} */ all) => all.map((li) => li.textContent));
     // The fractions of all classes in the legend add up to the whole plane, each rounded to a tenth.
     const shares = kinds.map((/** @type {string} */ words) => Number(words.match(/([\d.]+) %$/)?.[1]));
@@ -570,7 +575,7 @@ const tests = {
     await close();
   },
   async "axe finds nothing, wide, narrow and dark; pictures are taken"() {
-    for (const [name, options, hash] of /** @type {[string, any, string][]} */ ([["wide", { viewport: { width: 1440, height: 1500 } }, "#example=damper_with_buffer"], ["narrow", { viewport: { width: 360, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 }, "#example=gear_backlash"], ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }, "#example=two_blocks"]])) {
+    for (const [name, options, hash] of /** @type {[string, any, string][]} */ ([["wide", { viewport: { width: 1440, height: 1780 } }, "#example=damper_with_buffer"], ["narrow", { viewport: { width: 360, height: 780 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 }, "#example=gear_backlash"], ["dark", { viewport: { width: 1280, height: 900 }, colorScheme: "dark" }, "#example=two_blocks"]])) {
       const { tab, wrong, close } = await browser.tab(options, hash);
       await whole(tab);
       if (name === "wide") { await tab.click("#compute"); await tab.waitForFunction("workbench.study.found.rising.length === 200 && !workbench.study.running", null, { timeout: 120_000 }); }
