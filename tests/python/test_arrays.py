@@ -85,7 +85,7 @@ def test_what_is_masked_is_refused_by_its_place():
 
 def test_what_is_wrong_for_all_rows_is_raised():
     arrays = {STEEL: [4e-3, 5e-3]}
-    for names, section, words in [(["amplitude.bx.s"], None, "bx"), (NAMES, "nope", "section nope: no stop or friction")]:
+    for names, section, words in [(["amplitude.bx.s"], None, "bx"), (NAMES, "nope", "section nope: no stop, contact or friction")]:
         with pytest.raises(ValueError, match=words):
             vi.measure_many(damper(), arrays, names, section=section, errors="row", **OF)
 

@@ -175,7 +175,7 @@ fn golden_refusals_of_options_name_what_the_command_takes() {
             "sweep DAMPER --output amplitude.bx.s",
             "--output: the machine has no `bx.s`; did you mean `box.s`?",
         ),
-        ("check DAMPER --until 1s", "tip: '--until' is an option of 'vibro run'\n"),
+        ("check DAMPER --until 1s", "tip: '--until' is an option of 'vibro reduce', 'vibro run'\n"),
         (
             "sweep DAMPER --vary stop.steel.gap=1mm:8mm:4 --shard 3/2",
             "invalid value '3/2' for '--shard <I/N>': expected I/N with I from 1 to N, e.g. 2/4\n",
