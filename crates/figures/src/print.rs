@@ -16,7 +16,7 @@ const NARROWEST: u32 = 940;
 /// Smallest height of a frame, in units.
 const LOWEST: f64 = 420.0;
 
-/// Width in print in units of a drawing in which a font of the size `font` has [`POINTS`] points.
+/// Number of units in a width in print, mm, if letters of the size `font` have [`POINTS`] points.
 pub fn units(millimetres: f64, font: f64) -> f64 {
     millimetres / MILLIMETRES * font / POINTS
 }

@@ -459,8 +459,11 @@ async function takeAlong(what) {
   if (what === "file") save(`${name}.toml`, new Blob([text()], { type: "application/toml" }));
   if (!run.machine) return;
   const sketch = (/** @type {any} */ g) => drawSketch(g, on.sketch.width, on.sketch.height, sizeIn(on.sketch.width, on.sketch.height).scale);
-  if (what === "run") save("run.csv", new Blob([runCsv()], { type: "text/csv" }));
-  else if (what === "events") save("events.csv", new Blob([eventsCsv()], { type: "text/csv" }));
+  if (what === "run") {
+    const table = await runCsv();
+    if (!table) return note("taken", "Another run has begun: run.csv was not saved.");
+    save("run.csv", table);
+  } else if (what === "events") save("events.csv", new Blob([eventsCsv()], { type: "text/csv" }));
   else if (what === "sketch-svg") save(`${name}-sketch.svg`, svg(...size(on.sketch), sketch));
   else if (what === "sketch-png") save(`${name}-sketch.png`, await png(...size(on.sketch), sketch));
   else if (what === "history-svg") save(`${name}-histories.svg`, svg(...size(on.history), (g) => drawHistories(g, ...size(on.history))));

@@ -15,11 +15,20 @@ export function save(name, content) {
 /** A cell: every number reads back to the same double. @param {number} x */
 const cell = (x) => (Number.isFinite(x) ? String(x) : "");
 
-/** The columns over time: ordinary rows, and the rows before and after each event. */
-export function runCsv() {
-  const { machine, rows, width, count } = run, wide = machine.columns.length, lines = [["time", ...machine.columns.map((c) => c.name)].join(",")];
-  for (let i = 0; i < count; i++) { const at = i * width; lines.push([rows[at], ...rows.subarray(at + machine.head, at + machine.head + wide)].map(cell).join(",")); }
-  return `${lines.join("\n")}\n`;
+/** Number of values that are written without a pause, so that the page responds. */
+const PIECE = 20_000;
+
+/** The columns over time: ordinary rows, and the rows before and after each event; null if another run begins meanwhile. */
+export async function runCsv() {
+  const { machine, rows, width, count, begun } = run, wide = machine.columns.length, pieces = [new Blob([`${["time", ...machine.columns.map((c) => c.name)].join(",")}\n`])], step = Math.ceil(PIECE / wide);
+  for (let from = 0; from < count; from += step) {
+    let piece = "";
+    for (let i = from; i < Math.min(count, from + step); i++) { const at = i * width; piece += `${[rows[at], ...rows.subarray(at + machine.head, at + machine.head + wide)].map(cell).join(",")}\n`; }
+    pieces.push(new Blob([piece]));
+    await new Promise((resolve) => setTimeout(resolve));
+    if (run.begun !== begun) return null;
+  }
+  return new Blob(pieces, { type: "text/csv" });
 }
 
 export function eventsCsv() {

@@ -398,6 +398,14 @@ const tests = {
     });
     assert.ok(await tab.evaluate("workbench.run.events.length") >= RATTLE.events);
     await isSmooth(tab, "a servo", async () => { await pick(tab, "servo.toml"); await drawn(); });
+    await isSmooth(tab, "its table", async () => {
+      const [download] = await Promise.all([tab.waitForEvent("download"), tab.click('[data-take="run"]')]);
+      await download.saveAs(join(folder, "servo.csv"));
+    });
+    assert.equal(readFileSync(join(folder, "servo.csv"), "utf8").split("\n").length, await tab.evaluate("workbench.run.count + 2"));
+    // Another run that begins meanwhile is not mixed with this one.
+    await tab.evaluate("document.querySelector('[data-take=\\'run\\']').click(); document.querySelector('#new').click()");
+    await tab.waitForFunction("/Another run has begun/.test(document.querySelector('#taken').textContent)");
     await isSmooth(tab, "a diagram", async () => {
       await tab.evaluate(() => {
         const { study } = /** @type {any} */ (window).workbench, list = () => Array.from({ length: 600 }, (_, index) => ({ index, start: null, words: "", values: Array.from({ length: 60 }, (_, k) => Math.sin(index + k * k)) }));
