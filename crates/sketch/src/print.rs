@@ -14,7 +14,7 @@ pub struct Printed<'a> {
 
 impl Sketch {
     /// The sketch for a width in print, mm. Names of elements have
-    /// [`POINTS`](vibro_figures::print::POINTS) points, with white on both sides; in a sketch that
+    /// [`POINTS`] points, with white on both sides; in a sketch that
     /// is too wide for this, they have fewer.
     ///
     /// ```
