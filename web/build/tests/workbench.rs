@@ -135,8 +135,9 @@ fn the_modules_keep_to_their_types() {
 
 /// Largest page without libraries, bytes. The goal of 1.1 MB is missed since the core has curved
 /// forces, contacts with friction, and residual flexibility with its derivatives: 1,276,962 bytes in
-/// November 2026. The rest is room for small changes.
-const LARGEST: u64 = 1_290_000;
+/// November 2026, and 1291674 with pictures that grow over several frames. The rest is room for small
+/// changes.
+const LARGEST: u64 = 1_300_000;
 
 #[test]
 #[ignore = "needs node and Chromium (Debian: apt install nodejs npm chromium)"]
