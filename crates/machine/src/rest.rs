@@ -38,6 +38,10 @@ const BALANCED: f64 = 1e-13;
 /// Cap on the iterations for friction levels that depend on the force of a stop. Each multiplies
 /// the error of the levels by the coefficient times a ratio of stiffnesses.
 const REPEATS: usize = 200;
+/// Part of each step of the levels, in each quarter of the iterations. Full steps diverge if a
+/// change of the levels changes them back by more than itself; a part p converges up to 2/p - 1
+/// times the change.
+const PARTS: [f64; 4] = [1.0, 1.0, 0.5, 0.125];
 /// Tolerance below which a proximal step counts as zero, relative to the coordinate.
 const STANDS: f64 = 1e-15;
 /// Tolerance for a difference of coordinates known to 32 digits, relative to their sizes.
@@ -142,12 +146,7 @@ pub fn equilibrium(d: &Description, system: &System) -> Result<DVector<f64>, Err
                         return Ok(q);
                     }
                     // Friction that overcorrects its own limit swings about the equilibrium.
-                    let part = match 4 * turns / REPEATS {
-                        0 | 1 => 1.0,
-                        2 => 0.5,
-                        _ => 0.125,
-                    };
-                    levels = levels.towards(&found, part);
+                    levels = levels.towards(&found, PARTS[4 * turns / REPEATS]);
                     turns += 1;
                 }
                 Err(left) => {
@@ -222,7 +221,7 @@ impl Levels {
 
     /// The levels at a part of the way to others.
     fn towards(&self, others: &Self, part: f64) -> Self {
-        let between = |(a, b): (&f64, &f64)| if part == 1.0 { *b } else { a + part * (b - a) };
+        let between = |(a, b): (&f64, &f64)| b - (1.0 - part) * (b - a);
         let frictions = self.frictions.iter().zip(&others.frictions);
         let frictions = frictions.map(|(own, other)| [0, 1].map(|i| between((&own[i], &other[i]))));
         let sliders = self.sliders.iter().zip(&others.sliders).map(between);

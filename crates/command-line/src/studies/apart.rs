@@ -2,6 +2,10 @@
 
 use vibro_figures::canvas::Colour;
 
+/// Least distance of two colours in CIELAB: about four times the distance that the eye can just
+/// tell apart.
+pub(super) const DISTANCE: f64 = 9.0;
+
 /// A matrix of three rows.
 type Matrix = [[f64; 3]; 3];
 

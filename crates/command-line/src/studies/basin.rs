@@ -264,7 +264,7 @@ fn legend<M: ShownBasins>(basins: &Basins<M::Attractor>, listed: &[Listed]) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::studies::apart::apart;
+    use crate::studies::apart::{DISTANCE, apart};
     use vibro_studies::MotionClass;
     use vibro_studies::paper::ParameterSet;
     use vibro_studies::paper::attractor::Attractor;
@@ -275,8 +275,6 @@ mod tests {
         /// Ratio of two luminances that grey prints show: 21 equal steps from black to white have
         /// 1.16.
         const STEP: f64 = 1.12;
-        /// Distance in CIELAB: about four times the distance that the eye can just tell apart.
-        const DISTANCE: f64 = 9.0;
         let (step, distance) = apart(&colours());
         assert!(step > STEP && distance > DISTANCE, "{step} {distance}");
         // Eleven attractors: the last three share one entry.

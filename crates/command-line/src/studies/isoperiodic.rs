@@ -60,8 +60,8 @@ type Entry<T> = (&'static str, Colour, fn(T) -> bool);
 /// [`ShownPlane::ONE_PERIOD`].
 const ONE_PERIOD: &str = "1T";
 
-/// Kinds of motion in the first panel; the last one takes all others. The colours have even steps of
-/// lightness.
+/// Kinds of motion in the first panel; the last one takes all others. The colours have even steps
+/// of lightness.
 const KINDS: [Entry<ClassifiedMotion>; 11] = [
     ("without impacts", PALE, |m| m.contacts == 0.0 && !m.rests),
     ("1T, two symmetric impacts", Colour(16, 0, 128), |m| m.is_two_impact),
@@ -257,15 +257,13 @@ fn remarks<M: ShownPlane>(plane: &Isoperiodic<M::Point>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::studies::apart::apart;
+    use crate::studies::apart::{DISTANCE, apart};
 
     #[test]
     fn invariant_colours_of_a_plane_are_told_apart_in_grey_and_with_any_vision() {
         /// Ratio of two luminances that grey prints show: eleven equal steps from black to white
         /// have 1.32.
         const STEP: f64 = 1.3;
-        /// Distance in CIELAB: about four times the distance that the eye can just tell apart.
-        const DISTANCE: f64 = 9.0;
         let kinds = KINDS.map(|kind| kind.1);
         for colours in [&kinds[..], &IMPACTS.map(|entry| entry.1)] {
             let (step, distance) = apart(colours);

@@ -29,7 +29,7 @@ impl Tangent {
         let loads = all.loads.iter().map(|&(load, _)| (system.driving(load), self.driving(system, load)));
         let loads: Vec<([StateRow; 2], [StateRow; 2])> =
             loads.map(|(at, by)| (at.map(Functional::into_row), by)).collect();
-        // What loads add to a displacement: its factors of the nodes, and their derivatives.
+        // The displacement by the loads. `factors` has the factor of each node and its derivative.
         let driven = |factors: &dyn Fn(usize) -> [f64; 2], which: usize| {
             let mut sum = StateRow::zeros(system.signals.size);
             for (&(_, node), (at, by)) in all.loads.iter().zip(&loads) {

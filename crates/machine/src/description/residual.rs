@@ -17,7 +17,7 @@ pub(crate) enum ResidualMaker {
 }
 
 impl ResidualMaker {
-    /// The arms of the element; along its tangent those of a contact's first.
+    /// The arms of the element; of a contact along its tangent, the arms of the first tangent.
     pub fn arms(self, d: &Description) -> &Arms {
         match self {
             Self::Spring(i) => &d.springs[i].arms,

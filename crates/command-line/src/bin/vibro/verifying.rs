@@ -1,8 +1,9 @@
-//! `vibro reduce --verify`: the motion of a machine with the reduced body beside its motion with
-//! more modes.
+//! `vibro reduce --verify`: compares the motion of a machine with the reduced body and its motion
+//! with more modes.
 
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 use vibro::machine::event_in_words;
 use vibro::{Error, Result};
 use vibro_machine::motion::Event;
@@ -12,23 +13,26 @@ use vibro_reduce::job::{Job, Made};
 
 /// More modes, as a factor: the frequency of the highest mode then about doubles.
 const FACTOR: f64 = 1.5;
-/// Times at which positions are compared.
+/// Positions are compared at this number of times.
 const SAMPLES: u32 = 2000;
 
-/// A motion: positions at the compared times, and events.
+/// A motion.
 struct Followed {
-    assembly: Assembly,
+    /// The positions of all bodies and nodes.
     columns: Vec<NamedQuantity>,
+    /// Their values at the compared times.
     values: Vec<Vec<f64>>,
-    events: Vec<Event>,
+    /// Times, s, and names of all events.
+    events: Vec<(f64, String)>,
 }
 
-/// Simulates the machine in `path` until `end`, in s, with the body in `made` and with the body that
-/// `job` makes with more modes. Returns lines about the differences.
+/// Simulates the machine in `path` until `end`, in s, with the body in `made` and with the body
+/// that `job` makes with more modes. Returns lines about the differences.
 ///
 /// # Errors
 /// [`Error::File`]; [`Error::Refused`] for a machine, or a reduction to more modes.
 pub fn verify(job: &Job, made: &Made, path: &Path, end: f64) -> Result<Vec<String>> {
+    let rest = fs::read_to_string(path).map_err(Error::file("reading", path))?;
     let finer = Job { modes: (FACTOR * job.modes as f64).ceil() as usize, ..job.clone() };
     let body = finer.run().map_err(|error| Error::Refused {
         what: format!("--verify with {} modes: {}", finer.modes, error.what),
@@ -37,15 +41,13 @@ pub fn verify(job: &Job, made: &Made, path: &Path, end: f64) -> Result<Vec<Strin
     if body.reduced.values.len() == made.reduced.values.len() {
         return Ok(vec!["not verified: the body has all its modes, so that none can be added".into()]);
     }
-    let rest = fs::read_to_string(path).map_err(Error::file("reading", path))?;
     let [own, other] = [&made.toml, &body.toml].map(|body| follow(&format!("{body}\n{rest}"), path, end));
     let (own, other) = (own?, other?);
     let mut lines = vec![format!(
-        "{} with {} and {} modes over {} s, positions at {SAMPLES} times:",
+        "{} with {} and {} modes over {end} s, positions at {SAMPLES} times:",
         path.display(),
         job.modes,
-        finer.modes,
-        end
+        finer.modes
     )];
     for (k, column) in own.columns.iter().enumerate() {
         let differs = |(own, other): (&Vec<f64>, &Vec<f64>)| (own[k] - other[k]).abs();
@@ -67,35 +69,30 @@ fn follow(text: &str, path: &Path, end: f64) -> Result<Followed> {
     let shown = format!("the reduced body followed by {}", path.display());
     let refused = |problem: String| Error::Refused { what: "--verify".into(), problem };
     let d = file::parse(text, &shown, &records).map_err(|error| refused(error.to_string()))?;
-    let columns = d.named_quantities().into_iter().filter(|own| own.quantity.what == What::S).collect();
-    let assembly = Assembly::new(d).map_err(|error| refused(error.to_string()))?;
-    let mut followed =
-        Followed { assembly: assembly.clone(), columns, values: Vec::new(), events: Vec::new() };
-    let mut motion = Motion::new(assembly.into()).map_err(|error| refused(error.to_string()))?;
+    let columns = d.named_quantities().into_iter().filter(|own| own.quantity.what == What::S);
+    let columns: Vec<NamedQuantity> = columns.collect();
+    let assembly = Arc::new(Assembly::new(d).map_err(|error| refused(error.to_string()))?);
+    let (mut values, mut events) = (Vec::new(), Vec::new());
+    let mut note = |event: &Event| {
+        let [kind, element, ..] = event_in_words(&assembly, &event.kind);
+        events.push((event.time, format!("{kind} {element}").trim().to_owned()));
+    };
+    let mut motion = Motion::new(assembly.clone()).map_err(|error| refused(error.to_string()))?;
     for k in 1..=SAMPLES {
         let time = end * f64::from(k) / f64::from(SAMPLES);
-        let Followed { events, .. } = &mut followed;
-        let moved = motion.advance_observed(time, &mut |event| events.push(event.clone()));
-        moved.map_err(|error| refused(error.to_string()))?;
-        followed.values.push(followed.columns.iter().map(|own| motion.value(own.quantity)).collect());
+        motion.advance_observed(time, &mut note).map_err(|error| refused(error.to_string()))?;
+        values.push(columns.iter().map(|own| motion.value(own.quantity)).collect());
     }
-    Ok(followed)
+    Ok(Followed { columns, values, events })
 }
 
-/// Says how far the events of two motions agree.
+/// A sentence about the events that two motions have in common.
 fn compared(own: &Followed, other: &Followed, modes: [usize; 2]) -> String {
-    let names = |followed: &Followed| -> Vec<(f64, String)> {
-        let named = |event: &Event| {
-            let [kind, element, ..] = event_in_words(&followed.assembly, &event.kind);
-            (event.time, format!("{kind} {element}").trim().to_owned())
-        };
-        followed.events.iter().map(named).collect()
-    };
-    let all = [own, other].map(names);
-    let counts = all.each_ref().map(Vec::len);
-    let same = all[0].iter().zip(&all[1]).take_while(|(own, other)| own.1 == other.1).count();
+    let all = [&own.events, &other.events];
+    let counts = all.map(Vec::len);
+    let same = all[0].iter().zip(all[1]).take_while(|(own, other)| own.1 == other.1).count();
     if counts == [same; 2] {
-        let apart = all[0].iter().zip(&all[1]).map(|(own, other)| (own.0 - other.0).abs());
+        let apart = all[0].iter().zip(all[1]).map(|(own, other)| (own.0 - other.0).abs());
         let apart = short(apart.fold(0.0, f64::max));
         return match same {
             0 => "events: none with either".into(),

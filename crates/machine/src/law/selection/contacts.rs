@@ -1,5 +1,6 @@
-//! The slider of a contact. It is off while the contact is open, and without friction. Elsewhere the
-//! first nonzero derivative of the rate of slip decides between stick and slip (docs/assembly-law.md (A66)).
+//! The slider of a contact. It is off while the contact is open, and without friction. Elsewhere
+//! the first nonzero derivative of the rate of slip decides between stick and slip
+//! (docs/assembly-law.md (A66)).
 
 use super::{Selection, Slider, SliderFlag, Stop};
 use crate::mode::{SliderState, StopState};
