@@ -143,10 +143,11 @@ def reduce(
             raise ValueError(done.stderr.strip().removeprefix("error: ") or f"{command[0]} ended with {done.returncode}")
         with np.load(place / "reduced.npz") as arrays:
             found = {key: arrays[key] for key in ("frequencies", "basis", "dofs", "interface", "residual")}
-        texts = [(place / f"reduced.{ending}").read_text() for ending in ("toml", "txt")]
+        text, report = ((place / f"reduced.{ending}").read_text() for ending in ("toml", "txt"))
         # Lines about the motions follow the names of the written files.
         said = done.stdout.partition("\nwrote ")[2].partition("\n")[2].strip()
-        return Reduced(*texts, verified=said.replace(f"{place / 'rest.toml'}", "machine"), **found)
+        verified = said.replace(f"{place / 'rest.toml'}", "machine")
+        return Reduced(text=text, report=report, verified=verified, **found)
 
 
 def _program(given: Union[str, "os.PathLike[str]", None]) -> str:
