@@ -10,6 +10,7 @@ mod blocks;
 mod bounds;
 mod checks;
 mod directions;
+mod divided;
 mod elimination;
 mod errors;
 mod evaluated;

@@ -217,6 +217,15 @@ impl<'a> Joint<'a> {
         (0..self.models.len()).try_fold(true, |all, k| Ok(all && one(k)?))
     }
 
+    /// Whether the residuals of all records exceed rounding.
+    pub fn is_noisy(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        let one = |k: usize| {
+            let (point, reach) = self.local(k, point, reach);
+            self.models[k].is_noisy(&point, &reach)
+        };
+        (0..self.models.len()).try_fold(true, |all, k| Ok(all && one(k)?))
+    }
+
     /// Whether the motion of a record is chaotic.
     pub fn is_chaotic(&self, values: &[f64]) -> bool {
         let mut models = self.models.iter().enumerate();

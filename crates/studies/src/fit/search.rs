@@ -3,6 +3,7 @@
 
 use super::bounds::Bounds;
 use super::checks::check;
+use super::divided::Divided;
 use super::errors::Uncertainty;
 use super::evaluated::Solved;
 use super::joint::Joint;
@@ -29,6 +30,9 @@ const BETTER: u32 = 20;
 /// Cap on the widening of errors by other minima of equal quality, as a ratio. Impacts that appear
 /// or disappear divide one valley into several; a minimum farther away is a different answer.
 const WIDER: f64 = 5.0;
+
+/// Largest number of moves to a better point that segments lead to.
+const DIVIDED: u32 = 3;
 
 /// Callback that ends a search early by returning false.
 type GoOn<'a> = &'a (dyn Fn() -> bool + Sync);
@@ -277,8 +281,29 @@ fn joined(joint: &Joint, bounds: &Bounds, found: Settled, go_on: GoOn) -> Result
     Ok(if single.best.cost < found.best.cost { single } else { found })
 }
 
+/// Moves to better points that restarts find, or that segments of the motion lead to, until there
+/// is none.
+fn settled(joint: &Joint, bounds: &Bounds, best: Solved, go_on: GoOn) -> Result<Settled> {
+    let mut found = near(joint, bounds, best, go_on)?;
+    for _ in 0..DIVIDED {
+        let Some(divided) = Divided::of(joint, bounds, &found.best, go_on)? else { break };
+        if !divided.is_suspect() {
+            break;
+        }
+        let next = divided.joined(joint, bounds, go_on)?.map(|begin| near(joint, bounds, begin, go_on));
+        match next.transpose()? {
+            Some(next) if next.best.cost < found.best.cost => found = next,
+            _ => {
+                found.doubt = found.doubt.or_else(|| divided.doubt(bounds));
+                break;
+            }
+        }
+    }
+    Ok(found)
+}
+
 /// Moves to better points found by restarts until there is none.
-fn settled(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Result<Settled> {
+fn near(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Result<Settled> {
     let watch = &joint.models[0].watch;
     let (mut doubt, mut factors) = (None, vec![1.0; bounds.begin.len()]);
     for turn in 0..=BETTER {

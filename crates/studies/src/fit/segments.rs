@@ -63,9 +63,7 @@ pub(super) fn over_segments(
     let least = model.least_horizon(LEAST_ROWS * start.len());
     reach.end = model.near_until(&point, &[], WAY).max(least).min(end);
     let mut span = length.unwrap_or(reach.end - first);
-    // A stiff buffer makes changes grow within one touch.
-    let contacts = model.beside(&point, &Reach::whole(end))?.contacts_of_motion();
-    let spacing = CONTACTS * (end - first) / contacts.max(1) as f64;
+    let spacing = model.spacing(&point)?;
     let mut lost = 0u32;
     loop {
         point = solve(model, bounds, &point, (&reach, Convergence::Rough), go_on)?.point;
@@ -95,6 +93,21 @@ pub(super) fn over_segments(
     }
     let is_continuous = misses(model, (&point, &reach), &sizes)?.iter().all(|miss| *miss < CONTINUOUS);
     Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous })
+}
+
+/// The motion of given values in segments, which are loosely tied. Each begins in flight, in the
+/// motion's state.
+pub(super) fn divided(model: &Model, values: &[f64]) -> Result<Solved> {
+    let sizes = model.sizes_of_states(values)?;
+    let mut point = Point::from(values.to_vec());
+    let weights = sizes.iter().map(|size| 1.0 / (DEFECTS[0] * size)).collect();
+    let mut reach = Reach { weights, ..Reach::whole(model.end()) };
+    let spacing = model.spacing(&point)?;
+    while let Some((node, state)) = next_node(model, &point, &reach, (None, spacing), &sizes)? {
+        reach.nodes.push(node);
+        point.states.push(state);
+    }
+    Ok(Solved { point, reach, cost: f64::INFINITY, is_continuous: false })
 }
 
 /// Next node and the state there: the middle of the longest interval without an event or a closed
@@ -175,6 +188,12 @@ impl Model<'_> {
             Ok::<_, Error>(all.fold(0.0, f64::max))
         };
         most().is_ok_and(|most| most > CHAOTIC)
+    }
+
+    /// Smallest mean length of segments, s. A stiff buffer makes changes grow within one touch.
+    fn spacing(&self, point: &Point) -> Result<f64> {
+        let contacts = self.beside(point, &Reach::whole(self.end()))?.contacts_of_motion();
+        Ok(CONTACTS * (self.end() - self.first()) / contacts.max(1) as f64)
     }
 
     /// Motion at the begin of the last segment, with derivatives by its state on request, and the

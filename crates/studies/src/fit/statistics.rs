@@ -120,13 +120,13 @@ pub(super) fn interval(times: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
     /// Normal numbers of standard deviation 1, by Box and Muller from a linear congruential
     /// generator.
-    fn normal(count: usize) -> Vec<f64> {
+    pub(in crate::fit) fn normal(count: usize) -> Vec<f64> {
         let mut state = 7u64;
         let mut uniform = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -53,7 +53,7 @@ pub(super) fn tied(
 }
 
 /// Removes starts of segments, which then continue the previous segments.
-fn give_up(point: &mut Point, reach: &mut Reach, is_given_up: impl Fn(usize) -> bool) {
+pub(super) fn give_up(point: &mut Point, reach: &mut Reach, mut is_given_up: impl FnMut(usize) -> bool) {
     let kept: Vec<bool> = (0..reach.nodes.len()).map(|k| !is_given_up(k)).collect();
     let mut all = kept.iter();
     reach.nodes.retain(|_| *all.next().unwrap_or(&true));

@@ -92,6 +92,13 @@ impl Model<'_> {
         Ok(self.judged(&self.beside(point, reach)?, (1.0, 0.0, 0.0)) != Verdict::Fits)
     }
 
+    /// Whether the residuals of all columns exceed the rounding of a record without noise.
+    pub(super) fn is_noisy(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        let beside = self.beside(point, reach)?;
+        let mut all = self.measured.columns.iter().enumerate();
+        Ok(all.all(|(k, (_, values))| self.spread(beside.residuals(k)) > LEAST * size(values)))
+    }
+
     /// Verdict from the residuals alone.
     pub(super) fn verdict(&self, beside: &Beside) -> Verdict {
         self.judged(beside, (FITS, FOLLOWS, SHARE))
