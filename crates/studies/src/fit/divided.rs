@@ -6,7 +6,8 @@
 //! Statistics 9, 1938).
 
 use super::bounds::Bounds;
-use super::evaluated::{NEXT_RECORD, Solved};
+use super::errors::{self, persistence};
+use super::evaluated::{Evaluated, NEXT_RECORD, Solved};
 use super::joint::Joint;
 use super::loss::Loss;
 use super::problem::Problem;
@@ -40,6 +41,16 @@ fn normal(sum: f64, count: usize) -> f64 {
     ((sum / count as f64).max(0.0).cbrt() - 1.0 + part) / part.sqrt()
 }
 
+/// Variance of slow noise relative to the variance of all noise, for residuals whose correlation
+/// decreases as its powers; 1 for white ones. States follow slow noise.
+fn slow(at: &Evaluated) -> f64 {
+    let all: Vec<f64> = at.residuals().collect();
+    match persistence(at, &all) {
+        own if own < errors::WHITE / (all.len() as f64).sqrt() => 1.0,
+        own => (1.0 + own) / (1.0 - own),
+    }
+}
+
 impl Divided {
     /// Segments of the best motion; `None` if their cost tells nothing about it: without growth of
     /// small changes there is one segment, and with outliers or rounding the cost is no sum of
@@ -68,7 +79,8 @@ impl Divided {
             return Ok(None);
         }
         let found = solve(joint, bounds, &begin.point, (&begin.reach, Convergence::Whole), go_on)?;
-        let variance = joint.variance(best.cost, best.point.values.len());
+        let at = joint.evaluate(&best.point, &best.reach)?;
+        let variance = joint.variance(best.cost, best.point.values.len()) * slow(&at);
         let deviations = normal((best.cost - found.cost) / variance, states);
         Ok(Some(Self { found, deviations }))
     }
@@ -143,8 +155,8 @@ mod tests {
         }
     }
 
-    /// Ball on a driven table, with normal noise of 1 mm on 800 samples.
-    fn bouncing() -> FitRequest {
+    /// Ball on a driven table, with noise of 1 mm on 800 samples.
+    fn bouncing(noise: &[f64]) -> FitRequest {
         let text = "name = \"Ball\"\ngravity = 9.81\nbody.ball = { mass = 1.0, gravity = 1.0 }\n\
                     body.table = { motion = { amplitude = 0.01, frequency = 5.0 } }\n\
                     stop.floor = { between = [\"table\", \"ball\"], gap = 0.1, restitution = 0.8 }\n";
@@ -155,11 +167,11 @@ mod tests {
         let times: Vec<f64> = (0..800).map(|i| 0.005 * f64::from(i)).collect();
         let name: crate::QuantityName = "ball.s".parse().unwrap();
         let place = name.find(&machine.description).unwrap().quantity;
-        let measured = |(time, noise): (&f64, f64)| {
+        let measured = |(time, noise): (&f64, &f64)| {
             motion.advance_to(*time).unwrap();
             motion.value(place) + 1e-3 * noise
         };
-        let values = times.iter().zip(noise(800)).map(measured).collect();
+        let values = times.iter().zip(noise).map(measured).collect();
         let free = |name: &str| Free { name: name.into(), within: None, is_own: false };
         FitRequest {
             name: String::new(),
@@ -177,7 +189,7 @@ mod tests {
 
     #[test]
     fn second_method_segments_exclude_a_wrong_motion_with_residuals_like_noise_and_lead_to_the_right_one() {
-        let requests = [bouncing()];
+        let requests = [bouncing(&noise(800))];
         let joint = Joint::new(&requests).unwrap();
         let bounds = joint.bounds(&requests).unwrap();
         let begin = joint.single(bounds.begin.clone());
@@ -194,6 +206,29 @@ mod tests {
         let joined = found.joined(&joint, &bounds, &|| true).unwrap().unwrap();
         // A rough descent ends with steps of 1e-5.
         assert!(joined.cost < best.cost * (1.0 + 1e-5), "{} {}", joined.cost, best.cost);
+    }
+
+    #[test]
+    fn closed_form_slow_noise_of_correlated_residuals_has_a_larger_variance() {
+        // xₖ = a xₖ₋₁ + noise has the spectral density (1 + a)/(1 - a) at 0, relative to its
+        // variance.
+        let a: f64 = 0.3;
+        let mut last = 0.0;
+        let correlated = noise(800).into_iter().map(|x| {
+            last = a * last + x;
+            last
+        });
+        let of = |noise: &[f64]| {
+            let requests = [bouncing(noise)];
+            let joint = Joint::new(&requests).unwrap();
+            let truth = joint.single(joint.bounds(&requests).unwrap().begin);
+            slow(&joint.evaluate(&truth.point, &truth.reach).unwrap())
+        };
+        // The correlation of 800 residuals is known to 0.035; three times that moves the ratio by
+        // 0.45.
+        let found = of(&correlated.collect::<Vec<_>>());
+        assert!((found - (1.0 + a) / (1.0 - a)).abs() < 0.45, "{found}");
+        assert_eq!(of(&noise(800)), 1.0);
     }
 
     #[test]

@@ -26,6 +26,9 @@ const TAKES_PART: f64 = 1e-4;
 /// Coefficient below which a combination does not name the parameter.
 const COUNTS: f64 = 1e-3;
 
+/// Correlation of successive residuals, in standard deviations, below which they count as white.
+pub(super) const WHITE: f64 = 2.0;
+
 /// Fraction of the change that moves the motion by its size; a smaller value counts as 0.
 const HARDLY: f64 = 1e-3;
 
@@ -88,7 +91,7 @@ impl Uncertainty {
         let inverse = basis.inverse() / scores.slope;
         let persistence = persistence(at, &scores.all);
         let white = &inverse * (scores.variance / scores.slope);
-        let is_white = persistence.abs() < 2.0 / (scores.all.len().max(1) as f64).sqrt();
+        let is_white = persistence.abs() < WHITE / (scores.all.len().max(1) as f64).sqrt();
         let covariance = if is_white {
             white.clone()
         } else {
@@ -294,7 +297,7 @@ fn size_of_part(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
 }
 
 /// Correlation of successive residuals within a column, over all columns.
-fn persistence(at: &Evaluated, residuals: &[f64]) -> f64 {
+pub(super) fn persistence(at: &Evaluated, residuals: &[f64]) -> f64 {
     let columns = at.places().map(|place| place.1).max().unwrap_or(0) + 1;
     let mut last: Vec<Option<f64>> = vec![None; columns];
     let (mut products, mut squares) = (0.0, f64::MIN_POSITIVE);
