@@ -286,12 +286,14 @@ fn joined(joint: &Joint, bounds: &Bounds, found: Settled, go_on: GoOn) -> Result
 fn settled(joint: &Joint, bounds: &Bounds, best: Solved, go_on: GoOn) -> Result<Settled> {
     let mut found = near(joint, bounds, best, go_on)?;
     for _ in 0..DIVIDED {
-        let Some(divided) = Divided::of(joint, bounds, &found.best, go_on)? else { break };
+        // A segment that cannot be simulated, for example one that begins behind a stop, ends the
+        // test and not the fit.
+        let Ok(Some(divided)) = Divided::of(joint, bounds, &found.best, go_on) else { break };
         if !divided.is_suspect() {
             break;
         }
-        let next = divided.joined(joint, bounds, go_on)?.map(|begin| near(joint, bounds, begin, go_on));
-        match next.transpose()? {
+        let begin = divided.joined(joint, bounds, go_on).ok().flatten();
+        match begin.and_then(|begin| near(joint, bounds, begin, go_on).ok()) {
             Some(next) if next.best.cost < found.best.cost => found = next,
             _ => {
                 found.doubt = found.doubt.or_else(|| divided.doubt(bounds));
