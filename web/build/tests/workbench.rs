@@ -135,8 +135,8 @@ fn the_modules_keep_to_their_types() {
 
 /// Largest page without libraries, bytes. The goal of 1.1 MB is missed since the core has curved
 /// forces, contacts with friction, and residual flexibility with its derivatives: 1,276,962 bytes in
-/// November 2026, and 1291674 with pictures that grow over several frames. The rest is room for small
-/// changes.
+/// November 2026, 1,291,674 with pictures that grow over several frames, and 1,293,710 with fits
+/// that test segments. The rest is room for small changes.
 const LARGEST: u64 = 1_300_000;
 
 #[test]

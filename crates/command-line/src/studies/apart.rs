@@ -2,8 +2,7 @@
 
 use vibro_figures::canvas::Colour;
 
-/// Least distance of two colours in CIELAB: about four times the distance that the eye can just
-/// tell apart.
+/// Least distance of two colours in CIELAB, four times the smallest visible difference (2.3).
 pub(super) const DISTANCE: f64 = 9.0;
 
 /// A matrix of three rows.

@@ -6,7 +6,7 @@
 //! Statistics 9, 1938).
 
 use super::bounds::Bounds;
-use super::errors::{self, persistence};
+use super::errors::{is_white, persistence};
 use super::evaluated::{Evaluated, NEXT_RECORD, Solved};
 use super::joint::Joint;
 use super::loss::Loss;
@@ -16,9 +16,9 @@ use super::solver::{Convergence, solve};
 use super::ties::give_up;
 use crate::error::Result;
 
-/// Standard deviations of a normal distribution. Above `SUSPECT`, the search goes on from the
-/// segments: one right minimum in 44 exceeds it. Above `WRONG`, no minimum is certain: one right
-/// minimum in 4000 exceeds it.
+/// Standard deviations of a normal distribution. Above `SUSPECT`, the search continues from the
+/// segments: one right minimum in 44 exceeds it. Above `WRONG`, the minimum is not certain: one
+/// right minimum in 4000 exceeds it.
 const SUSPECT: f64 = 2.0;
 const WRONG: f64 = 3.5;
 /// Factors of the ties between segments before segments are joined. The best one differs from
@@ -42,18 +42,16 @@ fn normal(sum: f64, count: usize) -> f64 {
 }
 
 /// Variance of slow noise relative to the variance of all noise, for residuals whose correlation
-/// decreases as its powers; 1 for white ones. States follow slow noise.
+/// decreases as its powers; at least 1, and 1 for white residuals. States follow slow noise.
 fn slow(at: &Evaluated) -> f64 {
     let all: Vec<f64> = at.residuals().collect();
-    match persistence(at, &all) {
-        own if own < errors::WHITE / (all.len() as f64).sqrt() => 1.0,
-        own => (1.0 + own) / (1.0 - own),
-    }
+    let own = persistence(at, &all);
+    if is_white(own, all.len()) { 1.0 } else { ((1.0 + own) / (1.0 - own)).max(1.0) }
 }
 
 impl Divided {
     /// Segments of the best motion; `None` if their cost tells nothing about it: without growth of
-    /// small changes there is one segment, and with outliers or rounding the cost is no sum of
+    /// small changes there is one segment, and with outliers or rounding the cost is not a sum of
     /// squares of normal numbers.
     pub fn of(
         joint: &Joint,
@@ -101,8 +99,8 @@ impl Divided {
         (self.deviations > WRONG).then(told)
     }
 
-    /// The best single motion among those that joined segments lead to: ties tighten first, then
-    /// every second segment continues the one before it until one is left.
+    /// The best single motion that joining segments gives. First the ties tighten. Then every
+    /// second segment continues the previous one, until one segment is left.
     pub fn joined(
         &self,
         joint: &Joint,

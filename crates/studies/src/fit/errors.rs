@@ -27,7 +27,7 @@ const TAKES_PART: f64 = 1e-4;
 const COUNTS: f64 = 1e-3;
 
 /// Correlation of successive residuals, in standard deviations, below which they count as white.
-pub(super) const WHITE: f64 = 2.0;
+const WHITE: f64 = 2.0;
 
 /// Fraction of the change that moves the motion by its size; a smaller value counts as 0.
 const HARDLY: f64 = 1e-3;
@@ -91,8 +91,7 @@ impl Uncertainty {
         let inverse = basis.inverse() / scores.slope;
         let persistence = persistence(at, &scores.all);
         let white = &inverse * (scores.variance / scores.slope);
-        let is_white = persistence.abs() < WHITE / (scores.all.len().max(1) as f64).sqrt();
-        let covariance = if is_white {
+        let covariance = if is_white(persistence, scores.all.len()) {
             white.clone()
         } else {
             &inverse * lagged(at, &matrix, &scores.all, persistence) * &inverse
@@ -294,6 +293,11 @@ pub(super) fn scale(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
 fn size_of_part(jacobian: &DMatrix<f64>, value: f64, j: usize) -> f64 {
     let of_zero = scale(jacobian, 0.0, j);
     if value.abs() > HARDLY * of_zero { value.abs() } else { of_zero }
+}
+
+/// Whether a correlation of successive residuals is one that white residuals have by chance.
+pub(super) fn is_white(persistence: f64, count: usize) -> bool {
+    persistence.abs() < WHITE / (count.max(1) as f64).sqrt()
 }
 
 /// Correlation of successive residuals within a column, over all columns.

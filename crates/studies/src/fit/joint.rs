@@ -210,18 +210,24 @@ impl<'a> Joint<'a> {
 
     /// Whether the motion of each record fits, or is so near that restarts can reach it.
     pub fn fits(&self, point: &Point, reach: &Reach) -> Result<bool> {
-        let one = |k: usize| {
-            let (point, reach) = self.local(k, point, reach);
-            self.models[k].fits(&point, &reach)
-        };
-        (0..self.models.len()).try_fold(true, |all, k| Ok(all && one(k)?))
+        self.holds(point, reach, Model::fits)
     }
 
     /// Whether the residuals of all records exceed rounding.
     pub fn is_noisy(&self, point: &Point, reach: &Reach) -> Result<bool> {
+        self.holds(point, reach, Model::is_noisy)
+    }
+
+    /// Whether a statement holds for all records.
+    fn holds(
+        &self,
+        point: &Point,
+        reach: &Reach,
+        statement: impl Fn(&Model<'a>, &Point, &Reach) -> Result<bool>,
+    ) -> Result<bool> {
         let one = |k: usize| {
             let (point, reach) = self.local(k, point, reach);
-            self.models[k].is_noisy(&point, &reach)
+            statement(&self.models[k], &point, &reach)
         };
         (0..self.models.len()).try_fold(true, |all, k| Ok(all && one(k)?))
     }

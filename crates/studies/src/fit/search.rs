@@ -31,7 +31,7 @@ const BETTER: u32 = 20;
 /// or disappear divide one valley into several; a minimum farther away is a different answer.
 const WIDER: f64 = 5.0;
 
-/// Largest number of moves to a better point that segments lead to.
+/// Largest number of moves to a better point found by segments.
 const DIVIDED: u32 = 3;
 
 /// Callback that ends a search early by returning false.
@@ -281,10 +281,9 @@ fn joined(joint: &Joint, bounds: &Bounds, found: Settled, go_on: GoOn) -> Result
     Ok(if single.best.cost < found.best.cost { single } else { found })
 }
 
-/// Moves to better points that restarts find, or that segments of the motion lead to, until there
-/// is none.
+/// Moves to better points found by restarts or by segments of the motion until there is none.
 fn settled(joint: &Joint, bounds: &Bounds, best: Solved, go_on: GoOn) -> Result<Settled> {
-    let mut found = near(joint, bounds, best, go_on)?;
+    let mut found = restarted_often(joint, bounds, best, go_on)?;
     for _ in 0..DIVIDED {
         // A segment that cannot be simulated, for example one that begins behind a stop, ends the
         // test and not the fit.
@@ -293,7 +292,7 @@ fn settled(joint: &Joint, bounds: &Bounds, best: Solved, go_on: GoOn) -> Result<
             break;
         }
         let begin = divided.joined(joint, bounds, go_on).ok().flatten();
-        match begin.and_then(|begin| near(joint, bounds, begin, go_on).ok()) {
+        match begin.and_then(|begin| restarted_often(joint, bounds, begin, go_on).ok()) {
             Some(next) if next.best.cost < found.best.cost => found = next,
             _ => {
                 found.doubt = found.doubt.or_else(|| divided.doubt(bounds));
@@ -305,7 +304,7 @@ fn settled(joint: &Joint, bounds: &Bounds, best: Solved, go_on: GoOn) -> Result<
 }
 
 /// Moves to better points found by restarts until there is none.
-fn near(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Result<Settled> {
+fn restarted_often(joint: &Joint, bounds: &Bounds, mut best: Solved, go_on: GoOn) -> Result<Settled> {
     let watch = &joint.models[0].watch;
     let (mut doubt, mut factors) = (None, vec![1.0; bounds.begin.len()]);
     for turn in 0..=BETTER {
